@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
 from ..dataset.entropy import entropy
 from ..dataset.table import Table
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
-from ..imagery.bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
 from ..imagery.source import Part, Source, Window
 from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan

@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, bands_of
 from ..dataset.folder import JOURNAL_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
-from ..imagery.bands import RGB, bands_of
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
 from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX

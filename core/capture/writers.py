@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from ..bands import Bands, Range, unnamed
 from ..errors import InvalidInput
 from ..files import write_whole
-from ..imagery.bands import Bands, Range, unnamed
 from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header

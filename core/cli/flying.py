@@ -106,7 +106,7 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
 
 
 def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any], as_json: bool) -> None:
-    from ..imagery.bands import RGB
+    from ..bands import RGB
     from ..imagery.opening import kind_of
     from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
     from ..picture.cost import timed_cost

@@ -1,7 +1,6 @@
 """Where pixels come from: sources, how missions name them, their transport and cache.
 
 source       what a source is to the rest: windows, parts, tiles, pixels
-bands        what its pixels' channels are, and how values of more than 8 bits are shown
 policy       what a provider allows
 template     URL templates of tiles, and the keys in addresses
 entry        a source by name: where its tiles are, their dates, grid and terms

@@ -12,10 +12,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Callable
 
+from ..bands import NO_STRETCH, Bands, bands_of
 from ..errors import InvalidInput, SourceError
 from ..files import is_there
 from ..geodesy.mercator import PixelGrid
-from .bands import NO_STRETCH, Bands, bands_of
 from .entry import NAME, PIXELS, CatalogueEntry
 from .placeholder import Placeholder
 from .policy import Policy

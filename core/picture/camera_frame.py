@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, fitted
 from ..errors import PartError
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.view import Patches, Samples, View
-from ..imagery.bands import RGB, Bands, fitted
 from ..imagery.source import Part, Window
 from .map_frame import checked
 from .resampling import sample

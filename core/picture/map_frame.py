@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, fitted
 from ..errors import InvalidInput, PartError
-from ..imagery.bands import RGB, Bands, fitted
 from ..imagery.source import Part, Window
 from ..mission.plan import Plan
 

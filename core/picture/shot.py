@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, full
 from ..geodesy.view import View
-from ..imagery.bands import RGB, Bands, full
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from .camera_frame import camera_parts, render

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...bands import DATA_TYPES, RGB, Bands, chosen, shown_of, unnamed
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
 from ...text import printable
-from ..bands import DATA_TYPES, RGB, Bands, chosen, shown_of, unnamed
 from ..source import over_white
 from .reading import Band, Box, Bytes, Facts, RasterFile, Values
 

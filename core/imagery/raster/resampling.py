@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import fitted, full
+from ...bands import fitted, full
 from .reading import Values
 
 Floats = NDArray[np.float64]

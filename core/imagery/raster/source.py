@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ...bands import NO_STRETCH, Bands, Range, in_8_bits, percentiles, stretch_range
 from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
 from ...geodesy.planes import ProjectedPlane
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
-from ..bands import NO_STRETCH, Bands, Range, in_8_bits, percentiles, stretch_range
 from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts

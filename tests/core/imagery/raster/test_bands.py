@@ -11,11 +11,11 @@ import pytest
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
 from PIL import Image  # noqa: E402
+from terrainav.core.bands import RGB, Bands  # noqa: E402
 from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.dataset.entropy import entropy  # noqa: E402
 from terrainav.core.dataset.table import Table  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
-from terrainav.core.imagery.bands import RGB, Bands  # noqa: E402
 from terrainav.core.imagery.opening import open_source  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile  # noqa: E402

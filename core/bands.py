@@ -11,7 +11,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from .errors import InvalidInput
 
 #: Values of pixels that images may have, numpy's names.
 DATA_TYPES = ("uint8", "uint16", "int16", "float32")
