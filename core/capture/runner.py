@@ -237,7 +237,7 @@ def _check(plan: Plan, source: Source, connections: int, workers: int | None) ->
     check_size(output.img_size, bands)
     if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
         raise InvalidInput(
-            "images of {0:,} px with {1} bands of {2}: take more than {3:,} bytes each",
+            "images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each",
             _largest_px(plan),
             len(bands),
             bands.data_type,

@@ -125,14 +125,14 @@ def check_colours(text: str, bands: tuple[str, ...], stretch: str) -> None:
     """Refuse bands and a stretch for a source, as a mission names it, that is red, green and blue of 8 bits."""
     if bands:
         raise InvalidInput(
-            "bands {0}: {1} has red, green and blue alone; only raster files have bands to choose from",
+            "bands {0}: {1} has red, green and blue alone, as all sources but raster files",
             " ".join(bands),
             text,
             field="bands",
         )
     if stretch != NO_STRETCH:
         raise InvalidInput(
-            "stretch {0}: {1} has 8 bits; only raster files have values to stretch",
+            "stretch {0}: {1} has 8 bits, as all sources but raster files",
             stretch,
             text,
             field="stretch",

@@ -451,7 +451,7 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path, library):
     )
     for options in ({"bands": ("4",)}, {"stretch": "percentile"}):
         for name in ("world", "https://h.example/{z}/{x}/{y}.png"):
-            with pytest.raises(InvalidInput, match="only raster files have") as caught:
+            with pytest.raises(InvalidInput, match="as all sources but raster files") as caught:
                 open_source(name, **options)
             assert caught.value.field in options
 
