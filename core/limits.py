@@ -41,8 +41,12 @@ MAX_JPEG_SCANS = 100
 #: Pixels of one picture, as it is planned and as it is resized to: 20,000 x 10,000, a third more than the largest
 #: cameras of unmanned aircraft have (151 million). Making it takes 15 bytes a pixel, 3 GB.
 MAX_PICTURE_PX = 200_000_000
+#: Bytes of the same with many bands, or of more than 8 bits: four of 16 bits.
+MAX_PICTURE_BYTES = 8 * MAX_PICTURE_PX
 #: Pixels along its longer side.
 MAX_PICTURE_SIDE_PX = 20_000
+#: Bands of a picture: imaging spectrometers have some 250.
+MAX_BANDS = 1_000
 #: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
 MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
 from ..dataset.entropy import entropy
 from ..dataset.table import Table
 from ..geodesy.camera import Poses
@@ -26,7 +27,7 @@ from .metadata import Description, degrees, figure
 from .writers import Place, write_picture
 
 Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
+Pixels = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,10 @@ class PictureJob:
         A map frame's window, or what a camera frame is made from.
     masked : bool
         Whether the picture has a channel for what it does not show.
+    bands : Bands
+        Of the source.
+    ranges : tuple of (low, high)
+        Values of each band that are shown darkest and brightest.
     """
 
     index: int
@@ -54,6 +59,8 @@ class PictureJob:
     masked: bool
     place: Place
     description: Description
+    bands: Bands = RGB
+    ranges: tuple[Range, ...] = ()
 
 
 class Made(NamedTuple):
@@ -78,11 +85,30 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         Where it cannot be written.
     """
-    picture, sky_share, unmapped_share = draw(job.shot, parts, pixels, masked=job.masked)
-    picture = resized(picture, job.img_size)
-    size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description)
-    bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
+    picture, sky_share, unmapped_share = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
+    picture = resized(picture, job.img_size, job.bands)
+    if job.bands == RGB:
+        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description)
+        bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
+        return Made(bits, sky_share, unmapped_share, size_bytes)
+    bands, ranges = _written(job)
+    picture = picture.reshape(*picture.shape[:2], -1)
+    size_bytes = write_picture(
+        job.folder, job.image_format, picture, job.place, job.description, bands, ranges
+    )
+    bits = entropy(shown_in_8_bits(picture, bands, ranges))
     return Made(bits, sky_share, unmapped_share, size_bytes)
+
+
+def _written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
+    """Bands of a picture's file, and their ranges."""
+    if job.img_size is None:
+        return job.bands, job.ranges
+    bands = job.bands.of_channels(job.img_size[2])
+    shown = [job.ranges[at] for at in job.bands.shown]
+    # Grey is a mean of colours, and so is its range.
+    low, high = (float(np.mean(ends)) for ends in zip(*shown))
+    return bands, tuple(shown) if len(bands) == len(shown) else ((low, high),)
 
 
 def exposures_of(plan: Plan) -> Exposures | None:
@@ -127,6 +153,8 @@ def job_of(
             exposure=None if exposures is None else exposures.at(index),
             **pose,
         ),
+        bands_of(source),
+        ranges_of(source),
     )
 
 

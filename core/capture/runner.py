@@ -15,14 +15,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, bands_of
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
 from ..imagery.source import Part, Source, Window
-from ..limits import MAX_PICTURES_AT_ONCE_PX
+from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
 from ..mission.export import write_plan
 from ..mission.plan import Plan
+from ..picture.map_frame import check_size
 from ..picture.shot import parts_of
 from .folder import check_captured, complete_pictures, open_folder, remove_picture
 from .journal import FAILED, Journal, Outcome
@@ -218,6 +220,25 @@ def _check(plan: Plan, source: Source, connections: int, workers: int | None) ->
             raise InvalidInput(
                 "map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types)
             )
+    bands, output = bands_of(source), plan.mission.output
+    if output.image_format != "tif" and not bands.are_colours:
+        raise InvalidInput(
+            "image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}",
+            output.image_format,
+            source.title,
+            bands,
+            field="image_format",
+        )
+    check_size(output.img_size, bands)
+    if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
+        raise InvalidInput(
+            "images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each",
+            _largest_px(plan),
+            len(bands),
+            bands.data_type,
+            MAX_PICTURE_BYTES,
+            field="bands",
+        )
 
 
 def _largest_px(plan: Plan) -> int:
@@ -378,7 +399,7 @@ class _Run:
                 self._note,
                 connections=connections,
                 workers=workers,
-                at_once=max(MAX_PICTURES_AT_ONCE_PX // _largest_px(self._plan), 1),
+                at_once=max(MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // self._largest_bytes(), 1),
             )
             exposures = exposures_of(self._plan)
             jobs = (
@@ -401,6 +422,9 @@ class _Run:
         finally:
             self._write_tables(map_type)
             self._listener.tell(partial(self._progress, map_type), at_once=True)
+
+    def _largest_bytes(self) -> int:
+        return _largest_px(self._plan) * max(bands_of(self._source).bytes_per_px, RGB.bytes_per_px)
 
     def _write_tables(self, map_type: str) -> None:
         """Write what tells of all pictures of a map type that are done or have failed so far."""

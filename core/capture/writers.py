@@ -5,28 +5,36 @@ from __future__ import annotations
 import io
 import os
 import zlib
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import BinaryIO, Union
+from typing import Any, BinaryIO, Union
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from ..bands import Bands, Range, unnamed
 from ..errors import InvalidInput
 from ..files import write_whole
 from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
-Pixels = NDArray[np.uint8]
+Pixels = NDArray[Any]
 #: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
 #: as the predictor has left little else to find; drawn maps are small either way.
 _ZLIB_STRATEGY = zlib.Z_RLE
 _ZLIB_LEVEL = 6
 #: Bytes of pixels in a TIFF strip, so that readers of a large picture need not unpack all of it.
 _STRIP_BYTES = 1 << 18
-_WITH_ALPHA = 4
+_COLOURS, _WITH_ALPHA = 3, 4
+#: Types of values (SampleFormat) by numpy's kinds; what is packed (Predictor): differences, and those of floats' bytes.
+_SAMPLE_FORMATS, _DIFFERENCES, _OF_FLOATS = {"u": 1, "i": 2, "f": 3}, 2, 3
+#: Types whose mask is a value that they hardly ever have: GDAL knows alpha of whole numbers without sign alone.
+_NO_DATA: dict[str, tuple[str, float]] = {"int16": ("-32768", -32768), "float32": ("nan", float("nan"))}
+#: Where a GeoTIFF says which values of a band are shown darkest and brightest.
+DISPLAY_RANGE = "DISPLAY_RANGE"
 #: Where a picture lies: a map frame by its edges, a camera frame by points.
 Place = Union[Georeference, ControlPoints]
 _WORLD_FILES = {"jpg": ".jgw", "png": ".pgw"}
@@ -51,7 +59,13 @@ def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
 
 
 def write_picture(
-    folder: Path, image_format: str, pixels: Pixels, place: Place, description: Description
+    folder: Path,
+    image_format: str,
+    pixels: Pixels,
+    place: Place,
+    description: Description,
+    bands: Bands | None = None,
+    ranges: Sequence[Range] = (),
 ) -> int:
     """Write a picture and what belongs beside it, itself last: a picture that is there is complete.
 
@@ -63,7 +77,12 @@ def write_picture(
         tif, jpg or png.
     pixels : array (h, w), (h, w, 3) or (h, w, 4) of uint8
         A fourth channel is 0 where the picture has nothing to show and 255 elsewhere; a JPEG leaves it out. The
-        bytes written depend on the arguments alone.
+        bytes written depend on the arguments alone. With ``bands``, array (h, w, n) or (h, w, n + 1) of their type, the
+        last channel the mask.
+    bands : Bands or None
+        None for grey, or red, green and blue.
+    ranges : sequence of (low, high)
+        Values of each band that are shown darkest and brightest.
 
     Returns
     -------
@@ -75,7 +94,7 @@ def write_picture(
     OutputError
     """
     on_map = isinstance(place, Georeference)
-    contents = [encoded(image_format, pixels, place, description)]
+    contents = [encoded(image_format, pixels, place, description, bands, ranges)]
     if image_format != "tif":
         contents.insert(0, place.aux_xml(description.metadata()).encode("utf-8"))
         if isinstance(place, Georeference):
@@ -85,45 +104,126 @@ def write_picture(
     return sum(map(len, contents))
 
 
-def encoded(image_format: str, pixels: Pixels, place: Place, description: Description) -> bytes:
-    """Return the bytes of a picture's own file."""
+def encoded(
+    image_format: str,
+    pixels: Pixels,
+    place: Place,
+    description: Description,
+    bands: Bands | None = None,
+    ranges: Sequence[Range] = (),
+) -> bytes:
+    """Return the bytes of a picture's own file; parameters as of `write_picture`."""
     if image_format == "tif":
-        return geotiff(pixels, place, description)
+        return geotiff(pixels, place, description, bands, ranges)
+    if pixels.shape[2:] == (1,):
+        pixels = pixels[..., 0]
     return jpeg(pixels, description) if image_format == "jpg" else png(pixels, description)
 
 
-def geotiff(pixels: Pixels, place: Place, description: Description) -> bytes:
+def geotiff(
+    pixels: Pixels,
+    place: Place,
+    description: Description,
+    bands: Bands | None = None,
+    ranges: Sequence[Range] = (),
+) -> bytes:
     """A lossless GeoTIFF (OGC 19-008) with deflate and horizontal differences.
 
     Written here and not by Pillow, whose TIFF encoder holds Python's lock: zlib lets go of it, so that the
     pictures of one run are packed on all cores.
     """
-    height, width = pixels.shape[:2]
+    if bands is not None:
+        return _geotiff_of_bands(pixels, place, description, bands, ranges)
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
-    rows = max(_STRIP_BYTES // (width * channels), 1)
-    strips = _packed_strips(pixels, rows)
     tags = [
-        Tag(256, Kind.LONG, [width]),
-        Tag(257, Kind.LONG, [height]),
-        Tag(258, Kind.SHORT, [8] * channels),
-        Tag(259, Kind.SHORT, [8]),  # compression: deflate
         Tag(262, Kind.SHORT, [1 if channels == 1 else 2]),  # black is zero; RGB
-        Tag(270, Kind.ASCII, description.title),
-        Tag(277, Kind.SHORT, [channels]),
-        Tag(278, Kind.LONG, [rows]),
-        Tag(279, Kind.LONG, [len(strip) for strip in strips]),
-        Tag(284, Kind.SHORT, [1]),  # channels pixel by pixel
-        Tag(305, Kind.ASCII, SOFTWARE),
-        Tag(317, Kind.SHORT, [2]),  # horizontal differences
-        Tag(33432, Kind.ASCII, description.attribution),
-        *place.tags(),
         Tag(42112, Kind.ASCII, _gdal_metadata(description)),
     ]
     if channels == _WITH_ALPHA:
         tags.append(
             Tag(338, Kind.SHORT, [2])
         )  # the fourth channel is alpha, and the others are not multiplied by it
+    return _with_pixels(pixels, place, description, tags)
+
+
+def _geotiff_of_bands(
+    pixels: Pixels, place: Place, description: Description, bands: Bands, ranges: Sequence[Range]
+) -> bytes:
+    count = len(bands)
+    is_masked = pixels.shape[2] > count
+    are_shown_first = bands.shown == (0, 1, 2)
+    extra = [0] * (count - (_COLOURS if are_shown_first else 1))
+    items = _band_items(bands, ranges, is_masked and bands.data_type not in _NO_DATA)
+    tags = [
+        Tag(262, Kind.SHORT, [2 if are_shown_first else 1]),  # RGB; black is zero
+        Tag(42112, Kind.ASCII, _gdal_metadata(description, items)),
+    ]
+    if is_masked and bands.data_type in _NO_DATA:
+        text, value = _NO_DATA[bands.data_type]
+        tags.append(Tag(42113, Kind.ASCII, text))
+        pixels = np.where(pixels[..., count:] == 0, bands.dtype.type(value), pixels[..., :count])
+    elif is_masked:
+        extra.append(2)
+    if extra:
+        tags.append(Tag(338, Kind.SHORT, extra))
+    if bands.dtype.kind != "u":
+        tags.append(Tag(339, Kind.SHORT, [_SAMPLE_FORMATS[bands.dtype.kind]] * pixels.shape[2]))
+    return _with_pixels(pixels, place, description, tags)
+
+
+def _with_pixels(pixels: Pixels, place: Place, description: Description, more: list[Tag]) -> bytes:
+    """File of pixels, with the tags that every picture has and some more."""
+    height, width = pixels.shape[:2]
+    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+    rows = max(_STRIP_BYTES // (width * channels * pixels.itemsize), 1)
+    is_float = pixels.dtype.kind == "f"
+    strips = _packed_strips(_as_bytes(pixels) if is_float else pixels, rows)
+    tags = [
+        Tag(256, Kind.LONG, [width]),
+        Tag(257, Kind.LONG, [height]),
+        Tag(258, Kind.SHORT, [8 * pixels.itemsize] * channels),
+        Tag(259, Kind.SHORT, [8]),  # compression: deflate
+        Tag(270, Kind.ASCII, description.title),
+        Tag(277, Kind.SHORT, [channels]),
+        Tag(278, Kind.LONG, [rows]),
+        Tag(279, Kind.LONG, [len(strip) for strip in strips]),
+        Tag(284, Kind.SHORT, [1]),  # channels pixel by pixel
+        Tag(305, Kind.ASCII, SOFTWARE),
+        Tag(317, Kind.SHORT, [_OF_FLOATS if is_float else _DIFFERENCES]),
+        Tag(33432, Kind.ASCII, description.attribution),
+        *place.tags(),
+        *more,
+    ]
     return _with_strips(tags, strips)
+
+
+def _as_bytes(pixels: Pixels) -> NDArray[np.uint8]:
+    """Floats (h, w, n) as bytes (h, 4 w, n): of each row first the highest of all, last the lowest (Predictor 3)."""
+    height, width, channels = pixels.shape
+    high_first = np.ascontiguousarray(pixels, ">f4").view(np.uint8).reshape(height, width * channels, -1)
+    return np.ascontiguousarray(high_first.transpose(0, 2, 1)).reshape(height, -1, channels)
+
+
+def _band_items(bands: Bands, ranges: Sequence[Range], has_alpha: bool) -> str:
+    """What GDAL's tag says of bands: names, the values to show them by, and colours that do not come first."""
+    lines = []
+
+    def say(band: int, name: str, text: str, role: str = "") -> None:
+        role = f' role="{role}"' if role else ""
+        lines.append(f'  <Item name="{name}" sample="{band}"{role}>{xml_text(xml_text(text))}</Item>\n')
+
+    for band, name in enumerate(bands.names):
+        if name != unnamed(band):
+            say(band, "DESCRIPTION", name, "description")
+        if bands.data_type != "uint8":
+            say(band, DISPLAY_RANGE, " ".join(map(repr, ranges[band])))
+    if len(bands.shown) == _COLOURS and bands.shown != (0, 1, 2):
+        colours = dict(zip(bands.shown, ("Red", "Green", "Blue")))
+        for band in range(len(bands)):
+            say(band, "COLORINTERP", colours.get(band, "Undefined"), "colorinterp")
+        if has_alpha:
+            say(len(bands), "COLORINTERP", "Alpha", "colorinterp")
+    return "".join(lines)
 
 
 def png(pixels: Pixels, description: Description) -> bytes:
@@ -163,7 +263,9 @@ def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
 def _packed_strips(pixels: Pixels, rows: int) -> list[bytes]:
     """Strips one after the other, in one piece of memory that fits the processor's cache."""
     strips = []
-    differences = np.empty((min(rows, len(pixels)), *pixels.shape[1:]), np.uint8)
+    # As little-endian whole numbers without sign, whose differences wrap around.
+    pixels = pixels.astype(f"<{pixels.dtype.kind}{pixels.itemsize}", copy=False).view(f"<u{pixels.itemsize}")
+    differences = np.empty((min(rows, len(pixels)), *pixels.shape[1:]), pixels.dtype)
     for top in range(0, len(pixels), rows):
         strip = pixels[top : top + rows]
         changes = differences[: len(strip)]
@@ -191,13 +293,13 @@ def _with_strips(tags: list[Tag], strips: list[bytes]) -> bytes:
     )
 
 
-def _gdal_metadata(description: Description) -> str:
+def _gdal_metadata(description: Description, of_bands: str = "") -> str:
     """XML of GDAL's own tag, whose values are escaped twice: GDAL writes them so, and undoes both."""
     items = (
         f'  <Item name="{xml_text(key)}">{xml_text(xml_text(value))}</Item>\n'
         for key, value in description.metadata().items()
     )
-    return "<GDALMetadata>\n" + "".join(items) + "</GDALMetadata>\n"
+    return "<GDALMetadata>\n" + "".join(items) + of_bands + "</GDALMetadata>\n"
 
 
 def _segment(mark: bytes, data: bytes) -> bytes:

@@ -66,9 +66,9 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
 
 
 def named(
-    asked: Imagery | PairSettings, values: dict[str, Any], cache: TileCache | None = None
+    asked: Imagery | PairSettings, values: dict[str, Any], cache: TileCache | None = None, **more: Any
 ) -> NamedSource:
-    """Return the source that is asked for, with the options of its run."""
+    """Return the source that is asked for, with the options of its run and more of `SourceOptions`."""
     from ..imagery.opening import SourceOptions, named_source
 
     return named_source(
@@ -80,28 +80,47 @@ def named(
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
             named_by_user=values[NAMED],
+            **more,
         ),
     )
 
 
-def _opened(mission: Mission, values: dict[str, Any]) -> closing[Source]:
-    return closing(named(mission.imagery, values, opened_cache(values)).open())
+def _source_of(
+    mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
+) -> NamedSource:
+    imagery = mission.imagery
+    return named(imagery, values, cache, bands=imagery.bands, stretch=imagery.stretch, as_stored=as_stored)
+
+
+def _as_written(mission: Mission) -> bool:
+    """Whether images take all of a source's bands, in its own type."""
+    return mission.output.image_format == "tif"
+
+
+def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
+    return closing(_source_of(mission, values, opened_cache(values), as_stored=as_stored).open())
+
+
+def _bounds_deg(worked_out: Plan) -> tuple[float, float, float, float]:
+    """West, south, east, north of a plan's captures."""
+    lat, lon = worked_out.lat_deg, worked_out.lon_deg
+    return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
 
 
 def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: bool) -> None:
     from ..imagery.catalogue import check_policy
 
-    lat, lon = worked_out.lat_deg, worked_out.lon_deg
     check_policy(
         source,
         requests,
         accept_terms=accept_terms,
         map_types=worked_out.mission.imagery.map_types,
-        bounds_deg=(float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())),
+        bounds_deg=_bounds_deg(worked_out),
     )
 
 
 def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any], as_json: bool) -> None:
+    from ..bands import RGB
     from ..imagery.opening import kind_of
     from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
     from ..picture.cost import timed_cost
@@ -109,11 +128,16 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     policy = source.policy
     local = FROM_FILE if kind_of(source.text).is_file else OFFLINE
     costs = replace(local if source.is_local else ONLINE, requests_per_s=policy.requests_per_s)
+    # What is known of the size of files is that of red, green and blue.
+    share = source.bands.bytes_per_px / RGB.bytes_per_px
+    costs = replace(costs, bytes_per_px={ending: size * share for ending, size in costs.bytes_per_px.items()})
     connections = policy.connections(values["connections"])
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
     cost = timed_cost(worked_out)
     if as_json:
         about = {"source": source.title, "date": source.date, "policy": asdict(policy)}
+        if source.bands != RGB:
+            about["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
         print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
         return
     lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
@@ -121,6 +145,8 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
         needed = worked_out.requests * len(worked_out.mission.imagery.map_types)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
+    if source.bands != RGB:
+        lines.append(("bands", str(source.bands)))
     for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
         print(printable(f"{label:24s}{text}"))
 
@@ -134,7 +160,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
         if not path.endswith(".json"):
             check_plan_ending(path)
     mission, values = _settings(arguments)
-    source = named(mission.imagery, values)
+    source = _source_of(mission, values, as_stored=_as_written(mission))
     worked_out = plan(mission, source.grid)
     for path in arguments.output:
         if path.endswith(".json"):
@@ -191,7 +217,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     _print_notes(mission)
     bar = Bar(arguments.quiet)
-    with _opened(mission, values) as source, collected() as signals:
+    with _opened(mission, values, as_stored=_as_written(mission)) as source, collected() as signals:
         result = _run(mission, source, values, arguments, bar, lambda: bool(signals))
     _print_result(result, arguments.json)
     if result.cancelled:
@@ -305,7 +331,8 @@ def run_report(arguments: argparse.Namespace) -> int:
 
     mission, values = _settings(arguments)
     _print_notes(mission)
-    with _opened(mission, values) as source:
+    # What is measured are errors as people see them.
+    with _opened(mission, values, as_stored=False) as source:
         worked_out = plan(mission, source.grid)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)

@@ -2,6 +2,7 @@
 
 folder     what files and folders are called, and what commands choose among
 table      ``meta_data.csv``, in and out
+geotiff    images of other bands than 8-bit grey or colours
 dataset    a dataset as it is read: map types, tables, image files
 published  what names say beside the tables of the paper's published data
 vbn        the paper's Night Vision supplement

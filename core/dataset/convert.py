@@ -14,7 +14,7 @@ from PIL import Image
 
 from ..errors import InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder
-from .dataset import UNREADABLE, Dataset, ImageSet, read_dataset, some
+from .dataset import UNREADABLE, Dataset, ImageSet, open_bands, read_dataset, some
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from .published import framed
 from .table import Table
@@ -118,6 +118,10 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
     for index in np.flatnonzero(images.there).tolist():
         path = images.path(index)
         try:
+            stored = open_bands(path)
+            if stored is not None:
+                sizes[index] = stored.size
+                continue
             with Image.open(path) as image:
                 sizes[index] = image.size
                 # Read to its end, so that one that is cut off is found: a JPEG at an eighth, which is quick.

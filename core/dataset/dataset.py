@@ -7,10 +7,12 @@ import io
 import math
 import os
 import re
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +29,7 @@ from .folder import (
     map_type_of,
     raster_folders,
 )
+from .geotiff import GeoTiff, geotiff_of
 from .published import check_names
 from .table import Table
 from .vbn import read_vbn
@@ -47,6 +50,7 @@ _GREY, _COLOUR = (
 #: A JPEG is decoded at half, a quarter or an eighth of its size where that is still so many times the size asked for;
 #: with less, the result begins to differ from that of the whole one.
 _SPARE = 2
+_GEOTIFF = (".tif", ".tiff")
 #: A size that is not known.
 _UNKNOWN_PX = (math.nan, math.nan)
 
@@ -87,17 +91,17 @@ class ImageSet:
         moved = self.image_folder / REJECTED_FOLDER / name
         return moved if not kept.exists() and moved.exists() else kept
 
-    def pixels(self, index: int, channels: int | None = None) -> NDArray[np.uint8]:
+    def pixels(self, index: int, channels: int | None = None) -> NDArray[Any]:
         """Pixels of a row's image, without a mask.
 
         Parameters
         ----------
         channels : int or None
-            1 for grey (ITU-R 601), 3 for red, green, blue; as the file has it for None.
+            1 for grey (ITU-R 601), 3 for red, green, blue, both of 8 bits; as the file has it for None.
 
         Returns
         -------
-        array (h, w) for grey or (h, w, 3) of uint8
+        array (h, w) for grey or (h, w, 3) of uint8; (h, w, bands) of their type for a GeoTIFF of others
 
         Raises
         ------
@@ -106,7 +110,11 @@ class ImageSet:
         """
         if channels is not None and channels not in _MODES:
             raise InvalidInput("channels {0}: must be 1 or 3", channels)
-        image = open_image(self.path(index), said_px=self.said_px(index))
+        if channels is None:
+            stored = open_bands(self.path(index), self.said_px(index))
+            if stored is not None:
+                return stored.values()
+        image = open_image(self.path(index), said_px=self.said_px(index), as_shown=True)
         mode = image.mode if channels is None else _MODES[channels]
         return np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
 
@@ -392,6 +400,8 @@ def open_image(
     path: str | os.PathLike[str],
     img_size: tuple[int, int, int] | None = None,
     said_px: tuple[float, float] = _UNKNOWN_PX,
+    *,
+    as_shown: bool = False,
 ) -> Image.Image:
     """Image of a file, grey (``L``) or ``RGB``, decoded whole.
 
@@ -406,6 +416,8 @@ def open_image(
         In px, and 1 (grey) or 3 (colour); None leaves both as they are.
     said_px : tuple (width, height)
         What the table says of the file, NaN where it says nothing.
+    as_shown : bool
+        Take a GeoTIFF of other bands than 8-bit grey or colours as it is shown; otherwise it is refused.
 
     Raises
     ------
@@ -415,7 +427,11 @@ def open_image(
     try:
         # From memory: a compressed TIFF's file is closed by libtiff and by Pillow, and the second of them may close
         # what another thread has opened in between.
-        with Image.open(io.BytesIO(Path(path).read_bytes())) as image:
+        data = Path(path).read_bytes()
+        stored = _bands_of(path, data, said_px)
+        if stored is not None:
+            return _shown(path, stored, img_size, as_shown=as_shown)
+        with Image.open(io.BytesIO(data)) as image:
             if image.mode not in _GREY + _COLOUR:
                 raise InvalidInput(
                     "image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right",
@@ -451,13 +467,75 @@ def open_image(
         raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong
 
 
-def _check_size(path: str | os.PathLike[str], image: Image.Image, said_px: tuple[float, float]) -> None:
+def open_bands(path: str | os.PathLike[str], said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTiff | None:
+    """GeoTIFF of other bands than 8-bit grey or colours; None for every other file, also one that cannot be read.
+
+    Raises
+    ------
+    InvalidInput
+        Such a file that is damaged, or has another size than is said.
+    """
+    if Path(path).suffix.lower() not in _GEOTIFF:
+        return None
+    try:
+        data = Path(path).read_bytes()
+    except OSError:
+        return None
+    return _bands_of(path, data, said_px)
+
+
+def _bands_of(path: str | os.PathLike[str], data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
+    try:
+        stored = geotiff_of(data)
+        if stored is not None:
+            stored.values()
+    except (ValueError, zlib.error) as wrong:
+        raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
+    if stored is not None:
+        _check_size(path, stored, said_px)
+    return stored
+
+
+def _shown(
+    path: str | os.PathLike[str], stored: GeoTiff, img_size: tuple[int, int, int] | None, *, as_shown: bool
+) -> Image.Image:
+    if not as_shown:
+        raise InvalidInput(
+            "image {0}: has {1}, and not grey or colours of 8 bits",
+            path,
+            stored.bands,
+            remedy=Message(
+                "take the dtype stored, or capture with a stretch{0}", OptionName("stretch").in_brackets
+            ),
+        )
+    image = Image.fromarray(stored.shown())
+    if img_size is None:
+        return image
+    width, height, channels = img_size
+    found = _of_mode(image, "L" if channels == 1 else "RGB")
+    return found if found.size == (width, height) else found.resize((width, height), Image.BILINEAR)
+
+
+def size_of(path: str | os.PathLike[str]) -> tuple[int, int]:
+    """Width and height of an image in px; raises one of `UNREADABLE`, or InvalidInput, where it cannot be read."""
+    if Path(path).suffix.lower() in _GEOTIFF:
+        # Not unpacked: many are asked for their sizes.
+        stored = geotiff_of(Path(path).read_bytes())
+        if stored is not None:
+            return stored.size
+    with Image.open(Path(path)) as image:
+        return image.size
+
+
+def _check_size(
+    path: str | os.PathLike[str], image: Image.Image | GeoTiff, said_px: tuple[float, float]
+) -> None:
     if any(said == said and said != size for said, size in zip(said_px, image.size)):
         raise InvalidInput(
             "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table",
             path,
-            image.width,
-            image.height,
+            image.size[0],
+            image.size[1],
             said_px[0],
             said_px[1],
             remedy="capture it again, or put the table right",

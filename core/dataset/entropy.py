@@ -243,4 +243,6 @@ def _fill_in(sets: list[_Own], progress: Report | None) -> None:
     for done, (one, index) in enumerate(missing):
         if progress is not None and not progress(done / len(missing)):
             raise Cancelled("stopped while entropies were worked out: nothing was changed")
-        one.entropies[index] = entropy(np.asarray(open_image(one.images.path(one.table.img_names[index]))))
+        one.entropies[index] = entropy(
+            np.asarray(open_image(one.images.path(one.table.img_names[index]), as_shown=True))
+        )

@@ -23,7 +23,7 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
-from .dataset import UNREADABLE, ImageSet
+from .dataset import UNREADABLE, ImageSet, open_bands, size_of
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
 from .table import Table
@@ -244,6 +244,9 @@ def _of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
         return True
     path = images.path(int(rows[0]))
     if path.suffix.lower() in (".tif", ".tiff"):
+        stored = open_bands(path)
+        if stored is not None:
+            return not stored.is_placed
         try:
             with Image.open(path) as image:
                 return _PIXEL_SCALE_TAG not in getattr(image, "tag_v2", {})
@@ -256,8 +259,7 @@ def _of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
 def _size(path: Path) -> tuple[int, int]:
     """Width and height of an image in px."""
     try:
-        with Image.open(path) as image:
-            return image.size
+        return size_of(path)
     except UNREADABLE as wrong:
         raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
 

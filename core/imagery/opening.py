@@ -12,6 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, Callable
 
+from ..bands import NO_STRETCH, Bands, bands_of
 from ..errors import InvalidInput, SourceError
 from ..files import is_there
 from ..geodesy.mercator import PixelGrid
@@ -58,6 +59,14 @@ class SourceOptions:
         Where tiles are kept for later runs, as far as the provider allows it; None for nowhere.
     placeholders : tuple of str
         Files of the provider that count as missing, beside those it is known for, by their SHA-256 or 16 of its digits.
+    bands : tuple of str
+        Of the source's bands, by name or by number from 1, in the order that is wanted; empty for all, or for those of
+        colours.
+    stretch : str
+        How values become 8 bits: ``none``, ``percentile``, or two numbers.
+    as_stored : bool
+        Pixels are wanted with all their bands and in the source's own type, as GeoTIFF takes them; otherwise they are
+        red, green and blue of 8 bits.
     named_by_user : bool
         The user has named the source himself, and no file has: where it is an address with {key}, the environment's
         key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
@@ -73,6 +82,9 @@ class SourceOptions:
     transport: Transport | None = None
     cache: TileCache | None = None
     placeholders: tuple[str, ...] = ()
+    bands: tuple[str, ...] = ()
+    stretch: str = NO_STRETCH
+    as_stored: bool = False
     named_by_user: bool = False
 
     def __post_init__(self) -> None:
@@ -94,7 +106,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     Raises
     ------
     InvalidInput
-        It is a map of QGIS, which the plugin alone knows.
+        It is a map of QGIS, which the plugin alone knows; or bands or a stretch are wanted of what is no raster file.
     """
     kind = kind_of(text)
     if kind is _QGIS:
@@ -103,8 +115,28 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
             text,
             remedy="name a file, a URL template or a name of the catalogue",
         )
-    source: NamedSource = getattr(_imported(kind.module), kind.source)(text, options)
-    return source
+    of_kind: type[NamedSource] = getattr(_imported(kind.module), kind.source)
+    if not of_kind.has_bands:
+        check_colours(text, options.bands, options.stretch)
+    return of_kind(text, options)
+
+
+def check_colours(text: str, bands: tuple[str, ...], stretch: str) -> None:
+    """Refuse bands and a stretch for a source, as a mission names it, that is red, green and blue of 8 bits."""
+    if bands:
+        raise InvalidInput(
+            "bands {0}: {1} has red, green and blue alone, as all sources but raster files",
+            " ".join(bands),
+            text,
+            field="bands",
+        )
+    if stretch != NO_STRETCH:
+        raise InvalidInput(
+            "stretch {0}: {1} has 8 bits, as all sources but raster files",
+            stretch,
+            text,
+            field="stretch",
+        )
 
 
 def open_source(name: str, **options: Any) -> Source:
@@ -221,6 +253,9 @@ class NamedSource(ABC):
     one with the request for its capabilities.
     """
 
+    #: Whether it may have other bands than red, green and blue of 8 bits.
+    has_bands = False
+
     def __init__(self, text: str, options: SourceOptions) -> None:
         self.text, self.options = text, options
 
@@ -271,6 +306,11 @@ class NamedSource(ABC):
     def map_types(self) -> tuple[str, ...]:
         """Map types it can tell apart; empty where it has one kind of picture only."""
         return self._known.map_types
+
+    @property
+    def bands(self) -> Bands:
+        """What its pixels are, as the options ask for them."""
+        return bands_of(self._known)
 
     @property
     def policy(self) -> Policy:

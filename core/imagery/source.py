@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,8 @@ from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
 
-Pixels = NDArray[np.uint8]
+#: Of one of `bands.DATA_TYPES`; of most sources uint8.
+Pixels = NDArray[Any]
 
 
 class Window(NamedTuple):
@@ -75,9 +76,9 @@ class Source(Protocol):
         """Return the parts that together fill ``window`` exactly."""
 
     def fetch(self, map_type: str, part: Window) -> Pixels:
-        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue.
+        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a `Banded` source, its bands.
 
-        A fourth channel, where there is one, is 0 at pixels without imagery and 255 elsewhere.
+        One channel more, where there is one, is 0 at pixels without imagery and not 0 elsewhere (255 of uint8).
 
         Raises
         ------
@@ -155,10 +156,10 @@ def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
         raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
 
 
-def over_white(colour: Pixels, alpha: Pixels) -> Pixels:
+def over_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Colours over white by their alpha, 0 to 255; of one shape, or of shapes that go together."""
     if bool((alpha == 255).all()):
         return colour
     whole = alpha.astype(np.uint16)
-    mixed: Pixels = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
+    mixed: NDArray[np.uint8] = ((colour * whole + 255 * (255 - whole) + 127) // 255).astype(np.uint8)
     return mixed

@@ -8,6 +8,7 @@ from typing import Any, Callable
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
+from ..limits import MAX_BANDS
 from ..units import LENGTHS_M
 from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels
 
@@ -35,11 +36,17 @@ class Option:
     @classmethod
     def of(cls, field: Field) -> Option:
         """Option of a field of a mission."""
-        many = {"img_size": (3, 3), "map_types": (1, len(field.choices))}
+        without = field.needed or field.default == ()
+        many = {
+            "img_size": (3, 3),
+            "map_types": (1, len(field.choices)),
+            "bands": (1, MAX_BANDS),
+            "stretch": (1, 2),
+        }
         return cls(
             field.name_of_option,
             int if field.name == "img_size" else str if field.kind in (bool, tuple) else field.kind,
-            None if field.needed else field.default,
+            (field.default,) if field.name == "stretch" else None if without else field.default,
             field.help,
             count=many.get(field.name),
             # One of several map types is refused in the words of a mission.

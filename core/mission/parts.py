@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -31,6 +32,9 @@ LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 _CHANNELS = (1, 3)
+_NUMBER = r"-?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?"
+#: How values become 8 bits: by one of two words, or between two values.
+_STRETCH = f"none|percentile|{_NUMBER} {_NUMBER}"
 
 
 def utc_time(text: str) -> datetime:
@@ -66,6 +70,26 @@ def _check_date(text: str) -> None:
         raise InvalidInput(
             "date {0!r}: must be text without spaces around it, such as 2024-06-21", text, field="date"
         )
+
+
+def _check_bands(bands: tuple[Any, ...]) -> None:
+    for one in bands:
+        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+            raise InvalidInput("band {0!r}: must be a name or a number", one, field="bands")
+    if len(set(bands)) != len(bands):
+        raise InvalidInput("bands {0}: each may be named once", " ".join(bands), field="bands")
+
+
+def _check_stretch(text: str) -> None:
+    if re.fullmatch(_STRETCH, text):
+        if text in ("none", "percentile"):
+            return
+        low, high = map(float, text.split())
+        if low < high < math.inf and low > -math.inf:
+            return
+    raise InvalidInput(
+        "stretch {0!r}: must be none, percentile, or two numbers, the lower one first", text, field="stretch"
+    )
 
 
 def _check_map_types(map_types: tuple[str, ...]) -> None:
@@ -251,12 +275,38 @@ class Imagery(Part):
         advanced=True,
         check=_check_date,
     )
+    bands: tuple[str, ...] = declared(
+        (),
+        title="bands",
+        help="of a raster file, by name or by number from 1, in the order they are written in: 4 1 2 is infrared, red "
+        "and green where those are so numbered; without it GeoTIFF has all of them, and JPEG and PNG those of colours",
+        advanced=True,
+        check=_check_bands,
+        schema={"items": {"type": ["string", "integer"], "minLength": 1}, "uniqueItems": True},
+    )
+    stretch: str = declared(
+        "none",
+        title="stretch",
+        help="how the values of a raster file become 8 bits: none leaves them as they are, which JPEG and PNG need to "
+        "be of 8 bits then; percentile shows those from the 2nd to the 98th percentile of the file, two numbers those "
+        "from one to the other",
+        advanced=True,
+        check=_check_stretch,
+        schema={"pattern": _STRETCH},
+    )
     seed: int = declared(
         2024,
         title="seed",
         help="of whatever is random, such as the synthetic landscape and gusts of wind",
         advanced=True,
     )
+
+    def __post_init__(self) -> None:
+        """Check every field; bands by number are kept as text."""
+        given: Any = self.bands
+        if isinstance(given, (tuple, list)):
+            object.__setattr__(self, "bands", tuple(str(one) if type(one) is int else one for one in given))
+        super().__post_init__()
 
 
 @dataclass(frozen=True)

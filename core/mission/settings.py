@@ -126,6 +126,9 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
     fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
     if fields["image_px"] is None:
         fields["image_px"] = own_px
+    fields["bands"] = fields["bands"] or ()
+    if isinstance(fields["stretch"], tuple):
+        fields["stretch"] = " ".join(fields["stretch"])
     fields.update(agl_m=agl_m, overlap_along=overlap[0], overlap_across=overlap[-1])
     return Mission(area, camera=camera, wind=_wind(values), **fields)
 

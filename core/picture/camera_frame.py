@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, fitted
 from ..errors import PartError
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.view import Patches, Samples, View
@@ -16,8 +17,12 @@ from .map_frame import checked
 from .resampling import sample
 
 Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
+Pixels = NDArray[Any]
+#: Channels of a picture that Pillow keeps as red, green and blue.
+_COLOURS = 3
 
+#: Pillow's mode of values of more than 8 bits.
+_FLOATS = "F"
 #: Samples of single pixels gathered in one go.
 _BATCH = 1 << 16
 
@@ -48,7 +53,12 @@ class _Ground(NamedTuple):
 
 
 def render(
-    view: View, lon_deg: float, parts: Sequence[Part], pixels: Mapping[Window, Pixels], kernel: str
+    view: View,
+    lon_deg: float,
+    parts: Sequence[Part],
+    pixels: Mapping[Window, Pixels],
+    kernel: str,
+    bands: Bands = RGB,
 ) -> Pixels:
     """Make the picture of a camera frame.
 
@@ -58,23 +68,25 @@ def render(
         Of the camera.
     parts : sequence of Part
         As `camera_parts` gave them.
-    pixels : mapping of Window to array (tile_px, tile_px, 3 or 4) of uint8
+    pixels : mapping of Window to array (tile_px, tile_px, bands or one more)
     kernel : str
         nearest, bilinear, bicubic or lanczos; the last needs a view by rays.
+    bands : Bands
+        Of the source.
 
     Returns
     -------
-    array (height_px, width_px, 3) of uint8
-        Black where ``view.hidden``.
+    array (height_px, width_px, bands) of their type
+        0 where ``view.hidden``.
 
     Raises
     ------
     PartError
         A part of another size than it was asked for, or without imagery where the picture shows it.
     """
-    grounds = {zoom: _ground(zoom, parts, pixels) for zoom in {part.window.zoom for part in parts}}
+    grounds = {zoom: _ground(zoom, parts, pixels, bands) for zoom in {part.window.zoom for part in parts}}
     u = float(view.grid.meridian_u(np.asarray(lon_deg)))
-    picture = np.zeros((view.height_px, view.width_px, 3), np.uint8)
+    picture = np.zeros((view.height_px, view.width_px, len(bands)), bands.dtype)
     for patches in view.patches:
         ground = grounds[patches.zoom]
         if view.rays is None:
@@ -87,22 +99,23 @@ def render(
     return picture
 
 
-def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> _Ground:
+def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, Pixels], bands: Bands) -> _Ground:
     """Tiles of one zoom side by side."""
     here = [part for part in parts if part.window.zoom == zoom]
     left, top = min(part.dx_px for part in here), min(part.dy_px for part in here)
     right = max(part.dx_px + part.window.width_px for part in here)
     bottom = max(part.dy_px + part.window.height_px for part in here)
-    ground = np.zeros((bottom - top, right - left, 3), np.uint8)
+    count = len(bands)
+    ground = np.zeros((bottom - top, right - left, count), bands.dtype)
     missing: NDArray[np.bool_] | None = None
     for part in here:
-        tile = checked(part.window, pixels[part.window])
+        tile = checked(part.window, pixels[part.window], bands)
         rows = slice(part.dy_px - top, part.dy_px - top + part.window.height_px)
         columns = slice(part.dx_px - left, part.dx_px - left + part.window.width_px)
-        ground[rows, columns] = tile[..., :3]
-        if tile.shape[2] == 4 and not tile[..., 3].all():
+        ground[rows, columns] = tile[..., :count]
+        if tile.shape[2] > count and not tile[..., count].all():
             missing = np.zeros(ground.shape[:2], bool) if missing is None else missing
-            missing[rows, columns] = tile[..., 3] == 0
+            missing[rows, columns] = tile[..., count] == 0
     return _Ground(ground, missing, left, top)
 
 
@@ -117,7 +130,7 @@ def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u
 
     resampling: Any = {"nearest": Image.NEAREST, "bilinear": Image.BILINEAR, "bicubic": Image.BICUBIC}[kernel]
     world = grid.world_px(patches.zoom)
-    image = Image.fromarray(ground.pixels)
+    images = _images(ground.pixels)
     absent = None if ground.missing is None else Image.fromarray(ground.missing.astype(np.uint8) * 255)
     wide, high = patches.samples_x, patches.samples_y
     x, y = (u + patches.du) * world - ground.left_px, patches.v * world - ground.top_px
@@ -127,14 +140,45 @@ def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u
         zip(width.tolist(), height.tolist()),
         _perspectives(x, y, width, height).tolist(),
     ):
-        seen = image.transform(size, Image.PERSPECTIVE, coefficients, resampling)
-        if wide > 1 or high > 1:
-            seen = seen.reduce((wide, high))
         left, top, right, bottom = box
-        picture[top:bottom, left:right] = np.asarray(seen)
+        for channels, image in images:
+            seen = image.transform(size, Image.PERSPECTIVE, coefficients, resampling)
+            if wide > 1 or high > 1:
+                seen = seen.reduce((wide, high))
+            values = np.asarray(seen)
+            picture[top:bottom, left:right, channels] = (
+                values if image.mode != _FLOATS else fitted(values, picture.dtype)
+            )
         if absent is not None:
             hole = absent.transform(size, Image.PERSPECTIVE, coefficients, Image.BILINEAR)
             _refuse_missing(int(np.count_nonzero(np.asarray(hole))))
+
+
+def _images(pixels: Pixels) -> list[tuple[Any, Any]]:
+    """Channels, and images of them that Pillow transforms: of 8 bits three in one as far as there are, else floats."""
+    from PIL import Image
+
+    count = pixels.shape[2]
+    if pixels.dtype != np.uint8:
+        floats = (np.ascontiguousarray(pixels[..., channel], np.float32) for channel in range(count))
+        return [(channel, Image.fromarray(one)) for channel, one in enumerate(floats)]
+    if count == _COLOURS:
+        return [(slice(None), Image.fromarray(pixels))]
+    whole = count - count % _COLOURS
+    found: list[tuple[Any, Any]] = [
+        (
+            slice(first, first + _COLOURS),
+            Image.fromarray(np.ascontiguousarray(pixels[..., first : first + _COLOURS])),
+        )
+        for first in range(0, whole, _COLOURS)
+    ]
+    return [
+        *found,
+        *(
+            (channel, Image.fromarray(np.ascontiguousarray(pixels[..., channel])))
+            for channel in range(whole, count)
+        ),
+    ]
 
 
 def _perspectives(x: Floats, y: Floats, width: NDArray[np.int64], height: NDArray[np.int64]) -> Floats:
@@ -178,5 +222,5 @@ def _gather(
                 np.clip(y.astype(np.intp), 0, height - 1), np.clip(x.astype(np.intp), 0, width - 1)
             ]
             _refuse_missing(int(np.count_nonzero(near)))
-        values = sample(ground.pixels, x, y, kernel).reshape(-1, count, 3).mean(axis=1)
-        picture[samples.row[part], samples.column[part]] = np.clip(np.rint(values), 0, 255).astype(np.uint8)
+        values = sample(ground.pixels, x, y, kernel).reshape(-1, count, picture.shape[2]).mean(axis=1)
+        picture[samples.row[part], samples.column[part]] = fitted(values, picture.dtype)

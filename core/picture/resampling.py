@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Weights = NDArray[np.float32]
-Pixels = NDArray[np.uint8]
+#: Of float32, which holds sums of bytes, or of float64.
+Weights = NDArray[Any]
+Pixels = NDArray[Any]
 
 #: Samples worked on in one go, to bound memory.
 _BATCH = 1 << 16
@@ -48,12 +50,12 @@ KERNELS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
 }
 
 
-def sample(image: Pixels, x_px: Floats, y_px: Floats, kernel: str) -> NDArray[np.float32]:
+def sample(image: Pixels, x_px: Floats, y_px: Floats, kernel: str) -> Weights:
     """Values of an image at points.
 
     Parameters
     ----------
-    image : array (h, w, c) of uint8
+    image : array (h, w, c)
         Beyond its edges the outermost pixels go on.
     x_px, y_px : array (n,)
         From the outer corner of the upper left pixel, whose centre is at 0.5, 0.5.
@@ -62,17 +64,18 @@ def sample(image: Pixels, x_px: Floats, y_px: Floats, kernel: str) -> NDArray[np
 
     Returns
     -------
-    array (n, c) of float32
-        Not rounded; bicubic and Lanczos may reach beyond 0..255.
+    array (n, c) of float32, or of float64 where the image has other than uint8
+        Not rounded; bicubic and Lanczos may reach beyond the image's values.
     """
     function, reach = KERNELS[kernel]
     taps = math.ceil(2.0 * reach)
-    values = np.empty((len(x_px), image.shape[2]), np.float32)
+    kind: Any = np.float32 if image.dtype == np.uint8 else np.float64
+    values = np.empty((len(x_px), image.shape[2]), kind)
     for start in range(0, len(x_px), _BATCH):
         part = slice(start, start + _BATCH)
-        columns, across = _taps(x_px[part], taps, function, image.shape[1])
-        rows, down = _taps(y_px[part], taps, function, image.shape[0])
-        total = np.zeros((len(rows), image.shape[2]), np.float32)
+        columns, across = _taps(x_px[part], taps, function, image.shape[1], kind)
+        rows, down = _taps(y_px[part], taps, function, image.shape[0], kind)
+        total: Weights = np.zeros((len(rows), image.shape[2]), kind)
         for j in range(taps):
             line = np.zeros_like(total)
             for i in range(taps):
@@ -83,11 +86,11 @@ def sample(image: Pixels, x_px: Floats, y_px: Floats, kernel: str) -> NDArray[np
 
 
 def _taps(
-    position: Floats, taps: int, function: Callable[[Floats], Floats], size: int
+    position: Floats, taps: int, function: Callable[[Floats], Floats], size: int, kind: Any
 ) -> tuple[NDArray[np.intp], Weights]:
     """Indices and weights (n, taps) of the pixels along one axis; the weights sum to 1."""
     first = np.floor(position - 0.5 * (taps - 1)).astype(np.intp)
     index = first[:, np.newaxis] + np.arange(taps)
     weights = function(position[:, np.newaxis] - 0.5 - index)
     weights /= weights.sum(axis=1, keepdims=True)
-    return np.clip(index, 0, size - 1), weights.astype(np.float32)
+    return np.clip(index, 0, size - 1), weights.astype(kind)

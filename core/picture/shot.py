@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import RGB, Bands, full
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
 from .camera_frame import camera_parts, render
 from .map_frame import assemble, window_of
 
-Pixels = NDArray[np.uint8]
+Pixels = NDArray[Any]
 
 
 class Shot(NamedTuple):
@@ -26,7 +27,7 @@ class Shot(NamedTuple):
 
 
 class Picture(NamedTuple):
-    """Pixels (h, w, 3), or (h, w, 4) with a mask, and the shares of them without ground or without a map."""
+    """Pixels (h, w, bands), or one channel more with a mask, and the shares of them without ground or without a map."""
 
     pixels: Pixels
     sky_share: float = 0.0
@@ -48,7 +49,12 @@ def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
 
 
 def draw(
-    shot: Window | Shot, parts: Sequence[Part], pixels: Mapping[Window, Pixels], *, masked: bool = False
+    shot: Window | Shot,
+    parts: Sequence[Part],
+    pixels: Mapping[Window, Pixels],
+    *,
+    masked: bool = False,
+    bands: Bands = RGB,
 ) -> Picture:
     """Make a picture of its parts.
 
@@ -60,6 +66,8 @@ def draw(
         Of each part.
     masked : bool
         Add a channel to a camera frame that is 0 where the picture shows nothing.
+    bands : Bands
+        Of the source.
 
     Raises
     ------
@@ -67,10 +75,10 @@ def draw(
         Where the parts do not make a whole picture.
     """
     if isinstance(shot, Window):
-        return Picture(assemble(shot, parts, pixels))
+        return Picture(assemble(shot, parts, pixels, bands))
     view = shot.view
-    picture = render(view, shot.lon_deg, parts, pixels, shot.kernel)
+    picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
     if masked:
         shown = np.ones(picture.shape[:2], bool) if view.hidden is None else ~view.hidden
-        picture = np.dstack([picture, shown * np.uint8(255)])
+        picture = np.dstack([picture, shown * full(bands.dtype)])
     return Picture(picture, view.sky_share, view.unmapped_share)

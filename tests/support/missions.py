@@ -57,6 +57,8 @@ missions = st.builds(
     order=st.sampled_from(["serpentine", "one-way"]),
     airspeed_m_per_s=st.floats(11, 340),
     start=st.sampled_from(["2024-06-21T12:00:00Z", "1999-12-31T23:59:59.25Z"]),
+    bands=st.sampled_from([(), ("4", "1", "2"), ("nir", "red")]),
+    stretch=st.sampled_from(["none", "percentile", "-10 4000.5"]),
     date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
 )
 

@@ -29,7 +29,8 @@ Indices = Union[Sequence[int], NDArray[np.int64]]
 ALL = "all"
 #: The map type that is taken where none is asked for.
 USUAL_MAP_TYPE = "satellite"
-DTYPES = ("float32", "uint8")
+#: Images of 0 to 1; of 0 to 255; and values and bands as their files have them.
+DTYPES = FLOATS, BYTES, STORED = ("float32", "uint8", "stored")
 #: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
 _MOST_PX = 89_478_485
 _WHITE = np.float32(255.0)
@@ -54,8 +55,10 @@ class Samples:
         ``auto`` shuffles the training part, anew for each epoch, and leaves the others in the table's order.
     augment : Augmentation, None or "auto"
         ``auto`` augments the training part as the paper does, and no other; None augments none.
-    dtype : {"float32", "uint8"}
-        Of images: 0 to 1, or 0 to 255, which takes a quarter of the memory on its way to the model.
+    dtype : {"float32", "uint8", "stored"}
+        Of images: 0 to 1, or 0 to 255, which takes a quarter of the memory on its way to the model. ``stored`` gives
+        all bands and their values as files have them, also of more than 8 bits; such images are neither resized nor
+        augmented here.
     layout : str
         Of a folder, as `read_dataset` takes it.
     labels : Labels or None
@@ -98,21 +101,34 @@ class Samples:
         self.shuffle = part == TRAIN if isinstance(shuffle, str) else shuffle
         usual = Augmentation() if part == TRAIN else None
         self.augment = usual if isinstance(augment, str) else augment
-        self.dtype = np.dtype(dtype)
+        self._is_stored = dtype == STORED
+        if self._is_stored:
+            _check_as_stored(self.img_size, augment)
+            self.augment = None
         self.images = _images(dataset, map_type)
         self._rows = _rows(self.images, part)
         self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
         self.labels = _labels(dataset, self.images) if labels is None else labels
         self.values = _values(self.labels, self.images, self._rows)
-        self.shape = self._shape()
+        self.shape, self.dtype = self._shape(), np.dtype(BYTES if self._is_stored else dtype)
+        if self._is_stored:
+            self.dtype = self._stored(0).dtype
 
     def _shape(self) -> tuple[int, int, int]:
         """Height, width and channels of every image."""
         if self.img_size is not None:
             width, height, channels = self.img_size
             return height, width, channels
+        if self._is_stored:
+            height, width, channels = self._stored(0).shape
+            return height, width, channels
         first = open_image(self.path(0))
         return first.height, first.width, len(first.getbands())
+
+    def _stored(self, index: int) -> NDArray[Any]:
+        """Values (h, w, bands) of an image's file."""
+        found = self.images.pixels(int(self._rows[index]))
+        return found[..., np.newaxis] if found.ndim == 2 else found
 
     def __len__(self) -> int:
         return len(self._rows)
@@ -131,8 +147,8 @@ class Samples:
         key = int.from_bytes(blake2b(f"{self.seed}:{epoch}".encode(), digest_size=16).digest(), "little")
         return np.argsort(np.random.Philox(key=key).random_raw(len(self)), kind="stable")
 
-    def image(self, index: int, epoch: int = 0) -> NDArray[np.uint8]:
-        """Pixels (height, width, channels) of an image as it is in an epoch.
+    def image(self, index: int, epoch: int = 0) -> NDArray[Any]:
+        """Pixels (height, width, channels) of an image as it is in an epoch: of uint8, or as stored.
 
         Raises
         ------
@@ -141,6 +157,22 @@ class Samples:
             where none was asked for.
         """
         path = self.path(index)
+        if self._is_stored:
+            stored = self._stored(index)
+            if stored.shape != self.shape or stored.dtype != self.dtype:
+                raise InvalidInput(
+                    "image {0}: has {1} x {2} px, {3} bands of {4}, where the first one has {5} x {6}, {7} of {8}",
+                    path,
+                    stored.shape[1],
+                    stored.shape[0],
+                    stored.shape[2],
+                    stored.dtype,
+                    self.shape[1],
+                    self.shape[0],
+                    self.shape[2],
+                    self.dtype,
+                )
+            return stored
         found = open_image(path, self.img_size, self.images.said_px(int(self._rows[index])))
         height, width, channels = self.shape
         if (*found.size, len(found.getbands())) != (width, height, channels):
@@ -184,7 +216,7 @@ class Samples:
             ) from wrong
         for one, index in zip(images, indices):
             one[...] = self.image(int(index), epoch)
-        if self.dtype != np.uint8:
+        if not self._is_stored and self.dtype != np.uint8:
             np.divide(images, _WHITE, out=images)
         return images, self.values[np.asarray(indices, np.int64)]
 
@@ -314,6 +346,15 @@ def _check(part: str, shuffle: bool | str, augment: Augmentation | str | None, d
         raise InvalidInput("augment {0!r}: must be an Augmentation, None or 'auto'", augment)
     if dtype not in DTYPES:
         raise InvalidInput("dtype {0!r}: must be one of {1}", dtype, ", ".join(DTYPES))
+
+
+def _check_as_stored(img_size: tuple[int, int, int] | None, augment: Augmentation | str | None) -> None:
+    if img_size is not None:
+        raise InvalidInput(
+            "image size {0}: images are not resized as they are stored", " ".join(map(str, img_size))
+        )
+    if isinstance(augment, Augmentation):
+        raise InvalidInput("augment: images are not augmented as they are stored")
 
 
 def _sized(img_size: Sequence[int] | int | None) -> tuple[int, int, int] | None:

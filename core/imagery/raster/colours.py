@@ -3,31 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidInput
+from ...bands import DATA_TYPES, RGB, Bands, chosen, shown_of, unnamed
+from ...errors import InvalidInput, Message, OptionName
+from ...limits import MAX_BANDS
+from ...text import printable
 from ..source import over_white
-from .reading import Band, Box, Bytes, Facts, RasterFile
+from .reading import Band, Box, Bytes, Facts, RasterFile, Values
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
 _OTHER_COLOURS = frozenset(
     "hue saturation lightness cyan magenta yellow black ycbcr_y ycbcr_cb ycbcr_cr y cb cr".split()
 )
+#: Colour interpretations that name no band.
+_NAMELESS = frozenset(["", "undefined", "palette", "gray"])
+#: Characters of a band's name.
+_NAME_CHARACTERS = 100
+_COLOURS = 3
 
 
 @dataclass(frozen=True)
 class Colours:
-    """How to make colours of a raster's values.
+    """How to make a source's values of a raster's.
 
     Parameters
     ----------
     bands : tuple of int
-        Those of red, green and blue, or the one of greys or of a palette's values; counted from 1.
-    nodata : tuple of (int or None)
+        Those that are read, counted from 1: one for each channel, or one for all of them (greys, a palette's values).
+    nodata : tuple of (float or None)
         Of each of them. A pixel has no data only where all of them say so: 0 is a good value for the red of a pond.
+    kind : Bands
+        What becomes of them.
     alpha : int or None
         The band that is stated to be alpha; a fourth band alone is not one.
     mask : int or None
@@ -37,37 +47,43 @@ class Colours:
     """
 
     bands: tuple[int, ...]
-    nodata: tuple[int | None, ...]
+    nodata: tuple[float | None, ...]
+    kind: Bands = RGB
     alpha: int | None = None
     mask: int | None = None
-    table: Bytes | None = None
+    table: Bytes | None = field(default=None, compare=False)
 
-    def read(self, file: RasterFile, box: Box) -> Bytes:
-        """Colours of a box, (height, width, 4): red, green, blue, and 1 for imagery; all 0 where there is none.
+    def read(self, file: RasterFile, box: Box) -> Values:
+        """Values of a box, (height, width, bands + 1), the last channel 1 for imagery; all 0 where there is none.
 
-        Translucent pixels are laid over white, as those of tiles are.
+        Translucent pixels of 8-bit grey or colours are laid over white, as those of tiles are; of other bands they are
+        as they are stored, unless alpha is 0.
         """
         wanted = self.bands if self.alpha is None else (*self.bands, self.alpha)
-        values = file.read(wanted, box)
-        rgb = values[: len(self.bands)]
-        there = ~self._is_nodata(rgb)
+        values = file.read(wanted, box, self.kind.data_type)
+        own = values[: len(self.bands)]
+        there = ~self._is_nodata(own)
+        if own.dtype.kind == "f":
+            there &= np.isfinite(own).all(axis=0)
         alpha = None if self.alpha is None else values[-1]
         if self.table is not None:
-            looked_up = self.table[rgb[0]]
-            rgb, alpha = np.moveaxis(looked_up[..., :3], 2, 0), looked_up[..., 3]
+            looked_up = self.table[own[0]]
+            own, alpha = np.moveaxis(looked_up[..., :3], 2, 0), looked_up[..., 3]
         if self.mask is not None:
             there &= file.read_mask(self.mask, box) != 0
-        colours = np.empty((box.height, box.width, 4), np.uint8)
-        for channel in range(3):
-            band = rgb[channel % len(rgb)]
-            colours[..., channel] = band if alpha is None else over_white(band, alpha)
+        count = len(self.kind)
+        over = alpha if self.kind.are_colours else None
+        colours = np.empty((box.height, box.width, count + 1), own.dtype)
+        for channel in range(count):
+            band = own[channel % len(own)]
+            colours[..., channel] = band if over is None else over_white(band, over)
         if alpha is not None:
             there &= alpha != 0
-        colours[..., 3] = there
+        colours[..., count] = there
         colours[~there] = 0
         return colours
 
-    def _is_nodata(self, values: Bytes) -> NDArray[np.bool_]:
+    def _is_nodata(self, values: Values) -> NDArray[np.bool_]:
         absent = np.full(values.shape[1:], None not in self.nodata)
         if None not in self.nodata:
             for band, nodata in zip(values, self.nodata):
@@ -75,41 +91,120 @@ class Colours:
         return absent
 
 
-def colours_of(facts: Facts) -> Colours:
+def colours_of(
+    facts: Facts,
+    wanted: Sequence[str] = (),
+    *,
+    as_stored: bool = False,
+    stretched: bool = False,
+    title: str = "",
+) -> Colours:
     """Choose the bands that make the picture.
 
-    Those that the file states to be red, green and blue; else its palette; else its one grey band; else the first
-    three bands that are not alpha, as is the custom where nothing is stated. Values are taken as they are: nothing
-    is stretched.
+    Those that are wanted. Else, as stored, all that are not alpha; and of 8 bits those that the file states to be red,
+    green and blue; else its palette; else its one grey band; else the first three bands that are not alpha, as is the
+    custom where nothing is stated. A palette becomes colours wherever it would stand alone.
+
+    Parameters
+    ----------
+    wanted : sequence of str
+        Names, or numbers from 1.
+    as_stored : bool
+        Any number of bands, in the file's own type. Otherwise they become red, green and blue.
+    stretched : bool
+        Whether values become 8 bits later on, and need not be of so many here.
+    title : str
+        The file, as errors name it.
 
     Raises
     ------
     InvalidInput
-        With the reason alone: other than 8 bits a value, or bands that are no picture.
+        With the reason alone: a band that is not there, values of a type that images do not have, more than 8 bits
+        where they have to have 8, or bands that are no picture.
     """
+    names = band_names(facts.bands)
     stated = {band.colour: 1 + i for i, band in reversed(list(enumerate(facts.bands)))}
     plain = [1 + i for i, band in enumerate(facts.bands) if band.colour != "alpha"]
-    bands = _chosen(facts.bands, stated, plain)
-    first = facts.bands[bands[0] - 1]
-    for index in bands:
-        _check_type(index, facts.bands[index - 1])
+    if wanted:
+        bands = tuple(1 + at for at in chosen(wanted, names, title))
+    elif as_stored and not _is_picture(facts.bands, plain):
+        _check_colours(stated)
+        bands = tuple(plain)
+    else:
+        bands = _chosen(facts.bands, stated, plain)
+    if not as_stored and len(bands) not in (1, _COLOURS):
+        raise InvalidInput(
+            "{0} bands: JPEG and PNG have one or three",
+            len(bands),
+            field="bands",
+            remedy=Message("name so many, or write GeoTIFF{0}", OptionName("format").in_brackets),
+        )
+    if not 1 <= len(bands) <= MAX_BANDS:
+        raise InvalidInput("{0} bands: must be from 1 to {1}", len(bands), MAX_BANDS, field="bands")
     alpha = stated.get("alpha")
-    if alpha is not None:
-        _check_type(alpha, facts.bands[alpha - 1])
-    nodata = tuple(_byte(facts.bands[index - 1].nodata) for index in bands)
-    mask = bands[0] if first.masked else None
-    return Colours(bands, nodata, alpha, mask, _table(first, len(bands)))
+    alpha = None if alpha in bands else alpha
+    first = facts.bands[bands[0] - 1]
+    table = _table(first, len(bands))
+    data_type = _data_type([(index, facts.bands[index - 1]) for index in bands])
+    if data_type != "uint8" and not as_stored and not stretched:
+        raise InvalidInput(
+            "values of band {0} are {1}, and JPEG and PNG have 8 bits",
+            bands[0],
+            data_type,
+            field="stretch",
+            remedy=Message(
+                "choose how they become 8 bits{0}, such as percentile, or write GeoTIFF{1}",
+                OptionName("stretch").in_brackets,
+                OptionName("format").in_brackets,
+            ),
+        )
+    as_colours = not as_stored or (not wanted and _is_picture(facts.bands, plain))
+    if table is not None or (data_type == "uint8" and as_colours):
+        kind = RGB
+    else:
+        kept = tuple(names[index - 1] for index in bands)
+        if not as_stored:
+            kept = kept * (_COLOURS // len(kept))
+        kind = Bands(kept, data_type, shown_of(kept))
+    nodata = tuple(_held(facts.bands[index - 1].nodata, data_type) for index in bands)
+    return Colours(bands, nodata, kind, alpha, bands[0] if first.masked else None, table)
+
+
+def band_names(bands: Sequence[Band]) -> tuple[str, ...]:
+    """Names of a file's bands: what it describes them by, else the colours that it states, else their numbers."""
+
+    def name(index: int, band: Band) -> str:
+        described = " ".join(printable(band.name[:_NAME_CHARACTERS]).split())
+        # GDAL says grey of the first of several bands of which the file says nothing.
+        if len(plain) == 1 and band.colour == "gray":
+            return described or "grey"
+        return described or (unnamed(index) if band.colour in _NAMELESS else band.colour)
+
+    plain = [band for band in bands if band.colour != "alpha"]
+    return tuple(name(index, band) for index, band in enumerate(bands))
+
+
+def _is_picture(bands: Sequence[Band], plain: Sequence[int]) -> bool:
+    """Whether bands are red, green and blue of 8 bits and nothing else, or a palette's values, which are no greys."""
+    own = [bands[index - 1] for index in plain]
+    if len(own) == 1:
+        return _table(own[0], 1) is not None
+    return len(own) == _COLOURS and all(one.data_type == "uint8" and not one.name for one in own)
+
+
+def _check_colours(stated: dict[str, int]) -> None:
+    other = sorted(_OTHER_COLOURS & {colour.split(" ")[0].lower() for colour in stated})
+    if other:
+        raise InvalidInput("its bands are {0}, and not red, green, blue or grey", ", ".join(other))
 
 
 def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> tuple[int, ...]:
     if {"red", "green", "blue"} <= stated.keys():
         return stated["red"], stated["green"], stated["blue"]
-    other = sorted(_OTHER_COLOURS & {colour.split(" ")[0].lower() for colour in stated})
-    if other:
-        raise InvalidInput("its bands are {0}, and not red, green, blue or grey", ", ".join(other))
+    _check_colours(stated)
     if "palette" in stated:
         return (stated["palette"],)
-    if len(plain) >= 3:
+    if len(plain) >= _COLOURS:
         return plain[0], plain[1], plain[2]
     if len(plain) == 1:
         return (plain[0],)
@@ -119,23 +214,33 @@ def _chosen(bands: Sequence[Band], stated: dict[str, int], plain: list[int]) -> 
     raise InvalidInput("its bands ({0}) are neither a grey one nor red, green and blue", kinds)
 
 
-def _check_type(index: int, band: Band) -> None:
-    if band.data_type != "uint8":
-        raise InvalidInput(
-            "values of band {0} are {1}, and pictures have 8 bits: choose the range to show, as by "
-            "gdal_translate -ot Byte -scale",
-            index,
-            band.data_type,
-        )
+def _data_type(bands: Sequence[tuple[int, Band]]) -> str:
+    """Type that holds the values of bands, each with its number from 1."""
+    held = bands[0][1].data_type
+    for index, band in bands:
+        try:
+            held = np.result_type(held, band.data_type).name
+        except TypeError:
+            held = band.data_type
+        if held not in DATA_TYPES:
+            raise InvalidInput(
+                "values of band {0} are {1}: must be one of {2}, as gdal_translate -ot Float32 makes them",
+                index,
+                band.data_type,
+                ", ".join(DATA_TYPES),
+            )
+    return held
 
 
 def _table(band: Band, count: int) -> Bytes | None:
     """Colours that a palette, or fewer than 8 bits, give the values of a single band."""
+    if band.data_type != "uint8" or count != 1:
+        return None
     table = np.zeros((256, 4), np.uint8)
-    if band.palette and band.colour == "palette" and count == 1:
+    if band.palette and band.colour == "palette":
         table[: len(band.palette)] = np.clip(np.array(band.palette[:256]), 0, 255)
         return table
-    if band.bits is not None and band.bits < 8 and count == 1:
+    if band.bits is not None and band.bits < 8:
         most = (1 << band.bits) - 1
         table[: most + 1, :3] = np.rint(np.arange(most + 1) * (255.0 / most))[:, np.newaxis]
         table[: most + 1, 3] = 255
@@ -143,6 +248,12 @@ def _table(band: Band, count: int) -> Bytes | None:
     return None
 
 
-def _byte(nodata: float | None) -> int | None:
-    """Nodata as one of the values a band can have; None where it is not."""
-    return int(nodata) if nodata is not None and nodata in range(256) else None
+def _held(nodata: float | None, data_type: str) -> float | None:
+    """Nodata as one of the values that a band can have; None where it is not."""
+    if nodata is None:
+        return None
+    if data_type == "float32":
+        with np.errstate(over="ignore"):
+            return float(np.float32(nodata))
+    limits = np.iinfo(data_type)
+    return int(nodata) if limits.min <= nodata <= limits.max and nodata == int(nodata) else None

@@ -18,9 +18,12 @@ from ...errors import Cancelled, InvalidInput, Message
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
 
 Bytes = NDArray[np.uint8]
+Values = NDArray[Any]
 
 #: GDAL's option for errors instead of grey where a JPEG is broken off.
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
+#: GDAL's names of types by numpy's.
+_GDAL_TYPES = {"uint8": "GDT_Byte", "uint16": "GDT_UInt16", "int16": "GDT_Int16", "float32": "GDT_Float32"}
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -52,6 +55,8 @@ class Band:
         Colours of the values from 0 on; empty without a palette.
     masked : bool
         The file has a mask for it, beside nodata and alpha.
+    name : str
+        Description that the file gives it; empty for none.
     """
 
     data_type: str
@@ -60,6 +65,7 @@ class Band:
     bits: int | None = None
     palette: tuple[tuple[int, int, int, int], ...] = ()
     masked: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -107,8 +113,11 @@ class RasterFile(Protocol):
     def facts(self) -> Facts:
         """Read what the file says of itself; asked of the raster, not of an overview."""
 
-    def read(self, bands: Sequence[int], box: Box) -> Bytes:
-        """Values as they are stored, (len(bands), height, width); bands count from 1. Raises ReadError."""
+    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
+        """Values as they are stored, (len(bands), height, width); bands count from 1. Raises ReadError.
+
+        ``data_type`` is one that holds them.
+        """
 
     def read_mask(self, band: int, box: Box) -> Bytes:
         """Mask of a band, (height, width): 0 where there is no data. Raises ReadError."""
@@ -221,13 +230,15 @@ class GdalFile:
             bits=int(bits) if bits else None,
             palette=tuple(table.GetColorEntry(i) for i in range(table.GetCount())) if table else (),
             masked=not band.GetMaskFlags() & known,
+            name=band.GetDescription(),
         )
 
-    def read(self, bands: Sequence[int], box: Box) -> Bytes:
+    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
+        kind = getattr(self._gdal, _GDAL_TYPES[data_type])
         with _heard() as said:
-            values = self._dataset.ReadRaster(*box, buf_type=self._gdal.GDT_Byte, band_list=list(bands))
-        return _array(values, said, (len(bands), box.height, box.width))
+            values = self._dataset.ReadRaster(*box, buf_type=kind, band_list=list(bands))
+        return _array(values, said, (len(bands), box.height, box.width), data_type)
 
     def read_mask(self, band: int, box: Box) -> Bytes:
         """Mask of a band."""
@@ -241,10 +252,10 @@ class GdalFile:
         self._dataset = None
 
 
-def _array(values: bytes | None, said: list[str], shape: tuple[int, ...]) -> Bytes:
+def _array(values: bytes | None, said: list[str], shape: tuple[int, ...], data_type: str = "uint8") -> Values:
     if said or values is None:
         raise ReadError(said[0] if said else Message("no values"))
-    return np.frombuffer(values, np.uint8).reshape(shape)
+    return np.frombuffer(values, data_type).reshape(shape)
 
 
 @contextmanager
@@ -320,12 +331,13 @@ class RasterioFile:
             bits=int(bits) if bits else None,
             palette=tuple(palette[i] for i in sorted(palette)),
             masked=not known & set(dataset.mask_flag_enums[index - 1]),
+            name=dataset.descriptions[index - 1] or "",
         )
 
-    def read(self, bands: Sequence[int], box: Box) -> Bytes:
+    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
         with _refused():
-            return np.asarray(self._dataset.read(list(bands), window=_window(box)), np.uint8)
+            return np.asarray(self._dataset.read(list(bands), window=_window(box)), data_type)
 
     def read_mask(self, band: int, box: Box) -> Bytes:
         """Mask of a band."""

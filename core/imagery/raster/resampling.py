@@ -14,13 +14,19 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .reading import Bytes
+from ...bands import fitted, full
+from .reading import Values
 
 Floats = NDArray[np.float64]
-Sums = NDArray[np.unsignedinteger[Any]]
+#: Sums of blocks of pixels: whole numbers, or float64 where values are floats.
+Sums = NDArray[Any]
 
 #: Most pixels of a raster that a part of a picture is made of: their sums stay within 32 bits.
 MOST_PX = 4096 * 4096
+#: Types that hold the sums of values of more than 8 bits, by the kind of theirs.
+_SUMS: dict[str, Any] = {"u": np.int64, "i": np.int64, "f": np.float64}
+#: What boxes may be beside a pixel, px, and still show it alone: the noise of positions.
+_SAME_PX = 1e-5
 #: Share of a box that may lie beyond imagery: the noise of positions and weights, a fortieth of a grey level.
 _SLACK = 1e-4
 
@@ -86,47 +92,111 @@ def _step(values: Floats, axis: int) -> Floats:
     return smaller
 
 
-def reduced(colours: Bytes, x: int, y: int) -> Sums:
+def reduced(colours: Values, x: int, y: int) -> Sums:
     """Sums over blocks of ``x`` by ``y`` pixels of (h, w, c); blocks at the end may be less than full."""
     if x == y == 1:
         return colours
-    rows = np.add.reduceat(colours, np.arange(0, colours.shape[0], y), axis=0, dtype=np.uint32)
+    kind = _SUMS[colours.dtype.kind] if colours.dtype.itemsize > 1 else np.uint32
+    rows = np.add.reduceat(colours, np.arange(0, colours.shape[0], y), axis=0, dtype=kind)
     return np.add.reduceat(rows, np.arange(0, colours.shape[1], x), axis=1)
 
 
-def means(ground: Sums, over: Boxes, block: int) -> Bytes:
-    """Colours of boxes.
+def means(ground: Sums, over: Boxes, block: int, data_type: str = "uint8") -> Values:
+    """Values of boxes.
 
     Parameters
     ----------
-    ground : array (h, w, 4)
-        Sums of red, green and blue, and count of the pixels that have imagery, of ``block`` pixels each.
+    ground : array (h, w, c + 1)
+        Sums of the bands' values, and count of the pixels that have imagery, of ``block`` pixels each.
     over : Boxes
         In pixels of ``ground``; beyond it there is no imagery.
     block : int
+    data_type : str
+        Of the values.
 
     Returns
     -------
-    array (height, width, 4) of uint8
-        The fourth channel is 255 where the whole box has imagery, else all are 0.
+    array (height, width, c + 1) of that type
+        The last channel is not 0 where the whole box has imagery (255 of uint8), else all are 0.
     """
-    if over.are_upright:
+    kind = np.dtype(data_type)
+    pixels = _whole_pixels(over) if block == 1 else None
+    if pixels is not None:
+        return _taken(ground, (over.row_px.shape[0], over.column_px.shape[1]), pixels, kind)
+    if not over.are_upright:
+        total = _means_anyhow(ground, over)
+    elif kind.kind == "f":
+        # Running totals of floats would mix values that lie far apart.
+        down = _weighted(ground, over.row_px[:, 0], over.height_px[:, 0])
+        total = _weighted(down.swapaxes(0, 1), over.column_px[0], over.width_px[0]).swapaxes(0, 1)
+    else:
         down = _means_along(ground, over.row_px[:, 0], over.height_px[:, 0])
         total = _means_along(down.swapaxes(0, 1), over.column_px[0], over.width_px[0]).swapaxes(0, 1)
-    else:
-        total = _means_anyhow(ground, over)
     total /= block
-    whole = total[..., 3] > 1.0 - _SLACK
-    picture = np.zeros(total.shape, np.uint8)
-    picture[..., :3] = np.minimum(np.rint(total[..., :3]), 255.0)
-    picture[..., 3] = 255
+    whole = total[..., -1] > 1.0 - _SLACK
+    picture = fitted(total, kind)
+    picture[..., -1] = full(kind)
     picture[~whole] = 0
     return picture
 
 
+def _whole_pixels(over: Boxes) -> tuple[tuple[int, int], tuple[int, int]] | None:
+    """First row and column of the pixels that boxes are, each with its step; None where one is not just a pixel."""
+    if not over.are_upright:
+        return None
+    found = []
+    for centre, width in ((over.row_px[:, 0], over.height_px), (over.column_px[0], over.width_px)):
+        if not np.isfinite(centre).all():
+            return None
+        index = np.floor(centre)
+        if np.abs(centre - index - 0.5).max() > _SAME_PX or np.abs(width - 1.0).max() > _SAME_PX:
+            return None
+        step = int(index[1] - index[0]) if len(index) > 1 else 1
+        # Boxes as wide as a pixel lie one beside the other, from the first or from the last.
+        if abs(step) != 1 or index[-1] - index[0] != step * (len(index) - 1):
+            return None
+        found.append((int(index[0]), step))
+    return found[0], found[1]
+
+
+def _taken(
+    ground: Values,
+    shape: tuple[int, int],
+    first: tuple[tuple[int, int], tuple[int, int]],
+    kind: np.dtype[Any],
+) -> Values:
+    """Pixels from a row and a column on, as they are; 0 beyond the ground."""
+    picture = np.zeros((*shape, ground.shape[2]), kind)
+    here, there = zip(*(_common(*one, *sizes) for one, sizes in zip(first, zip(shape, ground.shape))))
+    picture[here] = ground[there]
+    picture[..., -1] *= full(kind)
+    return picture
+
+
+def _common(first: int, step: int, count: int, size: int) -> tuple[slice, slice]:
+    """Of so many indices with a step: those that are below a size and not below 0, and where in it they are."""
+    low, high = (-first, size - first) if step > 0 else (first - size + 1, first + 1)
+    low, high = min(max(low, 0), count), min(max(high, 0), count)
+    if low >= high:
+        return slice(0, 0), slice(0, 0)
+    start, end = first + step * low, first + step * high
+    return slice(low, high), slice(start, None if end < 0 else end, step)
+
+
+def _weighted(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
+    """Means of the first axis over intervals, each from its own values alone."""
+    index, weights = _taps(centre, width, len(values), np.float64)
+    total: Floats = np.zeros((len(centre), *values.shape[1:]))
+    for rows, share in zip(index, weights):
+        total += share.reshape(-1, *[1] * (values.ndim - 1)) * values[rows]
+    return total
+
+
 def _means_along(values: Sums | Floats, centre: Floats, width: Floats) -> Floats:
     """Means of the first axis over intervals, from the differences of running totals."""
-    kind = np.float64 if values.dtype == np.float64 else np.uint32
+    kind: Any = np.float64 if values.dtype == np.float64 else np.int64
+    if values.dtype in (np.uint8, np.uint32):
+        kind = np.uint32
     totals = np.zeros((len(values) + 1, *values.shape[1:]), kind)
     np.cumsum(values, axis=0, out=totals[1:])
 
@@ -145,10 +215,11 @@ def _means_along(values: Sums | Floats, centre: Floats, width: Floats) -> Floats
 def _means_anyhow(ground: Sums, over: Boxes) -> Floats:
     height, width, channels = ground.shape
     # Sums of bytes are exact in float32, and `take` is three times as fast as an index.
-    flat = ground.reshape(-1, channels).astype(np.float32)
-    columns, across = _taps(over.column_px, over.width_px, width)
-    rows, down = _taps(over.row_px, over.height_px, height)
-    total = np.zeros((over.column_px.size, channels), np.float32)
+    kind: Any = np.float32 if ground.dtype in (np.uint8, np.uint32) else np.float64
+    flat = ground.reshape(-1, channels).astype(kind)
+    columns, across = _taps(over.column_px, over.width_px, width, kind)
+    rows, down = _taps(over.row_px, over.height_px, height, kind)
+    total: NDArray[Any] = np.zeros((over.column_px.size, channels), kind)
     for j in range(len(rows)):
         line = np.zeros_like(total)
         for i in range(len(columns)):
@@ -157,7 +228,7 @@ def _means_anyhow(ground: Sums, over: Boxes) -> Floats:
     return total.reshape(*over.column_px.shape, channels).astype(np.float64)
 
 
-def _taps(centre: Floats, size: Floats, count: int) -> tuple[NDArray[np.intp], NDArray[np.float32]]:
+def _taps(centre: Floats, size: Floats, count: int, kind: Any) -> tuple[NDArray[np.intp], NDArray[Any]]:
     """Indices and weights (taps, n) of the pixels along one axis that boxes reach; weights are 0 beyond the raster."""
     reached = np.isfinite(centre) & np.isfinite(size)
     middle = np.where(reached, centre, -2.0 * count).ravel()
@@ -171,4 +242,4 @@ def _taps(centre: Floats, size: Floats, count: int) -> tuple[NDArray[np.intp], N
     index = first + np.arange(taps)[:, np.newaxis]
     weights = np.clip(np.minimum(high, index + 1) - np.maximum(low, index), 0.0, None) / wide
     weights[(index < 0) | (index >= count)] = 0.0
-    return np.clip(index, 0, count - 1), weights.astype(np.float32)
+    return np.clip(index, 0, count - 1), weights.astype(kind)

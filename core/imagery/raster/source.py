@@ -7,12 +7,15 @@ import glob
 import math
 import os
 import re
-from collections.abc import Mapping
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from ...bands import NO_STRETCH, Bands, Range, in_8_bits, percentiles, stretch_range
 from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
 from ...geodesy.planes import ProjectedPlane
@@ -23,7 +26,7 @@ from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts
 from .colours import Colours, colours_of
 from .place import TILE_PX, Place
-from .reading import Box, Bytes, Facts, Pool, ReadError, opener
+from .reading import Box, Facts, Pool, ReadError, Values, opener
 from .resampling import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
 from .trust import check_virtual, drivers_for, file_of_part
 
@@ -38,6 +41,10 @@ _LEAST_OF_OVERVIEW_PX = 4.0
 _LEAST_OF_BLOCKS = 2.0
 #: Pixels of the raster that are read in one go.
 _STRIP_PX = 1 << 20
+#: Pixels of an overview that tell what values a raster has, at least and at most; of a larger one so many squares along
+#: each side are read.
+_SAMPLED_PX, _MOST_SAMPLED_PX = 1 << 18, 1 << 22
+_SAMPLES, _SAMPLE_SIDE_PX = 16, 64
 #: Slivers of a pixel that are not worth reading it: the noise of positions, far below what `means` lets pass.
 _SLIVER_PX = 1e-5
 #: Tags that say whose a picture is, the best first.
@@ -54,12 +61,24 @@ class RasterFile(FileSource):
     """A raster file, or a path of such files with {date} in it."""
 
     takes_date = True
+    has_bands = True
 
     def _open(self, date: str) -> RasterSource:
-        return open_raster(self.text, date=date)
+        options = self.options
+        return open_raster(
+            self.text, date=date, bands=options.bands, stretch=options.stretch, as_stored=options.as_stored
+        )
 
 
-def open_raster(path: str | os.PathLike[str], *, date: str = "", own_pixels: bool = True) -> RasterSource:
+def open_raster(
+    path: str | os.PathLike[str],
+    *,
+    date: str = "",
+    own_pixels: bool = True,
+    bands: Sequence[str] = (),
+    stretch: str = NO_STRETCH,
+    as_stored: bool = False,
+) -> RasterSource:
     """Open a raster file as a source of imagery.
 
     A picture that says where it lies: GeoTIFF, COG, JPEG 2000, a picture with world file and projection, a VRT of
@@ -76,12 +95,21 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "", own_pixels: boo
     own_pixels : bool
         Whether pictures are made of the raster's own pixels in its own CRS, where that can be (see `RasterSource`).
         False makes them of the Web-Mercator map's, so that they align with those of other sources.
+    bands : sequence of str
+        Names of bands, or their numbers from 1, in the order that they are wanted in; empty for all (as stored), or
+        those of colours.
+    stretch : str
+        How values become 8 bits: ``none``, ``percentile``, or two numbers, which become 0 and 255.
+    as_stored : bool
+        Pixels have any number of bands, and values of the file's own type where they are not stretched. Otherwise they
+        are red, green and blue of 8 bits.
 
     Raises
     ------
     InvalidInput
-        There is no such file, it is no raster, has no place on the map, or is no picture of 8 bits; no file of the
-        date; no library that reads raster files; it describes data elsewhere.
+        There is no such file, it is no raster, has no place on the map, no such bands, or other values than of 8 bits
+        where it has to have those; no file of the date; no library that reads raster files; it describes data
+        elsewhere.
     """
     name = os.fspath(path)
     if name.startswith("/vsi"):
@@ -96,17 +124,27 @@ def open_raster(path: str | os.PathLike[str], *, date: str = "", own_pixels: boo
     try:
         with pool.lent(0) as raster:
             facts = raster.facts()
-        return RasterSource(name, file, date or date_of_tags(facts.tags), facts, pool, own_pixels=own_pixels)
+        return RasterSource(
+            name,
+            file,
+            date or date_of_tags(facts.tags),
+            facts,
+            pool,
+            own_pixels=own_pixels,
+            bands=bands,
+            stretch=stretch,
+            as_stored=as_stored,
+        )
     except ReadError as wrong:
         pool.close()
         raise InvalidInput("{0}: is no raster that can be read: {1}", file, wrong) from wrong
     except InvalidInput as wrong:
         pool.close()
-        raise InvalidInput("{0}: {1}", file, wrong) from wrong
+        raise InvalidInput("{0}: {1}", file, wrong, field=wrong.field) from wrong
 
 
 class RasterSource:
-    """A raster file of 8 bits a colour, in any coordinate reference system; made by `open_raster`.
+    """A raster file in any coordinate reference system; made by `open_raster`.
 
     Where its rows run along those of a projected CRS, pictures are made of its own pixels, and of means of 2, 4, 8 … of
     them along each side. Otherwise, and where they are the map's anyway, they are made of the map's pixels.
@@ -114,15 +152,31 @@ class RasterSource:
     Each pixel of the map is the mean over its footprint in the raster, placed by PROJ pixel by pixel: bilinear where
     it is no larger than the raster's, the average where it is, and the raster's own pixel, unchanged, where the two
     grids fall together. Where a footprint is not imagery throughout (beyond the edge, nodata, mask, alpha 0) the
-    fourth channel is 0; what is missing never mixes with colours. Palettes become colours first. Far below the native
-    zoom the means are taken over an overview of the file, of 4 pixels or more along each side.
+    channel after the bands' is 0; what is missing never mixes with values. Palettes become colours first. Far below the
+    native zoom the means are taken over an overview of the file, of 4 pixels or more along each side. Values that are
+    stretched to 8 bits are so after all this.
+
+    Attributes
+    ----------
+    bands : Bands
+        What `fetch` gives the values of.
     """
 
     map_types: tuple[str, ...] = ()
     policy = Policy()
 
     def __init__(
-        self, name: str, path: str, date: str, facts: Facts, pool: Pool, *, own_pixels: bool
+        self,
+        name: str,
+        path: str,
+        date: str,
+        facts: Facts,
+        pool: Pool,
+        *,
+        own_pixels: bool,
+        bands: Sequence[str] = (),
+        stretch: str = NO_STRETCH,
+        as_stored: bool = False,
     ) -> None:
         if not facts.bands:
             inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
@@ -133,7 +187,15 @@ class RasterSource:
         credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
         self.attribution = " ".join(printable(credit[:MAX_METADATA_CHARACTERS]).split()) or self.title
         self._path = path
-        self._colours: Colours = colours_of(facts)
+        self._limits = stretch_range(stretch)
+        self._is_stretched = stretch != NO_STRETCH
+        self._colours: Colours = colours_of(
+            facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title
+        )
+        kind = self._colours.kind
+        self.bands: Bands = replace(kind, data_type="uint8") if self._is_stretched else kind
+        self._percentiles: tuple[Range, ...] | None = None
+        self._measuring = threading.Lock()
         self._place = Place(facts)
         self._sizes = facts.sizes
         self._pool = pool
@@ -157,7 +219,7 @@ class RasterSource:
 
         Returns
         -------
-        array (height_px, width_px, 3 or 4) of uint8
+        array (height_px, width_px, bands or one more) of the bands' type
 
         Raises
         ------
@@ -177,7 +239,63 @@ class RasterSource:
                 raise SourceError("{0}: is gone", self._path)
             raise SourceError("{0}: has changed since it was opened", self._path, remedy="start anew")
         picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
-        return np.ascontiguousarray(picture[..., :3]) if bool(picture[..., 3].all()) else picture
+        if self._is_stretched:
+            picture = self._stretched(picture)
+        return np.ascontiguousarray(picture[..., :-1]) if bool(picture[..., -1].all()) else picture
+
+    @property
+    def ranges(self) -> tuple[Range, ...]:
+        """Values of each band that are shown darkest and brightest: of 8 bits all, else percentiles of the file.
+
+        Raises
+        ------
+        SourceError
+            The file cannot be read.
+        """
+        if self.bands.data_type == "uint8":
+            return ((0.0, 255.0),) * len(self.bands)
+        return self._file_percentiles()
+
+    def _stretched(self, picture: Values) -> Pixels:
+        count = len(self.bands)
+        limits = self._file_percentiles() if self._limits is None else (self._limits,) * count
+        there = picture[..., -1] != 0
+        shown = np.empty(picture.shape, np.uint8)
+        shown[..., :-1] = in_8_bits(picture[..., :-1], limits)
+        shown[..., -1] = 255
+        shown[~there] = 0
+        return shown
+
+    def _file_percentiles(self) -> tuple[Range, ...]:
+        """Percentiles of each band, of the coarsest overview that tells them; the same whenever they are asked for."""
+        with self._measuring:
+            if self._percentiles is None:
+                values = self._sampled()
+                self._percentiles = tuple(percentiles(values[:, band]) for band in range(len(self.bands)))
+            return self._percentiles
+
+    def _sampled(self) -> Values:
+        """Values (n, bands) of pixels all over the raster."""
+        level = max(
+            i for i, (width, height) in enumerate(self._sizes) if i == 0 or width * height >= _SAMPLED_PX
+        )
+        width, height = self._sizes[level]
+        boxes_read = [Box(0, 0, width, height)]
+        if width * height > _MOST_SAMPLED_PX:
+            side = min(_SAMPLE_SIDE_PX, width, height)
+            boxes_read = [
+                Box(round(left), round(top), side, side)
+                for top in np.linspace(0, height - side, _SAMPLES)
+                for left in np.linspace(0, width - side, _SAMPLES)
+            ]
+        try:
+            with self._pool.lent(level) as file:
+                read = [self._colours.read(file, box).reshape(-1, len(self.bands) + 1) for box in boxes_read]
+        except ReadError as wrong:
+            raise SourceError("{0}: cannot be read: {1}", self.title, wrong) from wrong
+        values = np.concatenate(read)
+        there: Values = values[values[:, -1] != 0, :-1]
+        return there
 
     def close(self) -> None:
         """Close the file; parts asked for from now on raise `Cancelled`."""
@@ -197,7 +315,7 @@ class RasterSource:
         highest, extent = min(native + _ENLARGED_ZOOMS, HIGHEST_ZOOM), self._place.own_extent(native)
         return PixelGrid(TILE_PX, lowest, highest, native, extent=extent, plane=own[0])
 
-    def _mean_colours(self, over: Boxes, part: Window) -> Bytes:
+    def _mean_colours(self, over: Boxes, part: Window) -> Values:
         level = self._level(over)
         width, height = self._sizes[level]
         over = over.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
@@ -205,7 +323,8 @@ class RasterSource:
         x, y = (max(int(_smallest(size) / _LEAST_OF_BLOCKS), 1) for size in (over.width_px, over.height_px))
         box = _extent(over, width, height, x, y)
         if box is None:
-            return np.zeros((part.height_px, part.width_px, 4), np.uint8)
+            kind = self._colours.kind
+            return np.zeros((part.height_px, part.width_px, len(kind) + 1), kind.dtype)
         if box.width * box.height > MOST_PX:
             raise PartError(
                 "{0}: a part of zoom {1} covers {2}x{3} px of it, which are too many",
@@ -215,7 +334,8 @@ class RasterSource:
                 box.height,
                 remedy="give it overviews, by gdaladdo",
             )
-        return means(self._read(level, box, x, y), over.scaled(box.left, box.top, x, y), x * y)
+        over = over.scaled(box.left, box.top, x, y)
+        return means(self._read(level, box, x, y), over, x * y, self._colours.kind.data_type)
 
     def _level(self, over: Boxes) -> int:
         """Coarsest overview of which boxes still have pixels enough."""
@@ -232,7 +352,7 @@ class RasterSource:
         )
 
     def _read(self, level: int, box: Box, x: int, y: int) -> Sums:
-        """Sums of colours over blocks of ``x`` by ``y`` px of a box, read strip by strip."""
+        """Sums of values over blocks of ``x`` by ``y`` px of a box, read strip by strip."""
         bottom = box.top + box.height
         rows = max(_STRIP_PX // (box.width * y), 1) * y
         try:

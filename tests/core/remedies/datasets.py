@@ -795,3 +795,22 @@ def _reflections(case: Case) -> None:
     case.follow("less narrow images", lambda: turned(40, 40))
     folder = captured(case)
     case.follow("do not augment", lambda: Samples(folder, part="all", augment=None).image(0, 0))
+
+
+@remedy(
+    "dataset/dataset.py",
+    "image {}: has {}, and not grey or colours of 8 bits; take the dtype stored, or capture with a stretch (--stretch)",
+)
+def _of_more_than_8_bits(case: Case) -> None:
+    from tests.core.imagery.raster import test_bands as rasters
+
+    path = rasters.written(case.tmp_path / "r.tif", rasters.noise("uint16", 3))
+    rasters.captured(path, case.tmp_path / "deep")
+    case.refused(lambda: sample(case.tmp_path / "deep"))
+    case.follow("take the dtype stored", lambda: sample(case.tmp_path / "deep", dtype="stored"))
+
+    def stretched():
+        rasters.captured(path, case.tmp_path / "shown", stretch="percentile")
+        sample(case.tmp_path / "shown")
+
+    case.follow("capture with a stretch (--stretch)", stretched)

@@ -219,19 +219,28 @@ def read(path, **options):
 
 @remedy(
     "imagery/raster/colours.py",
-    "values of band {} are {}, and pictures have 8 bits: choose the range to show, as by gdal_translate "
-    "-ot Byte -scale",
+    "values of band {} are {}, and JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch), such as "
+    "percentile, or write GeoTIFF (--format)",
 )
 def _deep(case: Case) -> None:
     path = raster(case, kind="GDT_UInt16")
     case.refused(lambda: read(path))
-    from osgeo import gdal
+    case.follow(
+        "choose how they become 8 bits (--stretch), such as percentile",
+        lambda: read(path, stretch="percentile"),
+    )
+    case.follow("write GeoTIFF (--format)", lambda: read(path, as_stored=True))
 
-    def scaled():
-        gdal.Translate(str(case.tmp_path / "8.tif"), str(path), options="-ot Byte -scale").FlushCache()
-        read(case.tmp_path / "8.tif")
 
-    case.follow("choose the range to show, as by gdal_translate -ot Byte -scale", scaled)
+@remedy(
+    "imagery/raster/colours.py",
+    "{} bands: JPEG and PNG have one or three; name so many, or write GeoTIFF (--format)",
+)
+def _two_bands(case: Case) -> None:
+    path = raster(case)
+    case.refused(lambda: read(path, bands=("1", "2")))
+    case.follow("name so many", lambda: (read(path, bands=("1",)), read(path, bands=("3", "1", "2"))))
+    case.follow("write GeoTIFF (--format)", lambda: read(path, bands=("1", "2"), as_stored=True))
 
 
 @remedy("imagery/raster/source.py", "{}: say which date")

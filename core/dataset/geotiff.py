@@ -1,0 +1,216 @@
+"""GeoTIFFs of other bands than 8-bit grey or colours, as captures write them, which Pillow cannot read as they are."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from html import unescape
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bands import Bands, Range, percentiles, shown_in_8_bits, shown_of, unnamed
+from ..limits import MAX_BANDS, MAX_PICTURE_BYTES, MAX_PICTURE_SIDE_PX
+
+_HEADER, _ENTRY_BYTES = b"II*\0", 12
+#: Of tags' types: bytes of a value, and its letter where it is a whole number.
+_TYPES = {1: (1, "B"), 2: (1, ""), 3: (2, "H"), 4: (4, "I"), 12: (8, "d")}
+_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
+_OFFSETS, _SAMPLES, _ROWS, _LENGTHS, _PLANES, _PREDICTOR = 273, 277, 278, 279, 284, 317
+_EXTRA, _FORMAT, _PIXEL_SCALE, _METADATA, _NO_DATA = 338, 339, 33550, 42112, 42113
+_DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
+_KINDS = {1: "u", 2: "i", 3: "f"}
+_COLOURS = 3
+#: What GDAL's tag says of a band.
+_ITEM = re.compile(r'<Item name="([A-Z_]+)" sample="(\d{1,4})"[^>]*>([^<]*)</Item>')
+
+
+class Strip(NamedTuple):
+    """Where packed rows of a file begin, and how many bytes they take."""
+
+    at: int
+    length: int
+
+
+@dataclass(frozen=True, eq=False)
+class GeoTiff:
+    """An image of any bands, read as far as its tags.
+
+    Parameters
+    ----------
+    bands : Bands
+    mask : str
+        ``alpha`` where a further channel tells what it shows, or the value that says nothing is shown; empty for none.
+    stated : mapping of int to (low, high)
+        Values shown darkest and brightest, by bands.
+    is_placed : bool
+        It says how large its pixels are on the ground, as map frames do.
+    """
+
+    width: int
+    height: int
+    bands: Bands
+    mask: str
+    stated: Mapping[int, Range]
+    is_placed: bool
+    _strips: tuple[Strip, ...]
+    _rows: int
+    _channels: int
+    _predictor: int
+    _data: bytes
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in px."""
+        return self.width, self.height
+
+    @cached_property
+    def _pixels(self) -> NDArray[Any]:
+        dtype = self.bands.dtype
+        pixels = np.empty((self.height, self.width, self._channels), dtype)
+        if len(self._strips) * self._rows < self.height:
+            raise ValueError("its pixels are damaged or cut off")
+        for number, strip in enumerate(self._strips[: -(-self.height // self._rows)]):
+            part = pixels[number * self._rows : (number + 1) * self._rows]
+            packed = self._data[strip.at : strip.at + strip.length]
+            found = zlib.decompressobj().decompress(packed, part.nbytes)
+            if len(found) != part.nbytes:
+                raise ValueError("its pixels are damaged or cut off")
+            part[...] = _undone(np.frombuffer(found, np.uint8), part.shape, dtype, self._predictor)
+        return pixels
+
+    def values(self) -> NDArray[Any]:
+        """Values (h, w, n) of the bands, without a mask; raises ValueError or zlib.error where they are damaged."""
+        return self._pixels[..., : len(self.bands)]
+
+    def shown(self) -> NDArray[np.uint8]:
+        """Picture (h, w) or (h, w, 3) as it is shown: by the values that the file states, or by its own percentiles."""
+        values = self.values()
+        if self.bands.data_type == "uint8":
+            return shown_in_8_bits(values, self.bands, ())
+        ranges = [
+            self.stated.get(band) or percentiles(values[..., band][np.isfinite(values[..., band])])
+            for band in range(len(self.bands))
+        ]
+        return shown_in_8_bits(values, self.bands, ranges)
+
+
+def geotiff_of(data: bytes) -> GeoTiff | None:
+    """Image of a file's bytes; None for every file that is not such, also for 8-bit grey and colours.
+
+    Raises
+    ------
+    ValueError
+        It is one, and damaged.
+    """
+    if not data.startswith(_HEADER):
+        return None
+    try:
+        tags = _tags(data)
+        image = _image(tags, data)
+    except (struct.error, IndexError, KeyError, TypeError):
+        return None
+    return image
+
+
+def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
+    channels = tags.get(_SAMPLES, (1,))[0]
+    bits, formats = set(tags[_BITS]), set(tags.get(_FORMAT, (1,)))
+    is_written_so = (
+        tags.get(_COMPRESSION) == (_DEFLATE,)
+        and tags.get(_PLANES, (1,)) == (1,)
+        and len(bits) == len(formats) == 1
+        and _OFFSETS in tags
+    )
+    if not is_written_so:
+        return None
+    kind, size = _KINDS.get(min(formats), "c"), min(bits) // 8
+    data_type = {"u1": "uint8", "u2": "uint16", "i2": "int16", "f4": "float32"}.get(f"{kind}{size}")
+    extra = tags.get(_EXTRA, ())
+    has_alpha = bool(extra) and extra[-1] == _ALPHA
+    count = channels - has_alpha
+    if data_type is None or (data_type == "uint8" and count in (1, _COLOURS)):
+        return None
+    width, height = tags[_WIDTH][0], tags[_HEIGHT][0]
+    largest = max(width, height) > MAX_PICTURE_SIDE_PX or width * height * channels * size > MAX_PICTURE_BYTES
+    if largest or not 1 <= count <= MAX_BANDS or min(width, height) < 1:
+        raise ValueError("it is larger than images are")
+    said = _said_of_bands(str(tags.get(_METADATA, "")))
+    names = tuple(said.get(("DESCRIPTION", band), unnamed(band)) for band in range(count))
+    shown = shown_of(names)
+    if tags.get(_PHOTOMETRIC) == (_RGB,):
+        shown = (0, 1, 2)
+    else:
+        stated = {said.get(("COLORINTERP", band)): band for band in range(count)}
+        colours = tuple(stated.get(colour, -1) for colour in ("Red", "Green", "Blue"))
+        shown = colours if min(colours) >= 0 else (0,)
+    return GeoTiff(
+        width,
+        height,
+        Bands(names, data_type, shown),
+        "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
+        _ranges(said),
+        _PIXEL_SCALE in tags,
+        tuple(Strip(*strip) for strip in zip(tags[_OFFSETS], tags[_LENGTHS])),
+        max(tags.get(_ROWS, (height,))[0], 1),
+        channels,
+        tags.get(_PREDICTOR, (1,))[0],
+        data,
+    )
+
+
+def _tags(data: bytes) -> dict[int, Any]:
+    """Numbers, or text, of a file's first directory by tags."""
+    (at,) = struct.unpack_from("<I", data, 4)
+    (count,) = struct.unpack_from("<H", data, at)
+    tags: dict[int, Any] = {}
+    for entry in range(count):
+        place = at + 2 + entry * _ENTRY_BYTES
+        tag, kind, values = struct.unpack_from("<HHI", data, place)
+        if kind not in _TYPES:
+            continue
+        size, letter = _TYPES[kind]
+        start = place + 8
+        if values * size > 4:
+            (start,) = struct.unpack_from("<I", data, start)
+        if start + values * size > len(data):
+            raise IndexError(start)
+        if letter:
+            tags[tag] = struct.unpack_from(f"<{values}{letter}", data, start)
+        else:
+            tags[tag] = data[start : start + values].rstrip(b"\0").decode("utf-8", "replace")
+    return tags
+
+
+def _said_of_bands(text: str) -> dict[tuple[str, int], str]:
+    """Items of GDAL's tag by their names and bands, unescaped as often as they were escaped."""
+    return {(name, int(band)): unescape(unescape(value)) for name, band, value in _ITEM.findall(text)}
+
+
+def _ranges(said: Mapping[tuple[str, int], str]) -> dict[int, Range]:
+    found = {}
+    for (name, band), text in said.items():
+        if name == "DISPLAY_RANGE":
+            low, high = (float(one) for one in text.split())
+            found[band] = low, high
+    return found
+
+
+def _undone(
+    data: NDArray[np.uint8], shape: tuple[int, ...], dtype: np.dtype[Any], predictor: int
+) -> NDArray[Any]:
+    """Values (rows, width, channels) of unpacked bytes, from their differences."""
+    rows, width, channels = shape
+    if predictor == _OF_FLOATS:
+        planes = data.reshape(rows, -1, channels).cumsum(axis=1, dtype=np.uint8)
+        high_first = planes.reshape(rows, dtype.itemsize, width * channels).transpose(0, 2, 1)
+        return np.ascontiguousarray(high_first).view(f">{dtype.kind}{dtype.itemsize}").reshape(shape)
+    whole = data.view(f"<u{dtype.itemsize}").reshape(shape)
+    if predictor == 1:
+        return whole.view(dtype)
+    return whole.cumsum(axis=1, dtype=whole.dtype).view(dtype)
