@@ -120,10 +120,15 @@ def means(ground: Sums, over: Boxes, block: int, data_type: str = "uint8") -> Va
         The last channel is not 0 where the whole box has imagery (255 of uint8), else all are 0.
     """
     kind = np.dtype(data_type)
-    pixels = _whole_pixels(over) if block == 1 else None
+    pixels = _whole_pixels(over)
+    shape = over.row_px.shape[0], over.column_px.shape[1]
+    if pixels is not None and block == 1:
+        picture = _taken(ground, shape, pixels).astype(kind, copy=False)
+        picture[..., -1] *= full(kind)
+        return picture
     if pixels is not None:
-        return _taken(ground, (over.row_px.shape[0], over.column_px.shape[1]), pixels, kind)
-    if not over.are_upright:
+        total = _taken(ground, shape, pixels).astype(np.float64)
+    elif not over.are_upright:
         total = _means_anyhow(ground, over)
     elif kind.kind == "f":
         # Running totals of floats would mix values that lie far apart.
@@ -160,16 +165,14 @@ def _whole_pixels(over: Boxes) -> tuple[tuple[int, int], tuple[int, int]] | None
 
 
 def _taken(
-    ground: Values,
+    ground: Sums,
     shape: tuple[int, int],
     first: tuple[tuple[int, int], tuple[int, int]],
-    kind: np.dtype[Any],
-) -> Values:
+) -> Sums:
     """Pixels from a row and a column on, as they are; 0 beyond the ground."""
-    picture = np.zeros((*shape, ground.shape[2]), kind)
+    picture = np.zeros((*shape, ground.shape[2]), ground.dtype)
     here, there = zip(*(_common(*one, *sizes) for one, sizes in zip(first, zip(shape, ground.shape))))
     picture[here] = ground[there]
-    picture[..., -1] *= full(kind)
     return picture
 
 

@@ -320,7 +320,9 @@ class RasterSource:
         width, height = self._sizes[level]
         over = over.scaled(0.0, 0.0, self._sizes[0][0] / width, self._sizes[0][1] / height)
         # Where boxes are large still, blocks of pixels are summed up as they are read.
-        x, y = (max(int(_smallest(size) / _LEAST_OF_BLOCKS), 1) for size in (over.width_px, over.height_px))
+        # Of a raster's own pixels all those that one of a lower zoom is the mean of make one block.
+        least = _LEAST_OF_BLOCKS if self.grid.own is None else 1.0
+        x, y = (max(int(_smallest(size) / least + _SLIVER_PX), 1) for size in (over.width_px, over.height_px))
         box = _extent(over, width, height, x, y)
         if box is None:
             kind = self._colours.kind
