@@ -29,7 +29,7 @@ SAME: dict[str, Field] = {
     one.name: one for part in FLAT_PARTS.values() for one in declared_fields(part) if one.name not in _TYPED
 }
 #: Those of them that the panel has no entries for: it carries them along, and says so.
-WITHOUT_ENTRY = ("mesh", "bands", "stretch", "seed", "max_images")
+WITHOUT_ENTRY = ("mesh", "seed", "max_images")
 #: Entries of the wind, and of what is typed in another way, by the fields that they state.
 DECLARED: dict[str, Field] = {
     **SAME,

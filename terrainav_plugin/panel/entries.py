@@ -29,6 +29,20 @@ class _Access(NamedTuple):
     changed: Any
 
 
+class WordsLine(QLineEdit):
+    """Line for several words, or several names with commas between them."""
+
+    def words(self) -> tuple[str, ...]:
+        """Return what is entered."""
+        text = self.text()
+        parts = text.split(",") if "," in text else text.split()
+        return tuple(part.strip() for part in parts if part.strip())
+
+    def enter(self, words: tuple[str, ...]) -> None:
+        """Enter words."""
+        self.setText((", " if any(" " in word for word in words) else " ").join(words))
+
+
 class Entries(QgsCollapsibleGroupBoxBasic):
     """A group of labelled entries, each a field of `FormState`.
 
@@ -151,8 +165,8 @@ def declared_tick(name: str) -> QCheckBox:
 
 
 def declared_line(name: str) -> QLineEdit:
-    """Line for the text of a field."""
-    line = QLineEdit()
+    """Line for the text of a field, or for its words."""
+    line = WordsLine() if DECLARED[name].kind is tuple else QLineEdit()
     line.setObjectName(name)
     line.setToolTip(tip_of(DECLARED[name]))
     return line
@@ -179,6 +193,8 @@ def _access(widget: QWidget) -> _Access:
         return _Access(widget.number, widget.enter, widget.valueChanged)
     if isinstance(widget, QgsFileWidget):
         return _Access(widget.filePath, widget.setFilePath, widget.fileChanged)
+    if isinstance(widget, WordsLine):
+        return _Access(widget.words, widget.enter, widget.textChanged)
     if isinstance(widget, QLineEdit):
         return _Access(lambda: widget.text().strip(), widget.setText, widget.textChanged)
     raise TypeError(f"{type(widget).__name__}: not a widget that entries know")

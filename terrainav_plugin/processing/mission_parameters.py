@@ -128,6 +128,8 @@ def _value(
         return algorithm.parameterAsEnumString(parameters, name, context)
     if field.kind is str:
         return algorithm.parameterAsString(parameters, name, context).strip() or None
+    if field.kind is tuple:
+        return tuple(algorithm.parameterAsString(parameters, name, context).split())
     if (field.optional or field.name in _IF_GIVEN) and parameters.get(name) is None:
         return None
     read = {
@@ -148,7 +150,8 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.kind is bool:
         return QgsProcessingParameterBoolean(name, title, field.default)
     if field.kind in (str, tuple):
-        return QgsProcessingParameterString(name, title, optional=True)
+        usual = field.default if field.kind is str and field.name not in _IF_GIVEN else None
+        return QgsProcessingParameterString(name, title, usual, optional=True)
     return _number(name, field, None if field.name in _IF_GIVEN else field.default)
 
 
