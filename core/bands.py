@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +95,6 @@ def fitted(values: NDArray[Any], dtype: np.dtype[Any]) -> Values:
 RGB = Bands(("red", "green", "blue"))
 
 
-@runtime_checkable
 class Banded(Protocol):
     """A source of other bands than red, green and blue of 8 bits."""
 
@@ -110,12 +109,15 @@ class Banded(Protocol):
 
 def bands_of(source: object) -> Bands:
     """Bands of a source: red, green and blue of 8 bits where it does not say."""
-    return source.bands if isinstance(source, Banded) else RGB
+    # Not by `isinstance`: that asks for the ranges as well, for which a file is read.
+    bands: Bands = getattr(source, "bands", RGB)
+    return bands
 
 
 def ranges_of(source: object) -> tuple[Range, ...]:
     """Values of each of a source's bands that are shown darkest and brightest."""
-    return source.ranges if isinstance(source, Banded) else ((0.0, float(_BRIGHTEST)),) * len(RGB)
+    ranges: tuple[Range, ...] = getattr(source, "ranges", ((0.0, float(_BRIGHTEST)),) * len(RGB))
+    return ranges
 
 
 def stretch_range(text: str) -> Range | None:

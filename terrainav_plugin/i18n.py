@@ -18,7 +18,18 @@ _FOLDER = RESOURCES / "i18n"
 #: Contexts of the translation files: texts of the plugin, and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
 #: Options in advice of the core that the panel has an entry for under the declared title.
-_ENTERED = ("error_budget", "accept_error", "upsample", "image_px", "max_px", "zoom", "gsd", "layout")
+_ENTERED = (
+    "error_budget",
+    "accept_error",
+    "upsample",
+    "image_px",
+    "max_px",
+    "zoom",
+    "gsd",
+    "layout",
+    "stretch",
+    "format",
+)
 
 
 def tr(text: str) -> str:

@@ -38,14 +38,17 @@ def grid_of(mission: Mission) -> PixelGrid:
     Raises
     ------
     FormError
-        For the field ``source`` or ``date``, where there is no such source.
+        For the field ``source`` or ``date``, where there is no such source, or ``bands`` or ``stretch``, where it has
+        none.
     """
     try:
+        _check_bands(mission)
         if is_of_qgis(mission.imagery.source):
             return grid_of_layers(mission.imagery.source, QgsProject.instance())
         return _named(mission.imagery.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
-        raise FormError({"date" if wrong.field == "date" else "source": translate(wrong)}) from wrong
+        entry = wrong.field if wrong.field in ("date", "bands", "stretch") else "source"
+        raise FormError({entry: translate(wrong)}) from wrong
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
@@ -201,8 +204,20 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
         seed=mission.imagery.seed,
         date=mission.imagery.date or None,
         connections=Settings().connections,
+        bands=mission.imagery.bands,
+        stretch=mission.imagery.stretch,
+        as_stored=mission.output.image_format == "tif",
         **how,
     )
+
+
+def _check_bands(mission: Mission) -> None:
+    """Refuse bands and a stretch where QGIS draws the pixels, or a connection of it brings them."""
+    from ..core.imagery.opening import check_colours
+
+    imagery = mission.imagery
+    if is_of_qgis(imagery.source) or is_connection(imagery.source):
+        check_colours(imagery.source, imagery.bands, imagery.stretch)
 
 
 def _named(name: str, options: SourceOptions | None = None) -> NamedSource:

@@ -2690,6 +2690,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>all, or those of colours</source>
+        <translation>todas, o las de color</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>cm</source>
         <translation>cm</translation>
     </message>
@@ -4186,6 +4191,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
 <context>
     <name>TerrAInav core</name>
     <message>
+        <location filename="../../core/bands.py"/>
+        <source>band {0!r}: is named twice</source>
+        <translation>banda {0!r}: se nombra dos veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/bands.py"/>
+        <source>band {0!r}: {1} has {2}</source>
+        <translation>banda {0!r}: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/bands.py"/>
+        <source>stretch {0!r}: must be {1}, {2}, or two numbers, the lower one first</source>
+        <translation>realce {0!r}: debe ser {1}, {2} o dos números, primero el menor</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/folder.py"/>
         <source>capture it first</source>
         <translation>capturarla primero</translation>
@@ -4291,6 +4311,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/runner.py"/>
         <source>folder {0}: holds this mission with other pictures, such as {1}, because the source or the version was another</source>
         <translation>carpeta {0}: contiene esta misión con otras imágenes, como {1}, porque la fuente o la versión era otra</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}</source>
+        <translation>formato de imagen {0}: tiene gris, o rojo, verde y azul de 8 bits, y {1} da {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/runner.py"/>
+        <source>images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each</source>
+        <translation>imágenes de {0:,} px con {1} bandas de {2}: más de {3:,} bytes cada una</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -4451,6 +4481,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has {1}, and not grey or colours of 8 bits</source>
+        <translation>imagen {0}: tiene {1}, y no gris ni colores de 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
         <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
         <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
     </message>
@@ -4508,6 +4543,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>table {0}: {1} is not on the Earth, first at Lat {2:g}, Lon {3:g}; Lat must be within 90 degrees, Lon within 360</source>
         <translation>tabla {0}: {1} no está en la Tierra, la primera en Lat {2:g}, Lon {3:g}; Lat debe estar dentro de 90 grados y Lon dentro de 360</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>take the dtype stored, or capture with a stretch{0}</source>
+        <translation>use el dtype stored, o capture con un realce{0}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -5677,6 +5717,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
+        <source>bands {0}: {1} has red, green and blue alone, as all sources but raster files</source>
+        <translation>bandas {0}: {1} solo tiene rojo, verde y azul, como todas las fuentes salvo los archivos ráster</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
         <source>name a file, a URL template or a name of the catalogue</source>
         <translation>nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
     </message>
@@ -5694,6 +5739,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/opening.py"/>
         <source>source {0}: is a map of QGIS and can be captured inside QGIS only</source>
         <translation>fuente {0}: es un mapa de QGIS y solo se puede capturar dentro de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/opening.py"/>
+        <source>stretch {0}: {1} has 8 bits, as all sources but raster files</source>
+        <translation>realce {0}: {1} tiene 8 bits, como todas las fuentes salvo los archivos ráster</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
@@ -5803,6 +5853,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
+        <source>choose how they become 8 bits{0}, such as percentile, or write GeoTIFF{1}</source>
+        <translation>elija cómo pasan a 8 bits{0}, por ejemplo percentile, o escriba GeoTIFF{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
         <source>its bands ({0}) are neither a grey one nor red, green and blue</source>
         <translation>sus bandas ({0}) no son ni una gris ni rojo, verde y azul</translation>
     </message>
@@ -5813,8 +5868,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
-        <source>values of band {0} are {1}, and pictures have 8 bits: choose the range to show, as by gdal_translate -ot Byte -scale</source>
-        <translation>los valores de la banda {0} son {1}, y las imágenes tienen 8 bits: elegir el intervalo que se ha de mostrar, como con gdal_translate -ot Byte -scale</translation>
+        <source>name so many, or write GeoTIFF{0}</source>
+        <translation>nombre esa cantidad, o escriba GeoTIFF{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>values of band {0} are {1}, and JPEG and PNG have 8 bits</source>
+        <translation>los valores de la banda {0} son {1}, y JPEG y PNG tienen 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>values of band {0} are {1}: must be one of {2}, as gdal_translate -ot Float32 makes them</source>
+        <translation>los valores de la banda {0} son {1}: deben ser uno de {2}, como los hace gdal_translate -ot Float32</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>{0} bands: JPEG and PNG have one or three</source>
+        <translation>{0} bandas: JPEG y PNG tienen una o tres</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>{0} bands: must be from 1 to {1}</source>
+        <translation>{0} bandas: deben ser de 1 a {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -5937,6 +6012,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: cannot be read here: {1}</source>
         <translation>{0}: no se puede leer aquí: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: cannot be read: {1}</source>
+        <translation>{0}: no se puede leer: {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -7520,6 +7600,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>band {0!r}: must be a name or a number</source>
+        <translation>banda {0!r}: debe ser un nombre o un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>bands</source>
+        <translation>bandas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>bands {0}: each may be named once</source>
+        <translation>bandas {0}: cada una se puede nombrar una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
         <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
     </message>
@@ -7617,6 +7712,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>how far the view is lifted from straight down towards the image's top edge; 90 looks level</source>
         <translation>cuánto se levanta la vista desde la vertical hacia el borde superior de la imagen; 90 mira al horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how the values of a raster file become 8 bits: none leaves them as they are, which JPEG and PNG need to be of 8 bits then; percentile shows those from the 2nd to the 98th percentile of the file, two numbers those from one to the other</source>
+        <translation>cómo pasan a 8 bits los valores de un archivo ráster: none los deja como están, y entonces JPEG y PNG necesitan que sean de 8 bits; percentile muestra los que van del percentil 2 al 98 del archivo, y dos números, los que van de uno a otro</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7725,6 +7825,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>of a raster file, by name or by number from 1, in the order they are written in: 4 1 2 is infrared, red and green where those are so numbered; without it GeoTIFF has all of them, and JPEG and PNG those of colours</source>
+        <translation>de un archivo ráster, por nombre o por número desde 1, en el orden en que se escriben: 4 1 2 es infrarrojo, rojo y verde donde tienen esos números; sin ello GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>of the image files, all of which state their coordinate reference system: tif and png are lossless</source>
         <translation>de los archivos de imagen, que indican todos su sistema de referencia de coordenadas: tif y png no tienen pérdida</translation>
     </message>
@@ -7797,6 +7902,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>start {0!r}: no such time ({1})</source>
         <translation>inicio {0!r}: no existe tal hora ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>stretch</source>
+        <translation>realce</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>stretch {0!r}: must be none, percentile, or two numbers, the lower one first</source>
+        <translation>realce {0!r}: debe ser none, percentile o dos números, primero el menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7965,13 +8080,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/picture/map_frame.py"/>
+        <source>image size {0} {1} {2}: the source has {3}, which make no colours; 1 channel would be right</source>
+        <translation>tamaño de imagen {0} {1} {2}: la fuente tiene {3}, que no dan colores; 1 canal sería correcto</translation>
+    </message>
+    <message>
+        <location filename="../../core/picture/map_frame.py"/>
         <source>no imagery at {0} of the picture's {1} pixels</source>
         <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
     </message>
     <message>
         <location filename="../../core/picture/map_frame.py"/>
-        <source>part at {0}, {1} px has shape {2} of {3}: {4} of uint8 was asked for</source>
-        <translation>la parte en {0}, {1} px tiene forma {2} de {3}: se pidió {4} de uint8</translation>
+        <source>part at {0}, {1} px has shape {2} of {3}: {4} of {5} was asked for</source>
+        <translation>la parte en {0}, {1} px tiene la forma {2} de {3}: se pidió {4} de {5}</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>

@@ -23,6 +23,7 @@ from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, Message, OutputError
 from ...core.files import partial_file, write_whole
 from ..i18n import tr
+from .shown import Shown, how_shown, open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -161,11 +162,15 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         int(np.ceil((inside.left_px + inside.width_px).max())),
         int(np.ceil((inside.top_px + inside.height_px).max())),
     )
-    channels = plan.mission.output.img_size[2] if plan.mission.output.img_size else 3
+    first = gdal.Open(str(placed.paths[0]))
+    if first is None:
+        raise _failed(placed.paths[0])
+    shown = how_shown(first)
+    channels = len(shown.bands)
     made, overviews = _made(target), _made(_with(target, _OVERVIEWS))
     try:
         build_overviews(inside, size, channels, overviews, progress)
-        text = _virtual_raster(plan, inside, origin, size, channels, target.parent)
+        text = _virtual_raster(plan, inside, origin, size, shown, target.parent)
         write_whole(made, (line.encode() for line in text))
     except BaseException:
         for path in (made, overviews):
@@ -301,7 +306,7 @@ def _virtual_raster(
     placed: Placed,
     origin: tuple[float, float],
     size: tuple[int, int],
-    channels: int,
+    shown: Shown,
     folder: Path,
 ) -> Iterator[str]:
     """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
@@ -310,13 +315,18 @@ def _virtual_raster(
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
     yield f"<SRS>{xml_text(WEB_MERCATOR_WKT)}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"
-    sources = list(_sources(plan, placed, folder))
+    sources = list(_sources(plan, placed, shown.data_type, folder))
+    channels = len(shown.bands)
     for band, colour in enumerate(_COLOURS[channels], 1):
+        own, kind, scaling = shown.bands[band - 1], "SimpleSource", ""
+        if shown.ranges:
+            low, high = shown.ranges[band - 1]
+            ratio = 255.0 / (high - low)
+            kind = "ComplexSource"
+            scaling = f"<ScaleOffset>{-low * ratio!r}</ScaleOffset><ScaleRatio>{ratio!r}</ScaleRatio>"
         yield f'<VRTRasterBand dataType="Byte" band="{band}"><ColorInterp>{colour}</ColorInterp>\n'
         for name, properties, places in sources:
-            yield (
-                f"<SimpleSource>{name}<SourceBand>{band}</SourceBand>{properties}{places}</SimpleSource>\n"
-            )
+            yield f"<{kind}>{name}<SourceBand>{own}</SourceBand>{properties}{places}{scaling}</{kind}>\n"
         yield "</VRTRasterBand>\n"
     yield f'<VRTRasterBand dataType="Byte" band="{channels + 1}"><ColorInterp>Alpha</ColorInterp>\n'
     for name, properties, places in sources:
@@ -327,7 +337,7 @@ def _virtual_raster(
     yield "</VRTRasterBand>\n</VRTDataset>\n"
 
 
-def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, str, str]]:
+def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterator[tuple[str, str, str]]:
     """Name, properties and place of every picture; knowing the size, GDAL need not open the files beforehand."""
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     for path, left, top, width, height in zip(placed.paths, *(values.tolist() for values in columns)):
@@ -335,7 +345,7 @@ def _sources(plan: Plan, placed: Placed, folder: Path) -> Iterator[tuple[str, st
             plan.mission.output.img_size[:2] if plan.mission.output.img_size else (width, height)
         )
         name = xml_text(path.relative_to(folder).as_posix())
-        properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="Byte"'
+        properties = f'RasterXSize="{own_width}" RasterYSize="{own_height}" DataType="{data_type}"'
         source = f'xOff="0" yOff="0" xSize="{own_width}" ySize="{own_height}"'
         place = f'xOff="{left!r}" yOff="{top!r}" xSize="{width}" ySize="{height}"'
         yield (
@@ -424,7 +434,7 @@ def _reduced(placed: Placed, channels: int) -> Iterator[tuple[int, int, Sums]]:
 def _reduce_picture(
     channels: int, path: Path, left: int, top: int, width: int, height: int
 ) -> tuple[int, int, Sums]:
-    picture = gdal.Open(str(path))
+    picture = open_shown(path)
     pixels = picture.ReadAsArray(buf_xsize=width, buf_ysize=height) if picture is not None else None
     if pixels is None:
         raise _failed(path)

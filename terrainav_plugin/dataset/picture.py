@@ -12,6 +12,7 @@ from osgeo import gdal
 from qgis.PyQt.QtGui import QImage
 
 from ..i18n import tr
+from .shown import open_shown
 
 _OPAQUE = 255
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
@@ -46,7 +47,7 @@ def read_picture(path: Path, longest_px: int) -> Picture:
     if not path.is_file():
         return Picture(path, None, problem=tr("There is no image (yet)."))
     try:
-        file = gdal.Open(str(path))
+        file = open_shown(path)
         if file is None:
             raise RuntimeError(gdal.GetLastErrorMsg())
         width, height = file.RasterXSize, file.RasterYSize

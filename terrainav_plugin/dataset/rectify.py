@@ -21,6 +21,7 @@ from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
 from ...core.mission.layout.framing import ground_of
 from ...core.mission.outlines import footprint_ring, metres
 from ...core.picture.resampling import sample
+from .shown import open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -141,14 +142,15 @@ def _faces(plan: Plan, lat_deg: Floats, dlon_deg: Floats, vectors: Floats) -> Fl
 
 def _read(picture: Path) -> Pixels:
     """Picture with four channels, (h, w, 4); the last is opaque where it shows something."""
-    file = gdal.Open(str(picture))
+    file = open_shown(picture)
     bands = None if file is None else file.ReadAsArray()
     if bands is None:
         raise OutputError("picture {0}: cannot be read ({1})", picture, gdal.GetLastErrorMsg())
     if bands.ndim == 2:
         bands = bands[np.newaxis]
-    colours = np.broadcast_to(bands[:3], (3, *bands.shape[1:]))
-    mask = bands[3] if len(bands) > 3 else np.full(bands.shape[1:], _OPAQUE, np.uint8)
+    colours = np.broadcast_to(bands[: 1 if len(bands) < 3 else 3], (3, *bands.shape[1:]))
+    masked = len(bands) in (2, 4)
+    mask = bands[-1] if masked else np.full(bands.shape[1:], _OPAQUE, np.uint8)
     return np.dstack([*colours, mask])
 
 

@@ -11,7 +11,7 @@ from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
 
 from ..form.fields import choices_of, label_of, tip_of
 from ..form.state import DECLARED, ENTERED_AS_DECLARED, FormState
-from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, line_edit, row, spin, tick
+from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, line_edit, named, row, spin, tick
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
 _MOST = 1e6
@@ -23,6 +23,20 @@ class _Access(NamedTuple):
     read: Callable[[], Any]
     enter: Callable[[Any], None]
     changed: Any
+
+
+class WordsLine(QLineEdit):
+    """Line for several words, or several names with commas between them."""
+
+    def words(self) -> tuple[str, ...]:
+        """Return what is entered."""
+        text = self.text()
+        parts = text.split(",") if "," in text else text.split()
+        return tuple(part.strip() for part in parts if part.strip())
+
+    def enter(self, words: tuple[str, ...]) -> None:
+        """Enter words."""
+        self.setText((", " if any(" " in word for word in words) else " ").join(words))
 
 
 class Entries(QgsCollapsibleGroupBoxBasic):
@@ -146,8 +160,9 @@ def declared_tick(name: str) -> QCheckBox:
 
 
 def declared_line(name: str) -> QLineEdit:
-    """Line for the text of a field."""
-    return line_edit(name, tip_of(DECLARED[name]))
+    """Line for the text of a field, or for its words."""
+    tip = tip_of(DECLARED[name])
+    return named(WordsLine(), name, tip) if DECLARED[name].kind is tuple else line_edit(name, tip)
 
 
 def declared_number(name: str) -> NumberBox:
@@ -171,6 +186,8 @@ def _access(widget: QWidget) -> _Access:
         return _Access(widget.number, widget.enter, widget.valueChanged)
     if isinstance(widget, QgsFileWidget):
         return _Access(widget.filePath, widget.setFilePath, widget.fileChanged)
+    if isinstance(widget, WordsLine):
+        return _Access(widget.words, widget.enter, widget.textChanged)
     if isinstance(widget, QLineEdit):
         return _Access(lambda: widget.text().strip(), widget.setText, widget.textChanged)
     raise TypeError(f"{type(widget).__name__}: not a widget that entries know")

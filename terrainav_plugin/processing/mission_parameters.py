@@ -115,6 +115,8 @@ def _value(run: Run, field: Field) -> Any:
         return run.choice(name)
     if field.kind is str:
         return run.text(name).strip() or None
+    if field.kind is tuple:
+        return tuple(run.text(name).split())
     if (field.optional or field.name in _IF_GIVEN) and run.parameters.get(name) is None:
         return None
     return {float: run.number, int: run.whole, bool: run.flag}[field.kind](name)
@@ -130,7 +132,8 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.kind is bool:
         return QgsProcessingParameterBoolean(name, title, field.default)
     if field.kind in (str, tuple):
-        return QgsProcessingParameterString(name, title, optional=True)
+        usual = field.default if field.kind is str and field.name not in _IF_GIVEN else None
+        return QgsProcessingParameterString(name, title, usual, optional=True)
     return _number(name, field, None if field.name in _IF_GIVEN else field.default)
 
 

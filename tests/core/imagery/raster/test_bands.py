@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +26,10 @@ from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.mission.area import Box, Points  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
+from terrainav.core.picture.camera_frame import camera_parts, render  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
+from tests.support.command import command  # noqa: E402
 
 #: UTM 16 N, 0.5 m; its middle lies at 35.15, -89.9.
 SIDE = 800
@@ -288,6 +292,47 @@ def test_camera_frames_take_their_values_between_pixels_as_float64_does(data_typ
     ) * (2.0 if data_type == "uint8" else 1.0)
 
 
+@pytest.mark.parametrize("data_type", ["uint16", "int16", "float32"])
+def test_rays_are_bilinear_in_float64_between_white_noise(data_type, tmp_path):
+    values = noise(data_type, 4)
+    if data_type == "float32":
+        values = np.random.default_rng(9).normal(0.0, 1e5, values.shape).astype(np.float32)
+    lat, lon = place()
+    source = open_raster(written(tmp_path / "r.tif", values, NIR), as_stored=True)
+    mission = Mission(
+        Points(((lat, lon, 60.0),)), 60.0, tilt_deg=20.0, yaw_deg=40.0, mesh="rays", source="r.tif"
+    )
+    worked_out = plan(mission, source.grid)
+    view, lon_deg = worked_out.view(0), float(worked_out.lon_deg[0])
+    parts = camera_parts(view, lon_deg)
+    pixels = {part.window: source.fetch("", part.window) for part in parts}
+    source.close()
+    picture = render(view, lon_deg, parts, pixels, "bilinear", source.bands)
+    u = float(source.grid.meridian_u(np.asarray(lon_deg)))
+    seen = 0
+    for patches in view.patches:
+        # Of the file's own pixels: those of a zoom further down are means of them.
+        down = 2 ** (source.grid.native_zoom - patches.zoom)
+        if down != 1:
+            continue
+        world = source.grid.world_px(patches.zoom)
+        for traced in view.traced(patches):
+            x, y = (u + traced.du) * world - 0.5, traced.v * world - 0.5
+            column, row = np.floor(x).astype(int), np.floor(y).astype(int)
+            across, below = x - column, y - row
+            corners = {
+                (i, j): values[:, row + j, column + i].astype(np.float64) for i in (0, 1) for j in (0, 1)
+            }
+            upper = corners[0, 0] * (1 - across) + corners[1, 0] * across
+            lower = corners[0, 1] * (1 - across) + corners[1, 1] * across
+            expected = (upper * (1 - below) + lower * below).mean(axis=-1)
+            found = picture[traced.row, traced.column].T.astype(np.float64)
+            most = 0.5 + 1e-6 if data_type != "float32" else np.abs(expected).max() * 2.0**-23
+            assert np.abs(found - expected).max() <= most
+            seen += found.shape[1]
+    assert seen > 0.5 * picture.shape[0] * picture.shape[1]
+
+
 @pytest.mark.parametrize("kernel", ["bicubic", "lanczos"])
 @pytest.mark.parametrize("data_type", ["uint16", "int16", "uint8"])
 def test_what_a_kernel_overshoots_is_cut_at_the_ends_of_the_type(kernel, data_type, tmp_path):
@@ -478,6 +523,58 @@ def test_a_large_file_is_sampled_all_over_and_always_alike(tmp_path, monkeypatch
         source.close()
     assert found[0] == found[1]
     assert found[0][0] == pytest.approx(np.percentile(values, (2, 98)), abs=300)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    return command(tmp_path, monkeypatch, capsys)
+
+
+def test_the_command_takes_bands_and_a_stretch(run, tmp_path):
+    values = np.arange(-400, 400, dtype=np.int16)[np.newaxis, np.newaxis].repeat(SIDE, 1).repeat(4, 0)
+    values[3] += 100
+    written(tmp_path / "r.tif", values, NIR)
+    box = about()
+    coords = f"{box.north_deg}_{box.west_deg}_{box.south_deg}_{box.east_deg}_60"
+    asked = ("--coords", coords, "--source", "r.tif")
+    planned = run("plan", *asked)
+    assert planned.returncode == 0, planned.stderr
+    said = planned.stdout
+    assert re.search(r"^bands +red, green, blue, nir \(int16\)$", said, re.MULTILINE)
+    assert json.loads(run("plan", *asked, "--json").stdout)["bands"]["data_type"] == "int16"
+    three = run("plan", *asked, "--bands", "1").stdout
+    files = [float(re.search(r"^files +([0-9.]+) (k|M)B", text, re.MULTILINE)[1]) for text in (said, three)]
+    assert files[0] != files[1]
+    done = run(
+        *("capture", *asked, "--format", "png", "--bands", "nir", "1", "green", "--stretch", "-100", "155"),
+        *("--data-dir", "out"),
+    )
+    assert done.returncode == 0
+    path = min((tmp_path / "out" / "satellite").glob("*.png"))
+    opened, shown = read(path)
+    assert np.array_equal(shown, np.clip(window(opened, values[[3, 0, 1]].astype(int)) + 100, 0, 255))
+    mission = json.loads((tmp_path / "out" / "mission.json").read_text())
+    assert mission["imagery"]["bands"] == ["nir", "1", "green"]
+    assert mission["imagery"]["stretch"] == "-100 155"
+    # A mission file may have numbers, and says all that the options say.
+    mission["imagery"]["bands"] = [4, 1, 2]
+    (tmp_path / "m.json").write_text(json.dumps(mission))
+    assert run("capture", "m.json", "--data-dir", "again").returncode == 0
+    assert read(tmp_path / "again" / "satellite" / path.name)[1].tolist() == shown.tolist()
+    (tmp_path / "config.json").write_text(json.dumps({"bands": "nir red", "stretch": "percentile"}))
+    assert run("capture", *asked, "--data-dir", "two").returncode == 0
+    opened, shown = read(tmp_path / "two" / "satellite" / path.with_suffix(".tif").name)
+    assert (shown.shape[0], shown.dtype) == (2, np.uint8)
+    for options, words in (
+        (("--bands", "9"), "band '9': r.tif has 1 red, 2 green, 3 blue, 4 nir"),
+        (("--stretch", "3", "2"), "the lower one first"),
+        (("--format", "jpg", "--stretch", "none", "--bands", "1"), "(--stretch)"),
+    ):
+        refused = run("capture", *asked, *options, "--data-dir", "three")
+        assert refused.returncode == 2
+        assert words in refused.stderr
+        assert refused.stderr.count("\n") == 1
+        assert not (tmp_path / "three").exists()
 
 
 @pytest.mark.real_data

@@ -1,0 +1,94 @@
+"""Images of any bands as they are shown: grey or colours of 8 bits. Runs in the background; knows no widget."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from osgeo import gdal
+
+from ...core.bands import shown_of
+from ...core.capture.writers import DISPLAY_RANGE
+
+_COLOURS = 3
+_DARKEST, _BRIGHTEST = 0.0, 255.0
+
+
+class Shown(NamedTuple):
+    """How an image is shown.
+
+    Parameters
+    ----------
+    bands : tuple of int
+        Those that are red, green and blue, or grey; from 1.
+    ranges : tuple of (low, high)
+        Values of each that are darkest and brightest; empty where they are of 8 bits.
+    data_type : str
+        GDAL's name of the values' type.
+    mask : int or str or None
+        Band that is 0 where nothing is shown; ``mask`` where a value says so; None for neither.
+    """
+
+    bands: tuple[int, ...]
+    ranges: tuple[tuple[float, float], ...]
+    data_type: str
+    mask: int | str | None
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the file's bands are just these, in this order."""
+        return not self.ranges and self.bands == tuple(range(1, 1 + len(self.bands)))
+
+
+def how_shown(image: gdal.Dataset) -> Shown:
+    """How an open image is shown."""
+    bands = [image.GetRasterBand(1 + i) for i in range(image.RasterCount)]
+    kinds = [band.GetColorInterpretation() for band in bands]
+    colours = (gdal.GCI_RedBand, gdal.GCI_GreenBand, gdal.GCI_BlueBand)
+    alpha = kinds.index(gdal.GCI_AlphaBand) if gdal.GCI_AlphaBand in kinds else None
+    if all(colour in kinds for colour in colours):
+        shown = tuple(1 + kinds.index(colour) for colour in colours)
+    else:
+        there = [f"{i}" for i in range(len(bands)) if i != alpha]
+        # As the core shows bands of which nothing is said.
+        shown = tuple(1 + at for at in shown_of(there)) if len(there) == _COLOURS else (1,)
+    first = bands[0]
+    mask: int | str | None = None if alpha is None else 1 + alpha
+    if mask is None and first.GetNoDataValue() is not None:
+        mask = "mask"
+    is_8_bit = first.DataType == gdal.GDT_Byte
+    ranges = () if is_8_bit else tuple(_range(bands[at - 1]) for at in shown)
+    return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask)
+
+
+def open_shown(path: Path) -> gdal.Dataset | None:
+    """Image of 8 bits, grey or colours, and a mask where the file has one; None where GDAL opens none."""
+    image = gdal.Open(str(path))
+    if image is None:
+        return None
+    shown = how_shown(image)
+    count = len(shown.bands) + (shown.mask is not None)
+    if shown.is_plain and image.RasterCount == count:
+        return image
+    bands: list[int | str] = [*shown.bands]
+    ranges = [list(one) for one in shown.ranges] or [[_DARKEST, _BRIGHTEST]] * len(bands)
+    if shown.mask is not None:
+        bands.append(shown.mask)
+        wide = shown.mask != "mask" and shown.data_type == "UInt16"
+        ranges.append([_DARKEST, 65535.0 if wide else _BRIGHTEST])
+    return gdal.Translate(
+        "",
+        image,
+        format="VRT",
+        bandList=bands,
+        outputType=gdal.GDT_Byte,
+        scaleParams=[[*one, _DARKEST, _BRIGHTEST] for one in ranges],
+        noData="none",
+    )
+
+
+def _range(band: gdal.Band) -> tuple[float, float]:
+    """Values of a band that are darkest and brightest: those that its file states, else all that there are."""
+    stated = band.GetMetadataItem(DISPLAY_RANGE)
+    low, high = (float(one) for one in stated.split()) if stated else band.ComputeRasterMinMax(True)
+    return low, high if high > low else low + 1.0
