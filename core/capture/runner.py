@@ -23,7 +23,14 @@ from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURES_AT_ONCE_PX
 from ..mission.plan import Plan
 from ..picture.shot import parts_of
-from .folder import check_captured, complete_pictures, open_folder, remove_picture, write_plan_files
+from .folder import (
+    captured_mission,
+    check_captured,
+    complete_pictures,
+    open_folder,
+    remove_picture,
+    write_plan_files,
+)
 from .journal import FAILED, Journal, Outcome
 from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
@@ -104,7 +111,7 @@ def capture(
     chosen = _chosen(plan, only)
     if only_failed:
         check_captured(folder)
-    path = open_folder(folder, plan.mission, resume=resume or only_failed)
+    path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
     listener = _Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:
         run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)

@@ -65,6 +65,7 @@ def _named(mission: Mission, values: dict[str, Any], cache: TileCache | None = N
         SourceOptions(
             seed=mission.imagery.seed,
             date=mission.imagery.date or None,
+            crs=mission.imagery.crs,
             connections=values["connections"],
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
@@ -107,10 +108,17 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
     cost = timed_cost(worked_out)
     if as_json:
-        about = {"source": source.title, "date": source.date, "policy": asdict(policy)}
+        about = {
+            "source": source.title,
+            "date": source.date,
+            "crs": source.grid.plane.crs,
+            "policy": asdict(policy),
+        }
         print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
         return
-    lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
+    own = worked_out.grid.own
+    facts = filter(None, (source.title, source.date, own.name if own else ""))
+    lines = [("source", ", ".join(facts))]
     if not source.is_local:
         needed = worked_out.requests * len(worked_out.mission.imagery.map_types)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""

@@ -8,7 +8,7 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput, SourceError
+from ..errors import InvalidInput, Message, SourceError
 from ..text import printable
 from .exits import DONE
 
@@ -55,7 +55,7 @@ def _list(arguments: argparse.Namespace) -> int:
 def _show(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
 
-    source = named_source(arguments.source, SourceOptions(named_by_user=True))
+    source = named_source(arguments.source, SourceOptions(crs=arguments.crs, named_by_user=True))
     offered = source.layers()
     if offered is not None:
         if arguments.json:
@@ -84,6 +84,8 @@ def _show(arguments: argparse.Namespace) -> int:
 
 
 def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
+    from ..imagery.systems import MAP
+
     policy = entry.policy
     placeholders = entry.placeholder
     marks = len(placeholders.sha256) + len(placeholders.header) + len(placeholders.flat_rgb)
@@ -93,6 +95,7 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
         ("title", entry.title),
         ("area", entry.area),
         ("map types", ", ".join(entry.map_types) or "one kind of picture"),
+        ("reference system", MAP if entry.plane is None else entry.plane.crs),
         ("zooms", f"{entry.min_zoom} to {entry.max_zoom}, detail to {entry.native_zoom}"),
         ("tiles", f"{' or '.join(map(str, entry.tile_px))} px"),
         ("dates", entry.dates.text() if entry.dates else "none to choose from"),
@@ -111,6 +114,7 @@ def _add(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import add, described
     from ..imagery.opening import SourceOptions, kind_of, named_source
     from ..imagery.placeholder import Placeholder
+    from ..imagery.systems import MAP, refused
 
     given: dict[str, Any] = {
         "title": arguments.title,
@@ -131,11 +135,13 @@ def _add(arguments: argparse.Namespace) -> int:
     if kind_of(arguments.url).is_service:
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
-        asked = SourceOptions(tile_px=arguments.tile_size, named_by_user=True)
+        asked = SourceOptions(tile_px=arguments.tile_size, crs=arguments.crs, named_by_user=True)
         entry = named_source(arguments.url, asked).entry
         files = list(Placeholder().with_files(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:
+        if arguments.crs not in ("", MAP):
+            raise refused(arguments.crs, Message("a URL template"), [MAP])
         if arguments.tile_size is not None:
             given["tile_px"] = arguments.tile_size
         data = described(

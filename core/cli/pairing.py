@@ -28,7 +28,18 @@ if TYPE_CHECKING:
 
 #: Options of missions that a set of pairs has as well, from the command line, the environment or a file.
 _SHARED = (
-    *("source", "map_type", "date", "seed", "camera", "fov", "upsample", "ground_height", "error_budget"),
+    *(
+        "source",
+        "map_type",
+        "date",
+        "crs",
+        "seed",
+        "camera",
+        "fov",
+        "upsample",
+        "ground_height",
+        "error_budget",
+    ),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
 _HELP = """
@@ -164,6 +175,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
         SourceOptions(
             seed=settings.seed,
             date=settings.date or None,
+            crs=settings.crs,
             connections=values["connections"],
             cache=None if arguments.dry_run else opened_cache(values),
             placeholders=tuple(values["placeholder"] or ()),
@@ -205,6 +217,7 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
         source=values["source"],
         map_type=map_type,
         date=values["date"] or "",
+        crs=values["crs"] or "",
         seed=values["seed"],
         gap_m=arguments.gap,
         allow_shared_ground=arguments.allow_shared_ground,

@@ -30,6 +30,8 @@ HIGHEST_AGL_M = 1e9
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
+#: A code, or the WKT of a raster whose coordinate reference system has none.
+_CRS = r"(EPSG:[0-9]{1,7}|[A-Z]+[A-Z0-9_]*\[.*\])?"
 _CHANNELS = (1, 3)
 
 
@@ -65,6 +67,13 @@ def _check_date(text: str) -> None:
     if text != text.strip() or not text.isprintable():
         raise InvalidInput(
             "date {0!r}: must be text without spaces around it, such as 2024-06-21", text, field="date"
+        )
+
+
+def _check_crs(text: str) -> None:
+    if not re.fullmatch(_CRS, text) or not text.isprintable():
+        raise InvalidInput(
+            "coordinate reference system {0!r}: must be a code such as EPSG:2056", text, field="crs"
         )
 
 
@@ -250,6 +259,15 @@ class Imagery(Part):
         help="as the source writes it, where it has imagery of several dates",
         advanced=True,
         check=_check_date,
+    )
+    crs: str = declared(
+        "",
+        title="coordinate reference system",
+        help="of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the "
+        "Web-Mercator map; left out, the source's own, or the map's where a service has both",
+        advanced=True,
+        check=_check_crs,
+        schema={"pattern": f"^{_CRS}$"},
     )
     seed: int = declared(
         2024,

@@ -2747,6 +2747,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>transversal</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>the source's own</source>
+        <translation>el de la fuente</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source> a second</source>
         <translation> por segundo</translation>
@@ -4168,6 +4173,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
+        <source>this map of QGIS</source>
+        <translation>este mapa de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
         <source>{host} needs a key, which would be written into the project file: show another source</source>
         <translation>{host} necesita una clave, que se escribiría en el archivo del proyecto: mostrar otra fuente</translation>
     </message>
@@ -4175,6 +4185,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} has no tiles to show as a background; show another source and come back</source>
         <translation>{title} no tiene teselas que mostrar como fondo; mostrar otra fuente y volver</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel</source>
+        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añadir su capa con el Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -5071,6 +5086,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>choose an area that the source shows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
         <source>fly lower or farther from the pole</source>
         <translation>volar más bajo o más lejos del polo</translation>
     </message>
@@ -5088,6 +5109,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
         <translation>imagen en la latitud {0!r} desde {1:g} m: contiene un polo, que Web Mercator no tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -5221,6 +5247,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/systems.py"/>
         <location filename="../../core/mission/cameras.py"/>
         <source>none</source>
         <translation>ninguno</translation>
@@ -5867,6 +5894,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
+        <source>its centre lies beyond what {0} reaches</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
         <source>its coordinate reference system: {0}</source>
         <translation>su sistema de referencia de coordenadas: {0}</translation>
     </message>
@@ -6139,6 +6171,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
+        <location filename="../../core/imagery/systems.py"/>
         <source>{0} and {1} more</source>
         <translation>{0} y {1} más</translation>
     </message>
@@ -6158,14 +6191,20 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/matrices.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
-        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
-        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+        <source>layer {0!r} of {1}</source>
+        <translation>capa {0!r} de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/matrices.py"/>
+        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible, or a projected system of EPSG, with square tiles of 256 px or a multiple</source>
+        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; hace falta una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible, o un sistema proyectado de EPSG, con teselas cuadradas de 256 px o un múltiplo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogc.py"/>
-        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
-        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
+        <source>layer {0!r} of {1}: is offered in {2}; needs {3} or another projected system of EPSG</source>
+        <translation>capa {0!r} de {1}: se ofrece en {2}; hace falta {3} u otro sistema proyectado de EPSG</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogc.py"/>
@@ -6273,6 +6312,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: su centro {1!r} tiene más de {2} decimales, que {3} descarta</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/systems.py"/>
+        <source>coordinate reference system {0}: {1} has {2}</source>
+        <translation>sistema de referencia de coordenadas {0}: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/systems.py"/>
+        <source>plane of {0!r}: must be that of a projected system, such as EPSG:2056</source>
+        <translation>plano de {0!r}: debe ser el de un sistema proyectado, como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/systems.py"/>
+        <source>plane {0}: must be crs, and west, north, width and height as numbers</source>
+        <translation>plano {0}: debe tener crs, y west, north, width y height como números</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/template.py"/>
         <source>URL template</source>
         <translation>plantilla de URL</translation>
@@ -6304,8 +6358,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: {{{1}}} is for {2}</source>
+        <translation>plantilla de URL {0}: {{{1}}} es para {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
         <source>URL template {0}: {{{1}}} is unknown; known are {2}</source>
         <translation>plantilla de URL {0}: {{{1}}} es desconocido; se conocen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>a source with a plane of its own</source>
+        <translation>una fuente con un plano propio</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6316,6 +6380,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/template.py"/>
         <source>set {0}={1} if the key is for it</source>
         <translation>definir {0}={1} si la clave es para él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>tiles of the Web-Mercator map</source>
+        <translation>teselas del mapa Web Mercator</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6366,6 +6435,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/xyz.py"/>
         <source>source {0}: its URL has a {{date}}</source>
         <translation>fuente {0}: su URL tiene una {{date}}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>{0}: beyond the tiles of {1}</source>
+        <translation>{0}: fuera de las teselas de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>
@@ -7051,8 +7125,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera from {0:g} m: sees past the horizon, where turned rows have no frames</source>
         <translation>cámara desde {0:g} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7082,6 +7166,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>points cover no area</source>
         <translation>los puntos no cubren ningún área</translation>
     </message>
@@ -7094,6 +7183,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>take a smaller area or north-up rows</source>
         <translation>tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>tilt it less or fly lower</source>
+        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7170,11 +7265,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>tilt it less or fly lower</source>
-        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7538,6 +7628,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>coordinate reference system</source>
+        <translation>sistema de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>coordinate reference system {0!r}: must be a code such as EPSG:2056</source>
+        <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
         <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
     </message>
@@ -7748,6 +7848,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the Web-Mercator map; left out, the source's own, or the map's where a service has both</source>
+        <translation>de las imágenes, como EPSG:2056: uno en el que la fuente tenga píxeles, o EPSG:3857 para los del mapa Web Mercator; si se omite, el de la fuente, o el del mapa si un servicio tiene ambos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>of whatever is random, such as the synthetic landscape and gusts of wind</source>
         <translation>de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
     </message>
@@ -7870,6 +7975,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>wind of {0:g} m/s at {1:g} m: the gusts throw the camera to the ground</source>
         <translation>viento de {0:g} m/s a {1:g} m: las ráfagas tiran la cámara al suelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>windows of the map in a plane about an area</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>

@@ -58,6 +58,7 @@ missions = st.builds(
     airspeed_m_per_s=st.floats(11, 340),
     start=st.sampled_from(["2024-06-21T12:00:00Z", "1999-12-31T23:59:59.25Z"]),
     date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
+    crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
 
 

@@ -21,6 +21,7 @@ from ...text import printable
 from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts
+from ..systems import MAP
 from .colours import Colours, colours_of
 from .place import TILE_PX, Place
 from .reading import Box, Bytes, Facts, Pool, ReadError, opener
@@ -56,7 +57,7 @@ class RasterFile(FileSource):
     takes_date = True
 
     def _open(self, date: str) -> RasterSource:
-        return open_raster(self.text, date=date)
+        return open_raster(self.text, date=date, own_pixels=self.options.crs != MAP)
 
 
 def open_raster(path: str | os.PathLike[str], *, date: str = "", own_pixels: bool = True) -> RasterSource:
