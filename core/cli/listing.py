@@ -54,6 +54,7 @@ def _list(arguments: argparse.Namespace) -> int:
 
 def _show(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
+    from ..imagery.systems import MAP, refused
 
     source = named_source(arguments.source, SourceOptions(crs=arguments.crs, named_by_user=True))
     offered = source.layers()
@@ -67,6 +68,9 @@ def _show(arguments: argparse.Namespace) -> int:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
     entry = source.entry
+    crs = MAP if entry.plane is None else entry.plane.crs
+    if arguments.crs not in ("", crs):
+        raise refused(arguments.crs, entry.title, [crs])
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
         return DONE

@@ -32,8 +32,10 @@ WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
 _KEPT = 1024
 #: Degrees from the middle of an area to a place whose northing is not its easting.
 _ASIDE_DEG = (0.5, 0.7)
-#: Systems that an error names.
-_NAMED = 12
+#: Systems that an error names, and characters of one.
+_NAMED, _LONGEST = 12, 80
+#: Name that a WKT begins with.
+_NAME = re.compile(r'\["([^"]{1,80})')
 
 
 def code_of(name: str) -> str:
@@ -138,7 +140,9 @@ def refused(wanted: str, title: str, offered: Iterable[str]) -> InvalidInput:
 
 
 def _short(crs: str) -> str:
-    return crs if crs.startswith("EPSG:") else ProjectedPlane(crs, 0.0, 0.0, 1.0, 1.0).name
+    """Code of a system, or the name in its WKT, which need not be any."""
+    named = _NAME.search(crs)
+    return named.group(1) if named else crs[:_LONGEST]
 
 
 @lru_cache(maxsize=_KEPT)

@@ -32,6 +32,7 @@ LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 #: A code, or the WKT of a raster whose coordinate reference system has none.
 _CRS = r"(EPSG:[0-9]{1,7}|[A-Z]+[A-Z0-9_]*\[.*\])?"
+_LONGEST_CRS = 20_000
 _CHANNELS = (1, 3)
 
 
@@ -71,9 +72,9 @@ def _check_date(text: str) -> None:
 
 
 def _check_crs(text: str) -> None:
-    if not re.fullmatch(_CRS, text) or not text.isprintable():
+    if not re.fullmatch(_CRS, text) or not text.isprintable() or len(text) > _LONGEST_CRS:
         raise InvalidInput(
-            "coordinate reference system {0!r}: must be a code such as EPSG:2056", text, field="crs"
+            "coordinate reference system {0!r}: must be a code such as EPSG:2056", text[:80], field="crs"
         )
 
 
@@ -267,7 +268,7 @@ class Imagery(Part):
         "Web-Mercator map; left out, the source's own, or the map's where a service has both",
         advanced=True,
         check=_check_crs,
-        schema={"pattern": f"^{_CRS}$"},
+        schema={"pattern": f"^{_CRS}$", "maxLength": _LONGEST_CRS},
     )
     seed: int = declared(
         2024,

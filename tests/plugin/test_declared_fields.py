@@ -76,7 +76,7 @@ def test_parameters_have_the_declared_defaults_and_ranges(parameters):
         parameter = parameters[name]
         advanced = bool(parameter.flags() & QgsProcessingParameterDefinition.Flag.FlagAdvanced)
         assert advanced == field.advanced, name
-        if name in ("SOURCE", "START", "DATE", "IMG_SIZE", "IMAGE_PX"):
+        if name in ("SOURCE", "START", "DATE", "IMG_SIZE", "IMAGE_PX", "CRS"):
             # A list with sources of the user's own, texts that say nothing where they are empty, a camera's own.
             continue
         assert parameter.description() == title_of(field)

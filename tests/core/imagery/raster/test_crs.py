@@ -111,7 +111,27 @@ def test_a_folder_whose_mission_does_not_say_it_is_resumed_if_its_images_are_the
 
 
 @pytest.mark.parametrize(
-    "crs", ["2056", "epsg:2056", "EPSG:", "EPSG:2056 ", " ", "EPSG:20560000", "x[1]", "A[\n]"]
+    "crs", ["A[]", 'PROJCS["nonsense"]', "PROJCS[" + 5000 * "x" + "]", 'X["' + 9000 * "y" + '"]']
+)
+def test_what_only_looks_like_wkt_is_one_short_line(file, crs):
+    with pytest.raises(InvalidInput, match=r"ortho\.tif has EPSG:32616, EPSG:3857") as refused:
+        named_source(file, SourceOptions(crs=crs)).grid  # noqa: B018
+    assert len(str(refused.value)) < 200
+
+
+@pytest.mark.parametrize(
+    "crs",
+    [
+        "A[" + 30_000 * "x" + "]",
+        "2056",
+        "epsg:2056",
+        "EPSG:",
+        "EPSG:2056 ",
+        " ",
+        "EPSG:20560000",
+        "x[1]",
+        "A[\n]",
+    ],
 )
 def test_texts_that_name_no_system(crs):
     with pytest.raises(InvalidInput) as refused:
