@@ -6,6 +6,7 @@ In reading order:
 - `lens`: cameras by their field of view, in plain numbers
 - `camera`: what cameras see of which direction, and their poses
 - `footprint`: the ground that the exact camera sees, its corners and its outline
+- `planes`: rectangles of a projected CRS's plane
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place
 - `frames`: map frames, rectangles of whole source pixels

@@ -6,14 +6,15 @@ import math
 import threading
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import CRS, Transformer
-from pyproj.enums import TransformDirection
 
 from .ellipsoid import WGS84, sin_cos, trace
-from .projections import through_proj
+
+if TYPE_CHECKING:
+    from pyproj import CRS, Transformer
 
 Floats = NDArray[np.float64]
 
@@ -65,6 +66,8 @@ class ProjectedPlane:
 
     def to_crs(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Easting and northing in the CRS's unit of positions in degrees (any shape)."""
+        from .projections import through_proj
+
         with np.errstate(invalid="ignore"):
             x, y = through_proj(_TRANSFORMERS.of(self.crs).transform, lon_deg, lat_deg)
         there = np.isfinite(x) & np.isfinite(y)
@@ -72,6 +75,10 @@ class ProjectedPlane:
 
     def from_crs(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Latitude and longitude in degrees of eastings and northings (any shape)."""
+        from pyproj.enums import TransformDirection
+
+        from .projections import through_proj
+
         lon, lat = through_proj(
             _TRANSFORMERS.of(self.crs).transform, x, y, direction=TransformDirection.INVERSE
         )
@@ -130,12 +137,12 @@ class ProjectedPlane:
     @cached_property
     def name(self) -> str:
         """Code of the CRS, or the name that its WKT has."""
-        return self.crs if len(self.crs) < _LONGEST_CODE else str(CRS.from_user_input(self.crs).name)
+        return self.crs if len(self.crs) < _LONGEST_CODE else str(_system(self.crs).name)
 
     @cached_property
     def unit_m(self) -> float:
         """Metres of the CRS's unit."""
-        return float(CRS.from_user_input(self.crs).axis_info[0].unit_conversion_factor)
+        return float(_system(self.crs).axis_info[0].unit_conversion_factor)
 
     def _slopes(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """First derivatives (..., 2, 2): of easting and northing by metres east and north."""
@@ -203,13 +210,24 @@ class TurnedPlane:
         return float(sine), float(cosine)
 
 
+def _system(crs: str) -> CRS:
+    # Grids are known where no CRS of a source's own is, and pyproj takes a while to import.
+    from pyproj import CRS
+
+    return CRS.from_user_input(crs)
+
+
+def _transformer(crs: str) -> Transformer:
+    from pyproj import Transformer
+
+    return Transformer.from_crs(_GEOGRAPHIC, _system(crs), always_xy=True)
+
+
 class _Transformers(threading.local):
     """Transformations that this thread has made: costly to make, and PROJ's are for one thread at a time."""
 
     def __init__(self) -> None:
-        self.of = lru_cache(maxsize=8)(
-            lambda crs: Transformer.from_crs(_GEOGRAPHIC, CRS.from_user_input(crs), always_xy=True)
-        )
+        self.of = lru_cache(maxsize=8)(_transformer)
 
 
 _TRANSFORMERS = _Transformers()

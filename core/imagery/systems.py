@@ -6,14 +6,15 @@ import math
 import re
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pyproj import CRS, Transformer
-from pyproj.exceptions import ProjError
 
 from ..errors import InvalidInput, Message
 from ..geodesy.planes import ProjectedPlane
+
+if TYPE_CHECKING:
+    from pyproj import CRS
 
 #: The Web-Mercator map's.
 MAP = "EPSG:3857"
@@ -53,6 +54,8 @@ def is_usable(code: str) -> bool:
 @lru_cache(maxsize=_KEPT)
 def northing_first(code: str) -> bool:
     """Whether a usable system's own order of coordinates is northing, easting: as PROJ has it, about the poles, too."""
+    from pyproj import CRS, Transformer
+
     west, south, _, north = area_deg(code)
     lat, lon = (south + north) / 2.0 + _ASIDE_DEG[0], west + _ASIDE_DEG[1]
     crs = CRS.from_user_input(code)
@@ -148,6 +151,9 @@ def _short(crs: str) -> str:
 @lru_cache(maxsize=_KEPT)
 def _system(code: str) -> CRS | None:
     """The system of a code; None where it cannot be used."""
+    from pyproj import CRS
+    from pyproj.exceptions import ProjError
+
     try:
         crs = CRS.from_user_input(code)
     except ProjError:

@@ -24,7 +24,7 @@ from terrainav.core.mission.area import Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
-from tests.support import patterns
+from tests.support import patterns, rasters
 from tests.support.services import (
     ANTARCTIC,
     ARCTIC,
@@ -607,3 +607,60 @@ def test_levels_without_number_are_read_in_time(server):
     entry = named_source(serve(server, many)).entry
     assert time.monotonic() - began < 30.0
     assert [name for _, name in entry.levels] == ["m10000", "m0"]
+
+
+def test_a_tilted_picture_of_tiles_is_that_of_a_raster_of_the_same_pixels(server, tmp_path):
+    """Through the whole of it, by tiles and by windows of a file; positions as smooth colours."""
+    lat, lon, level, pixel = 52.09, 5.12, "14", 3440.64 / 2**14
+    x, y = pyproj.Transformer.from_crs(4326, 28992, always_xy=True).transform(lon, lat)
+    middle = [int(at / pixel) // 256 for at in (x - DUTCH.west, DUTCH.north - y)]
+
+    def colours(column, row, size):
+        steps = np.arange(size)
+        return np.stack(
+            [
+                *np.meshgrid(*(rasters.triangle(at * 256 + steps + 0.5) for at in (column, row))),
+                np.full((size, size), 90.0),
+            ],
+            axis=-1,
+        ).astype(np.uint8)
+
+    name = serve(server, DUTCH)
+    documents = server.answer
+
+    def answer(path, query):
+        found = re.fullmatch(r"/t/[^/]+/(\d+)/(\d+)/(\d+)\.png", path)
+        if not found:
+            return documents(path, query)
+        coarser, row, column = int(level) - int(found[1]), int(found[2]), int(found[3])
+        fine = colours(column << coarser, row << coarser, 256 << coarser).astype(float)
+        return png(
+            fine.reshape(256, 1 << coarser, 256, 1 << coarser, 3).mean(axis=(1, 3)).round().astype(np.uint8)
+        )
+
+    server.answer = answer
+    first = [at - 8 for at in middle]
+    west, north = DUTCH.west + first[0] * 256 * pixel, DUTCH.north - first[1] * 256 * pixel
+    path = rasters.write(
+        tmp_path / "same.tif",
+        colours(*first, 16 * 256).transpose(2, 0, 1),
+        (west, pixel, 0.0, north, 0.0, -pixel),
+        28992,
+    )
+    shown = []
+    for source_name in (f"{name}&tilematrix={level}", str(path)):
+        source = open_source(source_name)
+        mission = Mission(
+            Points(((lat, lon, 120.0),)), 120.0, tilt_deg=35.0, yaw_deg=20.0, source=source_name
+        )
+        worked_out = plan(mission, source.grid)
+        assert worked_out.accuracy.picture.method.name == "camera"
+        assert source.grid.pixel_size(worked_out.zoom)[0] == pytest.approx(pixel)
+        folder = tmp_path / f"out{len(shown)}"
+        assert capture(worked_out, source, folder).written == 1
+        source.close()
+        (picture,) = (folder / "satellite").glob("*.tif")
+        shown.append(gdal.Open(str(picture)).ReadAsArray().astype(int))
+    # Grey levels that lie between two may be rounded either way; four of them are a pixel.
+    assert np.abs(shown[0] - shown[1]).max() <= 1
+    assert abs((shown[0] - shown[1]).mean()) < 0.2
