@@ -54,7 +54,6 @@ def _list(arguments: argparse.Namespace) -> int:
 
 def _show(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
-    from ..imagery.systems import MAP, refused
 
     source = named_source(arguments.source, SourceOptions(crs=arguments.crs, named_by_user=True))
     offered = source.layers()
@@ -68,13 +67,12 @@ def _show(arguments: argparse.Namespace) -> int:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
     entry = source.entry
-    crs = MAP if entry.plane is None else entry.plane.crs
-    if arguments.crs not in ("", crs):
-        raise refused(arguments.crs, entry.title, [crs])
+    # Some sources have several besides that of their entry, and refuse others by themselves.
+    crs = source.grid.plane.crs if arguments.crs else ""
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
         return DONE
-    for label, text in _described(entry):
+    for label, text in _described(entry, crs):
         if text:
             print(printable(f"{label:{_COLUMN}s}{text}"))
     if entry.dates is not None and entry.dates.values:
@@ -87,7 +85,7 @@ def _show(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
+def _described(entry: CatalogueEntry, crs: str) -> list[tuple[str, str]]:
     from ..imagery.systems import MAP
 
     policy = entry.policy
@@ -99,7 +97,7 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
         ("title", entry.title),
         ("area", entry.area),
         ("map types", ", ".join(entry.map_types) or "one kind of picture"),
-        ("reference system", MAP if entry.plane is None else entry.plane.crs),
+        ("reference system", crs or (MAP if entry.plane is None else entry.plane.crs)),
         ("zooms", f"{entry.min_zoom} to {entry.max_zoom}, detail to {entry.native_zoom}"),
         ("tiles", f"{' or '.join(map(str, entry.tile_px))} px"),
         ("dates", entry.dates.text() if entry.dates else "none to choose from"),

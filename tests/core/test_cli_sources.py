@@ -218,6 +218,9 @@ def test_a_layer_is_captured_in_the_system_that_is_named(run, tmp_path):
             refusal = one_line(run("plan", "--coords", place, "--source", address, "--crs", wanted), 2)
             assert f"{wanted}: layer 'ortho' of 127.0.0.1 has EPSG:28992" in refusal
             assert wanted in one_line(run("sources", "add", "x", address, "--crs", wanted), 2)
+            assert wanted in one_line(run("sources", "show", address, "--crs", wanted), 2)
+        assert "osm" in good(run("sources", "show", "osm", "--crs", "EPSG:3857"))
+        assert "has EPSG:3857" in one_line(run("sources", "show", "osm", "--crs", "EPSG:2056"), 2)
         assert "2056: must be a code" in one_line(
             run("plan", "--coords", place, "--source", address, "--crs", "2056"), 2
         ).replace("'", "")

@@ -403,7 +403,7 @@ def test_templates_are_of_the_map_or_state_their_plane(tmp_path):
         open_source(url)
     with pytest.raises(InvalidInput, match=r"\{bbox-epsg-3857\} is for tiles of the Web-Mercator map"):
         add("other", {**data, "urls": {"": "https://h.example/?{bbox-epsg-3857}"}, "plane": plane}, tmp_path)
-    for name in ("https://h.example/{z}/{x}/{y}.png", "world"):
+    for name in ("https://h.example/{z}/{x}/{y}.png", "osm"):
         assert crs_of(name, crs="EPSG:3857") == "EPSG:3857"
         with pytest.raises(
             InvalidInput, match=r"coordinate reference system EPSG:25832: .* has EPSG:3857"
