@@ -162,7 +162,9 @@ def test_images_of_a_wmts_are_its_own_pixels(place, server, tmp_path):
 
 
 @pytest.mark.parametrize("place", PLACES)
-def test_tiles_lie_where_gdal_finds_them(place, server):
+def test_tiles_lie_where_gdal_finds_them(place, server, tmp_path, monkeypatch):
+    # It keeps tiles in the current folder.
+    monkeypatch.chdir(tmp_path)
     tiles, lat, lon, choice, _, _ = PLACES[place]
     source = open_source(serve(server, tiles) + choice)
     grid = source.grid
