@@ -38,16 +38,21 @@ def grid_of(mission: Mission) -> PixelGrid:
     Raises
     ------
     FormError
-        For the field ``source`` or ``date``, where there is no such source, or ``bands`` or ``stretch``, where it has
-        none.
+        For the field ``source``, ``date`` or ``crs``, where there is no such source; ``bands`` or ``stretch``, where it
+        has none.
     """
+    from ..core.imagery.systems import refused
+
     try:
         _check_bands(mission)
         if is_of_qgis(mission.imagery.source):
-            return grid_of_layers(mission.imagery.source, QgsProject.instance())
+            grid = grid_of_layers(mission.imagery.source, QgsProject.instance())
+            if mission.imagery.crs not in ("", grid.plane.crs):
+                raise refused(mission.imagery.crs, tr("this map of QGIS"), [grid.plane.crs])
+            return grid
         return _named(mission.imagery.source, _options(mission)).grid
     except (InvalidInput, SourceError) as wrong:
-        entry = wrong.field if wrong.field in ("date", "bands", "stretch") else "source"
+        entry = wrong.field if wrong.field in ("date", "crs", "bands", "stretch") else "source"
         raise FormError({entry: translate(wrong)}) from wrong
 
 
@@ -203,6 +208,7 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
     return SourceOptions(
         seed=mission.imagery.seed,
         date=mission.imagery.date or None,
+        crs=mission.imagery.crs,
         connections=Settings().connections,
         bands=mission.imagery.bands,
         stretch=mission.imagery.stretch,
@@ -291,6 +297,12 @@ def tile_layer_uri(name: str, map_type: str, date: str = "") -> str:
             tr(
                 "{host} needs a key, which would be written into the project file: show another source"
             ).format(host=template.host)
+        )
+    if template.plane is not None:
+        raise InvalidInput(
+            tr(
+                "{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel"
+            ).format(title=entry.title, crs=template.plane.crs)
         )
     if template.levels:
         raise InvalidInput(

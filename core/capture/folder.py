@@ -10,7 +10,9 @@ from pathlib import Path
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
+from ..geodesy.mercator import WebMercator
 from ..mission.mission import Mission
+from ..mission.plan import Plan
 from .journal import Outcome
 
 
@@ -55,12 +57,30 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     return path
 
 
+def captured_mission(plan: Plan) -> Mission:
+    """Mission of a plan as its dataset states it: with the coordinate reference system, if the source has its own.
+
+    Of pixels that are not the Web-Mercator map's in EPSG:3857 it is left to the source, as that code names the map's.
+    """
+    own = plan.grid.own
+    if own is None or own.crs == WebMercator.crs or plan.mission.imagery.crs:
+        return plan.mission
+    return plan.mission.with_(crs=own.crs)
+
+
 def is_of(mark: bytes, mission: Mission) -> bool:
-    """Whether a folder's ``mission.json``, perhaps of an earlier version, is of a mission."""
+    """Whether a folder's ``mission.json``, perhaps of an earlier version, is of a mission as `captured_mission` has it.
+
+    One that leaves the coordinate reference system to the source is of those that state it: whether its images are the
+    same ones is found when these are looked at.
+    """
     try:
-        return mark == mission.to_json().encode("utf-8") or Mission.from_json(mark.decode("utf-8")) == mission
+        if mark == mission.to_json().encode("utf-8"):
+            return True
+        found = Mission.from_json(mark.decode("utf-8"))
     except (InvalidInput, UnicodeDecodeError):
         return False
+    return found == mission or found.with_(crs=found.imagery.crs or mission.imagery.crs) == mission
 
 
 def check_captured(folder: str | os.PathLike[str]) -> None:

@@ -26,7 +26,7 @@ from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..picture.map_frame import check_size
 from ..picture.shot import parts_of
-from .folder import check_captured, complete_pictures, open_folder, remove_picture
+from .folder import captured_mission, check_captured, complete_pictures, open_folder, remove_picture
 from .journal import FAILED, Journal, Outcome
 from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
@@ -102,7 +102,7 @@ def capture(
     chosen = _chosen(plan, only)
     if only_failed:
         check_captured(folder)
-    path = open_folder(folder, plan.mission, resume=resume or only_failed)
+    path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
     listener = _Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:
         run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)

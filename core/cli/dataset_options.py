@@ -12,7 +12,18 @@ from ..mission.options import OPTIONS, Option
 
 #: Options of missions that a set of pairs has as well, from the command line, the environment or a file.
 _SHARED = (
-    *("source", "map_type", "date", "seed", "camera", "fov", "upsample", "ground_height", "error_budget"),
+    *(
+        "source",
+        "map_type",
+        "date",
+        "crs",
+        "seed",
+        "camera",
+        "fov",
+        "upsample",
+        "ground_height",
+        "error_budget",
+    ),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
 _HELP = """

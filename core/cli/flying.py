@@ -76,6 +76,7 @@ def named(
         SourceOptions(
             seed=asked.seed,
             date=asked.date or None,
+            crs=asked.crs,
             connections=values["connections"],
             cache=cache,
             placeholders=tuple(values["placeholder"] or ()),
@@ -135,12 +136,19 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
     cost = timed_cost(worked_out)
     if as_json:
-        about = {"source": source.title, "date": source.date, "policy": asdict(policy)}
+        about = {
+            "source": source.title,
+            "date": source.date,
+            "crs": source.grid.plane.crs,
+            "policy": asdict(policy),
+        }
         if source.bands != RGB:
             about["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
         print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
         return
-    lines = [("source", source.title + (f", {source.date}" if source.date else ""))]
+    own = worked_out.grid.own
+    facts = filter(None, (source.title, source.date, own.name if own else ""))
+    lines = [("source", ", ".join(facts))]
     if not source.is_local:
         needed = worked_out.requests * len(worked_out.mission.imagery.map_types)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""

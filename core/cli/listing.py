@@ -8,7 +8,7 @@ import sys
 import textwrap
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput, SourceError
+from ..errors import InvalidInput, Message, SourceError
 from ..text import printable
 from .exits import DONE
 
@@ -62,7 +62,7 @@ def _list_sources(arguments: argparse.Namespace) -> int:
 def _show_source(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
 
-    source = named_source(arguments.source, SourceOptions(named_by_user=True))
+    source = named_source(arguments.source, SourceOptions(crs=arguments.crs, named_by_user=True))
     offered = source.layers()
     if offered is not None:
         if arguments.json:
@@ -74,10 +74,12 @@ def _show_source(arguments: argparse.Namespace) -> int:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
     entry = source.entry
+    # Some sources have several besides that of their entry, and refuse others by themselves.
+    crs = source.grid.plane.crs if arguments.crs else ""
     if arguments.json:
         print(json.dumps(entry.to_dict(), indent=1))
         return DONE
-    for label, text in _described(entry):
+    for label, text in _described(entry, crs):
         if text:
             print(printable(f"{label:{_COLUMN}s}{text}"))
     if entry.dates is not None and entry.dates.values:
@@ -90,7 +92,9 @@ def _show_source(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
+def _described(entry: CatalogueEntry, crs: str) -> list[tuple[str, str]]:
+    from ..imagery.systems import MAP
+
     policy = entry.policy
     placeholders = entry.placeholder
     marks = len(placeholders.sha256) + len(placeholders.header) + len(placeholders.flat_rgb)
@@ -100,6 +104,7 @@ def _described(entry: CatalogueEntry) -> list[tuple[str, str]]:
         ("title", entry.title),
         ("area", entry.area),
         ("map types", ", ".join(entry.map_types) or "one kind of picture"),
+        ("reference system", crs or (MAP if entry.plane is None else entry.plane.crs)),
         ("zooms", f"{entry.min_zoom} to {entry.max_zoom}, detail to {entry.native_zoom}"),
         ("tiles", f"{' or '.join(map(str, entry.tile_px))} px"),
         ("dates", entry.dates.text() if entry.dates else "none to choose from"),
@@ -118,6 +123,7 @@ def _add_source(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import add, described
     from ..imagery.opening import SourceOptions, kind_of, named_source
     from ..imagery.placeholder import Placeholder
+    from ..imagery.systems import MAP, refused
 
     given = {name: getattr(arguments, name) for name in _STATED if getattr(arguments, name) is not None}
     if arguments.no_storing:
@@ -126,11 +132,13 @@ def _add_source(arguments: argparse.Namespace) -> int:
     if kind_of(arguments.url).is_service:
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
-        asked = SourceOptions(tile_px=arguments.tile_size, named_by_user=True)
+        asked = SourceOptions(tile_px=arguments.tile_size, crs=arguments.crs, named_by_user=True)
         entry = named_source(arguments.url, asked).entry
         files = list(Placeholder().with_files(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:
+        if arguments.crs not in ("", MAP):
+            raise refused(arguments.crs, Message("a URL template"), [MAP])
         if arguments.tile_size is not None:
             given["tile_px"] = arguments.tile_size
         data = described(

@@ -137,6 +137,8 @@ def _add_sources(commands: Any) -> None:
         "show", help="everything about one, or the layers of a wmts: or wms: address"
     )
     showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or wmts: or wms: address")
+    crs_help = "coordinate reference system of a service's layer, where it has several"
+    showing.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
     add_json(showing, argparse.SUPPRESS)
 
     adding = actions.add_parser(
@@ -147,6 +149,7 @@ def _add_sources(commands: Any) -> None:
     )
     adding.add_argument("name", metavar="NAME", help="lower-case letters, digits, hyphens and underscores")
     adding.add_argument("url", metavar="URL", help="URL template, or wmts: or wms: address of a layer")
+    adding.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
     for name, kind, metavar, text in (
         ("title", str, "TEXT", "what people see"),
         ("attribution", str, "TEXT", "credit that goes into every image"),

@@ -85,6 +85,7 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
         source=values["source"],
         map_type=map_type,
         date=values["date"] or "",
+        crs=values["crs"] or "",
         seed=values["seed"],
         gap_m=arguments.gap,
         allow_shared_ground=arguments.allow_shared_ground,

@@ -6,12 +6,15 @@ import math
 import threading
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .ellipsoid import WGS84, sin_cos, trace
+
+if TYPE_CHECKING:
+    from pyproj import CRS, Transformer
 
 Floats = NDArray[np.float64]
 
@@ -134,12 +137,12 @@ class ProjectedPlane:
     @cached_property
     def name(self) -> str:
         """Code of the CRS, or the name that its WKT has."""
-        return self.crs if len(self.crs) < _LONGEST_CODE else str(_crs(self.crs).name)
+        return self.crs if len(self.crs) < _LONGEST_CODE else str(_system(self.crs).name)
 
     @cached_property
     def unit_m(self) -> float:
         """Metres of the CRS's unit."""
-        return float(_crs(self.crs).axis_info[0].unit_conversion_factor)
+        return float(_system(self.crs).axis_info[0].unit_conversion_factor)
 
     def _slopes(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """First derivatives (..., 2, 2): of easting and northing by metres east and north."""
@@ -207,16 +210,17 @@ class TurnedPlane:
         return float(sine), float(cosine)
 
 
-def _crs(text: str) -> Any:
+def _system(crs: str) -> CRS:
+    # Grids are known where no CRS of a source's own is, and pyproj takes a while to import.
     from pyproj import CRS
 
-    return CRS.from_user_input(text)
+    return CRS.from_user_input(crs)
 
 
-def _transformer(crs: str) -> Any:
+def _transformer(crs: str) -> Transformer:
     from pyproj import Transformer
 
-    return Transformer.from_crs(_GEOGRAPHIC, _crs(crs), always_xy=True)
+    return Transformer.from_crs(_GEOGRAPHIC, _system(crs), always_xy=True)
 
 
 class _Transformers(threading.local):

@@ -2,6 +2,7 @@
 
 source       what a source is to the rest: windows, parts, tiles, pixels
 policy       what a provider allows
+systems      coordinate reference systems that services offer
 template     URL templates of tiles, and the keys in addresses
 entry        a source by name: where its tiles are, their dates, grid and terms
 opening      from the text in a mission to one value that tells all of the source, and opens it

@@ -13,10 +13,12 @@ from urllib.parse import quote
 
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid, extent_of_box
+from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_TILE_PX
 from ..resources import read_json
 from .placeholder import Placeholder
 from .policy import BULK, Policy
+from .systems import WORLD_DEG, box_on, plane_of
 from .template import KEY_ENV, Template
 
 DATE_KINDS = ("day", "year", "listed", "any")
@@ -30,8 +32,6 @@ _STEPS = {"P1D": "day", "P1Y": "year"}
 PIXELS = {"world": "..world.source", "xyz": ".xyz", "static-map": ".staticmap"}
 #: What grids have beside tiles and zooms: Static Maps limits its pictures, and keeps so many decimals of their centres.
 _GRIDS: dict[str, dict[str, Any]] = {"static-map": {"max_size_px": 640, "centre_decimals": 6}}
-#: West, south, east and north of the whole map.
-WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
 #: What every entry states.
 _NEEDED = ("title", "kind", "min_zoom", "max_zoom", "native_zoom")
 _TEXT = ((str,), Message("text of one line"))
@@ -45,8 +45,8 @@ _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("min_zoom", "max_zoom", "native_zoom", "max_tiles", "max_connections"), _WHOLE),
     "requests_per_s": ((int, float), Message("a number")),
     "cache_allowed": ((bool,), Message("true or false")),
-    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels"), _LIST),
-    **dict.fromkeys(("urls", "dates", "placeholder"), _OBJECT),
+    **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels", "tile_limits"), _LIST),
+    **dict.fromkeys(("urls", "dates", "placeholder", "plane"), _OBJECT),
 }
 #: What names of sources look like.
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
@@ -216,6 +216,10 @@ class CatalogueEntry:
         West, south, east, north of the ground it is named as an alternative for.
     levels : tuple of (zoom, name) pairs
         As in `Template`.
+    plane : ProjectedPlane or None
+        That the tiles divide, two by two times as many at each zoom; None for the Web-Mercator map.
+    tile_limits : tuple of (zoom, first column, first row, last column, last row)
+        Tiles there are of a zoom, both ends included; zooms that are not listed have no limits but those of the plane.
     user : bool
         Whether it is a user's own; less has to be known of those.
     """
@@ -239,6 +243,8 @@ class CatalogueEntry:
     signing_env: str | None = None
     bounds_deg: tuple[float, float, float, float] = WORLD_DEG
     levels: tuple[tuple[int, str], ...] = ()
+    plane: ProjectedPlane | None = None
+    tile_limits: tuple[tuple[int, int, int, int, int], ...] = ()
     user: bool = False
 
     @classmethod
@@ -252,6 +258,7 @@ class CatalogueEntry:
             marks = dict(data.pop("placeholder", {}))
             dates = data.pop("dates", None)
             urls = dict(data.pop("urls", {}))
+            plane = data.pop("plane", None)
             return cls(
                 name=name,
                 urls=urls,
@@ -268,6 +275,11 @@ class CatalogueEntry:
                 ),
                 bounds_deg=tuple(data.pop("bounds_deg", WORLD_DEG)),
                 levels=tuple((int(zoom), str(level)) for zoom, level in data.pop("levels", ())),
+                plane=plane_of(plane) if plane else None,
+                tile_limits=tuple(
+                    (int(zoom), int(left), int(top), int(right), int(bottom))
+                    for zoom, left, top, right, bottom in data.pop("tile_limits", ())
+                ),
                 user=user,
                 **data,
             )
@@ -310,7 +322,7 @@ class CatalogueEntry:
             raise InvalidInput("needs terms and terms_url")
 
     def _check_urls(self) -> None:
-        templates = [Template(url, levels=self.levels) for url in self.urls.values()]
+        templates = [Template(url, levels=self.levels, plane=self.plane) for url in self.urls.values()]
         needed = {name: any(name in template.names for template in templates) for name in ("date", "key")}
         if needed["date"] != (self.dates is not None) or (needed["key"] and self.key_env is None):
             raise InvalidInput("{date} in a URL needs dates, {key} needs key_env")
@@ -335,8 +347,9 @@ class CatalogueEntry:
         data = {
             one.name: getattr(self, one.name)
             for one in fields(self)
-            if one.name not in ("name", "dates", "policy", "placeholder", "user")
+            if one.name not in ("name", "dates", "policy", "placeholder", "plane", "user")
         }
+        data["plane"] = None if self.plane is None else asdict(self.plane)
         data = {name: value for name, value in data.items() if value not in (None, "", (), {}, WORLD_DEG)}
         for own, default in ((self.policy, Policy()), (self.dates, Dates("any"))):
             stated = {} if own is None else asdict(own)
@@ -358,7 +371,27 @@ class CatalogueEntry:
         ends = self.user and self.bounds_deg != WORLD_DEG
         extent = extent_of_box(*self.bounds_deg) if ends else None
         more = _GRIDS.get(self.kind, {})
+        if self.plane is not None:
+            extent, more = self._own_extent(self.plane), {"plane": self.plane}
         return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
+
+    def _own_extent(self, plane: ProjectedPlane) -> tuple[tuple[float, float], ...] | None:
+        """Corners of what tiles there are within the stated bounds, as fractions of the plane; None for all of it."""
+        boxes = [
+            (left / (1 << zoom), top / (1 << zoom), (right + 1) / (1 << zoom), (bottom + 1) / (1 << zoom))
+            for zoom, left, top, right, bottom in self.tile_limits
+            if zoom == self.native_zoom
+        ]
+        stated = None if self.bounds_deg == WORLD_DEG else box_on(plane, self.bounds_deg)
+        boxes += [] if stated is None else [stated]
+        if not boxes:
+            return None
+        west, north = (max(edges) for edges in list(zip(*boxes))[:2])
+        east, south = (min(edges) for edges in list(zip(*boxes))[2:])
+        # Bounds that say nothing of the tiles are left aside.
+        if not (west < east and north < south):
+            west, north, east, south = boxes[0]
+        return ((west, north), (east, north), (east, south), (west, south))
 
     def date(self, wanted: str | None) -> str:
         """Date of the imagery; empty where there is but one."""
@@ -381,7 +414,9 @@ class CatalogueEntry:
         """Templates of the tiles of a date, by map type."""
         written = self.dates.written(date) if self.dates else ""
         return {
-            map_type: Template(url.replace("{date}", quote(written, safe=":/&=,.")), levels=self.levels)
+            map_type: Template(
+                url.replace("{date}", quote(written, safe=":/&=,.")), levels=self.levels, plane=self.plane
+            )
             for map_type, url in self.urls.items()
         }
 
@@ -456,7 +491,8 @@ def serving(host: str) -> CatalogueEntry | None:
 
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
     """Return an entry with its provider's terms: they hold however the tiles are asked for."""
-    hosts = (host for url in entry.urls.values() for host in Template(url, levels=entry.levels).hosts)
+    templates = (Template(url, levels=entry.levels, plane=entry.plane) for url in entry.urls.values())
+    hosts = (host for template in templates for host in template.hosts)
     known = [provider for provider in map(serving, hosts) if provider is not None]
     if not known:
         return entry

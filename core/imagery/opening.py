@@ -21,6 +21,8 @@ from .placeholder import Placeholder
 from .policy import Policy
 from .raster.trust import file_of_part
 from .source import Source
+from .systems import MAP
+from .systems import refused as refused_crs
 
 if TYPE_CHECKING:
     from .cache.tile_cache import TileCache
@@ -47,6 +49,9 @@ class SourceOptions:
         API key and signing secret; None for those of the environment.
     date : str or None
         Of the imagery, where the source has several; None for its default.
+    crs : str
+        Coordinate reference system in which pictures are made, one that the source has pixels in: ``EPSG:code``, and
+        EPSG:3857 for those of the Web-Mercator map. Empty for the source's own, and the map's of a service that has it.
     tile_px : int or None
         Size of tiles; None for the source's own, 256 for a template.
     max_zoom : int or None
@@ -76,6 +81,7 @@ class SourceOptions:
     key: str | None = None
     secret: str | None = None
     date: str | None = None
+    crs: str = ""
     tile_px: int | None = None
     max_zoom: int | None = None
     connections: int = 8
@@ -368,7 +374,10 @@ class EntrySource(NamedSource):
     @cached_property
     def _wanted(self) -> tuple[str, PixelGrid]:
         """Date and grid that the options ask for; both are refused together, as a plan asks for the grid alone."""
-        return self.entry.date(self.options.date), self.entry.grid(self.options.tile_px)
+        grid = self.entry.grid(self.options.tile_px)
+        if self.options.crs not in ("", grid.plane.crs):
+            raise refused_crs(self.options.crs, self.entry.title, [grid.plane.crs])
+        return self.entry.date(self.options.date), grid
 
     @property
     def grid(self) -> PixelGrid:
@@ -419,7 +428,12 @@ class FileSource(NamedSource):
         date = self.options.date or ""
         if date and not self.takes_date:
             raise InvalidInput("date {0!r}: {1} has no dates to choose from", date, self.text, field="date")
-        return self._open(date)
+        source, wanted = self._open(date), self.options.crs
+        plane = source.grid.plane
+        if wanted not in ("", plane.crs):
+            source.close()
+            raise refused_crs(wanted, source.title, [source.grid.own.name if source.grid.own else MAP, MAP])
+        return source
 
     @property
     def is_local(self) -> bool:

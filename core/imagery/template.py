@@ -11,6 +11,7 @@ from urllib.parse import parse_qsl, quote, unquote, urlsplit
 
 from ..errors import InvalidInput, Message, SourceError
 from ..geodesy.mercator import HALF_WORLD_M
+from ..geodesy.planes import ProjectedPlane
 from ..map_types import MAP_TYPES
 
 #: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
@@ -29,9 +30,13 @@ PLACEHOLDERS = {
     "date": "date of the imagery",
     "key": "API key",
     "bbox-epsg-3857": "west,south,east,north of the tile in metres, for a WMS",
+    "bbox": "west,south,east,north of the tile in the plane that the source states",
+    "bbox-yx": "south,west,north,east of it",
 }
 #: The placeholder that says all of where a tile is, as Mapbox and MapLibre spell it.
 BBOX = "bbox-epsg-3857"
+#: The same in a plane of the source's own, by easting or by northing first.
+OWN_BBOX, OWN_BBOX_YX = "bbox", "bbox-yx"
 _BRACES = re.compile(r"\{([^{}]*)\}")
 #: Names and numbers of hosts, once they are written plainly.
 _HOST = re.compile(r"[a-z0-9._-]+|[0-9a-f:.]+")
@@ -67,11 +72,14 @@ class Template:
         What {s} stands for, in turn.
     levels : tuple of (zoom, name) pairs
         What {z} stands for where the server calls its zooms otherwise.
+    plane : ProjectedPlane or None
+        That the tiles divide; None for the Web-Mercator map.
     """
 
     text: str
     subdomains: tuple[str, ...] = ("a", "b", "c")
     levels: tuple[tuple[int, str], ...] = ()
+    plane: ProjectedPlane | None = None
 
     def __post_init__(self) -> None:
         text = self.text.strip().replace("${", "{").replace("{zoom}", "{z}")
@@ -112,6 +120,10 @@ class Template:
         values = {"z": quote(level, safe=":"), "x": str(x), "y": str(y), "-y": str((1 << z) - 1 - y)}
         if BBOX in names:
             values[BBOX] = bbox(z, x, y)
+        if self.plane is not None and names & {OWN_BBOX, OWN_BBOX_YX}:
+            edges = own_edges(self.plane, z, x, y)
+            values[OWN_BBOX] = ",".join(map(repr, edges))
+            values[OWN_BBOX_YX] = ",".join(repr(edges[at]) for at in (1, 0, 3, 2))
         if "q" in names:
             values["q"] = quadkey(z, x, y)
         if "s" in names:
@@ -147,7 +159,17 @@ class Template:
         missing = [name for name in ("z", "x") if name not in names]
         if not names & {"y", "-y"}:
             missing.append("y")
-        if missing and not names & {"q", BBOX}:
+        other = {OWN_BBOX, OWN_BBOX_YX} if self.plane is None else {BBOX, "q"}
+        for name in sorted(names & other):
+            raise InvalidInput(
+                "URL template {0}: {{{1}}} is for {2}",
+                shown,
+                name,
+                Message("a source with a plane of its own")
+                if self.plane is None
+                else Message("tiles of the Web-Mercator map"),
+            )
+        if missing and not names & {"q", BBOX, OWN_BBOX, OWN_BBOX_YX}:
             raise InvalidInput(
                 "URL template {0}: without {1}; needs {{z}}, {{x}} and {{y}} (or {{-y}}, or {{q}} or "
                 "{{{2}}} alone)",
@@ -256,6 +278,14 @@ def bbox(z: int, x: int, y: int) -> str:
     # From the grid's lines on both sides, so that neighbours share an edge to the last digit.
     edges = (west, HALF_WORLD_M - (y + 1) * size_m, (x + 1) * size_m - HALF_WORLD_M, north)
     return ",".join(repr(edge) for edge in edges)
+
+
+def own_edges(plane: ProjectedPlane, z: int, x: int, y: int) -> tuple[float, float, float, float]:
+    """West, south, east and north of a tile of a plane, in its system's unit; neighbours share an edge."""
+    columns, rows = (x, x + 1), (y + 1, y)
+    west, east = (plane.west + plane.width * column / (1 << z) for column in columns)
+    south, north = (plane.north - plane.height * row / (1 << z) for row in rows)
+    return west, south, east, north
 
 
 def environment_key(hosts: Iterable[str], *, named_by_user: bool) -> str | None:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import threading
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import astuple
 from typing import Callable
 
-from ..errors import InvalidInput, SourceError
+from ..errors import InvalidInput, PartError, SourceError
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
 from .cache.tile_cache import TileCache
@@ -51,6 +52,8 @@ class XYZSource:
         Requests under way at once, where the policy allows them.
     cache : TileCache or None
         Where tiles are kept for later runs, if the policy allows it; None for nowhere.
+    limits : tuple
+        Tiles there are, as `CatalogueEntry.tile_limits`.
     alpha : bool
         Whether the fourth channel is what the tiles have, for who lays them over something else.
 
@@ -76,6 +79,7 @@ class XYZSource:
         transport: Transport | None = None,
         connections: int = 8,
         cache: TileCache | None = None,
+        limits: Iterable[tuple[int, int, int, int, int]] = (),
         alpha: bool = False,
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
@@ -95,6 +99,7 @@ class XYZSource:
         self.map_types = self._map_types_of_templates()
         self.placeholder = placeholder
         self._alpha = alpha
+        self._limits = {zoom: ends for zoom, *ends in limits}
         self.received: Received | None = None
         self._key = key or ""
         if not date and any("date" in template.names for template in self._templates.values()):
@@ -142,6 +147,9 @@ class XYZSource:
             Within half a second of `close`.
         """
         tile = tile_address(part, self.grid, self.title)
+        left, top, right, bottom = self._limits.get(tile.zoom, (tile.x, tile.y, tile.x, tile.y))
+        if not (left <= tile.x <= right and top <= tile.y <= bottom):
+            raise PartError("{0}: beyond the tiles of {1}", tile, self.title)
         url = self._template(map_type).url(
             *tile, scale=self.grid.scale, map_type=map_type, date=self.date, key=self._key_needed(map_type)
         )
@@ -195,11 +203,13 @@ class XYZSource:
         kept_as = map_type if self.map_types else ""
         with self._lock:
             if kept_as not in self._stores and self._cache is not None:
+                own = self.grid.own
                 self._stores[kept_as] = self._cache.store(
-                    self._template(map_type).text,
+                    # A tile of the same number is another one in another plane.
+                    self._template(map_type).text + (f"\n{astuple(own)}" if own else ""),
                     # A template may hold in its path what is not for everyone to see.
                     source=self._template(map_type).host if "{" in self.name else self.name,
-                    title=self.title,
+                    title=f"{self.title} ({own.crs})" if own else self.title,
                     attribution=self.attribution,
                     map_type=kept_as,
                     date=self.date,
@@ -270,4 +280,5 @@ def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: Sourc
         transport=options.transport,
         cache=options.cache,
         connections=options.connections,
+        limits=entry.tile_limits,
     )

@@ -114,7 +114,10 @@ class Mission:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``."""
         parts = {one.name: getattr(self, one.name) for one in fields(self) if one.compare}
-        plain = {name: None if part is None else asdict(part) for name, part in parts.items()}
+        plain: dict[str, Any] = {name: None if part is None else asdict(part) for name, part in parts.items()}
+        if not self.imagery.crs:
+            # Files of missions that leave it to the source are those of versions that did not know it.
+            del plain["imagery"]["crs"]
         kind = type(self.area).__name__.lower()
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **(plain["area"] or {})}}
 

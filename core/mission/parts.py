@@ -31,6 +31,9 @@ HIGHEST_AGL_M = 1e9
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
+#: A code, or the WKT of a raster whose coordinate reference system has none.
+_CRS = r"(EPSG:[0-9]{1,7}|[A-Z]+[A-Z0-9_]*\[.*\])?"
+_LONGEST_CRS = 20_000
 _CHANNELS = (1, 3)
 _NUMBER = r"-?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?"
 #: How values become 8 bits: by one of two words, or between two values.
@@ -90,6 +93,13 @@ def _check_stretch(text: str) -> None:
     raise InvalidInput(
         "stretch {0!r}: must be none, percentile, or two numbers, the lower one first", text, field="stretch"
     )
+
+
+def _check_crs(text: str) -> None:
+    if not re.fullmatch(_CRS, text) or not text.isprintable() or len(text) > _LONGEST_CRS:
+        raise InvalidInput(
+            "coordinate reference system {0!r}: must be a code such as EPSG:2056", text[:80], field="crs"
+        )
 
 
 def _check_map_types(map_types: tuple[str, ...]) -> None:
@@ -293,6 +303,15 @@ class Imagery(Part):
         advanced=True,
         check=_check_stretch,
         schema={"pattern": _STRETCH},
+    )
+    crs: str = declared(
+        "",
+        title="coordinate reference system",
+        help="of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the "
+        "Web-Mercator map; left out, the source's own, or the map's where a service has both",
+        advanced=True,
+        check=_check_crs,
+        schema={"pattern": f"^{_CRS}$", "maxLength": _LONGEST_CRS},
     )
     seed: int = declared(
         2024,

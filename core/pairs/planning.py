@@ -55,7 +55,7 @@ class PairSettings:
     satellite_m : float or None
         Ground that the satellite view is wide, metres; None for as wide as the widest of the drone's views is at the
         place.
-    source, map_type, date
+    source, map_type, date, crs
         Of the imagery, as a Mission has them.
     seed : int
         Of the embedded world, and of the order in which places are shared out.
@@ -76,6 +76,7 @@ class PairSettings:
     source: str = "world"
     map_type: str = Imagery.map_types[0]
     date: str = ""
+    crs: str = ""
     seed: int = 2024
     shares: tuple[float, float, float] = SHARES
     gap_m: float = 0.0
@@ -131,6 +132,7 @@ class PairSettings:
             map_types=(self.map_type,),
             source=self.source,
             date=self.date,
+            crs=self.crs,
             seed=self.seed,
             image_format="jpg",
             upsample=self.upsample,

@@ -2719,6 +2719,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>transversal</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>the source's own</source>
+        <translation>el de la fuente</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source> a second</source>
         <translation> por segundo</translation>
@@ -4134,6 +4139,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
+        <source>this map of QGIS</source>
+        <translation>este mapa de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
         <source>{host} needs a key, which would be written into the project file: show another source</source>
         <translation>{host} necesita una clave, que se escribiría en el archivo del proyecto: mostrar otra fuente</translation>
     </message>
@@ -4141,6 +4151,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} has no tiles to show as a background; show another source and come back</source>
         <translation>{title} no tiene teselas que mostrar como fondo; mostrar otra fuente y volver</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel</source>
+        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añadir su capa con el Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -5227,6 +5242,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/systems.py"/>
         <location filename="../../core/mission/cameras.py"/>
         <source>none</source>
         <translation>ninguno</translation>
@@ -6190,6 +6206,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
+        <location filename="../../core/imagery/systems.py"/>
         <source>{0} and {1} more</source>
         <translation>{0} y {1} más</translation>
     </message>
@@ -6209,14 +6226,20 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/matrices.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
-        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible</source>
-        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; necesita una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible</translation>
+        <source>layer {0!r} of {1}</source>
+        <translation>capa {0!r} de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/matrices.py"/>
+        <source>layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible, or a projected system of EPSG, with square tiles of 256 px or a multiple</source>
+        <translation>capa {0!r} de {1}: solo tiene teselas en {2}; hace falta una cuadrícula Web Mercator, como WebMercatorQuad o GoogleMapsCompatible, o un sistema proyectado de EPSG, con teselas cuadradas de 256 px o un múltiplo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogc.py"/>
-        <source>layer {0!r} of {1}: is offered in {2}; needs {3}</source>
-        <translation>capa {0!r} de {1}: se ofrece en {2}; necesita {3}</translation>
+        <source>layer {0!r} of {1}: is offered in {2}; needs {3} or another projected system of EPSG</source>
+        <translation>capa {0!r} de {1}: se ofrece en {2}; hace falta {3} u otro sistema proyectado de EPSG</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogc.py"/>
@@ -6324,6 +6347,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: su centro {1!r} tiene más de {2} decimales, que {3} descarta</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/systems.py"/>
+        <source>coordinate reference system {0}: {1} has {2}</source>
+        <translation>sistema de referencia de coordenadas {0}: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/systems.py"/>
+        <source>plane of {0!r}: must be that of a projected system, such as EPSG:2056</source>
+        <translation>plano de {0!r}: debe ser el de un sistema proyectado, como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/systems.py"/>
+        <source>plane {0}: must be crs, and west, north, width and height as numbers</source>
+        <translation>plano {0}: debe tener crs, y west, north, width y height como números</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/template.py"/>
         <source>URL template</source>
         <translation>plantilla de URL</translation>
@@ -6355,8 +6393,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
+        <source>URL template {0}: {{{1}}} is for {2}</source>
+        <translation>plantilla de URL {0}: {{{1}}} es para {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
         <source>URL template {0}: {{{1}}} is unknown; known are {2}</source>
         <translation>plantilla de URL {0}: {{{1}}} es desconocido; se conocen {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>a source with a plane of its own</source>
+        <translation>una fuente con un plano propio</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6367,6 +6415,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/template.py"/>
         <source>set {0}={1} if the key is for it</source>
         <translation>definir {0}={1} si la clave es para él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/template.py"/>
+        <source>tiles of the Web-Mercator map</source>
+        <translation>teselas del mapa Web Mercator</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -6417,6 +6470,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/xyz.py"/>
         <source>source {0}: its URL has a {{date}}</source>
         <translation>fuente {0}: su URL tiene una {{date}}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>{0}: beyond the tiles of {1}</source>
+        <translation>{0}: fuera de las teselas de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>
@@ -7615,6 +7673,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>coordinate reference system</source>
+        <translation>sistema de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>coordinate reference system {0!r}: must be a code such as EPSG:2056</source>
+        <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
         <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
     </message>
@@ -7832,6 +7900,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>of the image files, all of which state their coordinate reference system: tif and png are lossless</source>
         <translation>de los archivos de imagen, que indican todos su sistema de referencia de coordenadas: tif y png no tienen pérdida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the Web-Mercator map; left out, the source's own, or the map's where a service has both</source>
+        <translation>de las imágenes, como EPSG:2056: uno en el que la fuente tenga píxeles, o EPSG:3857 para los del mapa Web Mercator; si se omite, el de la fuente, o el del mapa si un servicio tiene ambos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

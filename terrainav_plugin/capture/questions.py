@@ -17,6 +17,7 @@ from ..sources import credentials_problem, terms_problem
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
+    from ...core.mission.plan import Plan
     from ..messages import Messages
     from .run import Run
 
@@ -65,14 +66,14 @@ class Questions:
             self._messages.refused(problem, tr("Nothing to capture yet."))
         return not problem
 
-    def belongs_to_another(self, mission: Mission, folder: Path) -> bool:
+    def belongs_to_another(self, plan: Plan, folder: Path) -> bool:
         """Whether the folder holds another mission; offers one beside it."""
-        from ...core.capture.folder import is_of
+        from ...core.capture.folder import captured_mission, is_of
         from ...core.dataset.folder import MISSION_FILE
 
         mark = folder / MISSION_FILE
         try:
-            if not mark.is_file() or is_of(mark.read_bytes(), mission):
+            if not mark.is_file() or is_of(mark.read_bytes(), captured_mission(plan)):
                 return False
         except OSError:
             # The run itself says what is wrong with the folder.

@@ -119,7 +119,7 @@ class Runs(QObject):
 
     def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
-        if self.questions.belongs_to_another(planned.mission, folder):
+        if self.questions.belongs_to_another(planned.plan, folder):
             return
         self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
 

@@ -42,7 +42,7 @@ _IDS = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS", "m
 _OTHERWISE = ("agl_m", "source", "map_types", "img_size")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
 #: pixels, and texts are empty then.
-_IF_GIVEN = ("image_px", "start", "date")
+_IF_GIVEN = ("image_px", "start", "date", "crs")
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 

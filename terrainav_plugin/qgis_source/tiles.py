@@ -232,7 +232,9 @@ def address_of(layer: QgsRasterLayer) -> Address | None:
 def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
     from ...core.imagery.opening import SourceOptions, named_source
 
-    options = SourceOptions(key=tiles._connection.key or None, transport=tiles._transport)  # noqa: SLF001
+    connection, transport = tiles._connection, tiles._transport  # noqa: SLF001
+    # The layers that come here are in Web Mercator, and so must their tiles be.
+    options = SourceOptions(key=connection.key or None, transport=transport, crs=_MERCATOR)
     return named_source(name, options).entry
 
 

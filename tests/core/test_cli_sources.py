@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import csv
 import importlib
 import json
+import re
 import warnings
 
 import pytest
 
 from tests.support.command import command
 from tests.support.patterns import positions, to_bytes
-from tests.support.services import ServiceServer, matrix, matrix_set, wmts_document, wmts_layer
+from tests.support.services import DUTCH, ServiceServer, matrix, matrix_set, wmts_document, wmts_layer
 from tests.support.tileserver import TileServer
 
 POINT = "35.16_-89.90_400"
@@ -187,6 +189,59 @@ def test_a_service_is_listed_added_and_planned_with_when_it_is_gone(run):
     figures = json.loads(good(run("plan", "--coords", POINT, "--source", "topo", "--json")))
     assert (figures["source"], figures["policy"]["max_connections"]) == ("Topo", 2)
     assert "capabilities" in one_line(run("plan", "--coords", POINT, "--source", address), 3)
+
+
+def test_a_layer_is_captured_in_the_system_that_is_named(run, tmp_path):
+    pytest.importorskip("owslib")
+    gdal = pytest.importorskip("osgeo.gdal", reason="pictures are read by GDAL's Python module")
+    place = "52.09_5.12_100"
+    with ServiceServer() as server:
+        rest = f"{server.url}/{{TileMatrix}}/{{TileCol}}/{{TileRow}}.png"
+        layer = wmts_layer("ortho", {DUTCH.name: []}, title="Aerial", resources=[("image/png", rest)])
+        document = wmts_document([layer], [DUTCH.text()])
+
+        def answer(path, _):
+            if path.endswith(".xml"):
+                return 200, "text/xml", document
+            level, column, row = path.removesuffix(".png").split("/")[1:]
+            return 200, "image/png", to_bytes(DUTCH.tile(level, int(column), int(row)), "png")
+
+        server.answer = answer
+        address = f"wmts:{server.url}/c.xml#layer=ortho"
+        printed = good(run("plan", "--coords", place, "--source", address))
+        assert re.search(r"^source +Aerial, EPSG:28992$", printed, re.MULTILINE)
+        assert (
+            json.loads(good(run("plan", "--coords", place, "--source", address, "--json")))["crs"]
+            == "EPSG:28992"
+        )
+        for wanted in ("EPSG:3857", "EPSG:2056"):
+            refusal = one_line(run("plan", "--coords", place, "--source", address, "--crs", wanted), 2)
+            assert f"{wanted}: layer 'ortho' of 127.0.0.1 has EPSG:28992" in refusal
+            assert wanted in one_line(run("sources", "add", "x", address, "--crs", wanted), 2)
+            assert wanted in one_line(run("sources", "show", address, "--crs", wanted), 2)
+        assert "osm" in good(run("sources", "show", "osm", "--crs", "EPSG:3857"))
+        assert "has EPSG:3857" in one_line(run("sources", "show", "osm", "--crs", "EPSG:2056"), 2)
+        assert "2056: must be a code" in one_line(
+            run("plan", "--coords", place, "--source", address, "--crs", "2056"), 2
+        ).replace("'", "")
+        shown = good(run("sources", "show", address, "--crs", "EPSG:28992"))
+        assert re.search(r"^reference system +EPSG:28992$", shown, re.MULTILINE)
+        good(run("sources", "add", "aerial", address, "--crs", "EPSG:28992"))
+        good(
+            run(
+                "capture", "--coords", place, "--source", "aerial", "--crs", "EPSG:28992", "--data-dir", "out"
+            )
+        )
+    (picture,) = (tmp_path / "out/satellite").glob("*.tif")
+    assert gdal.Open(str(picture)).GetSpatialRef().GetAuthorityCode(None) == "28992"
+    (row,) = csv.DictReader((tmp_path / "out/satellite/meta_data.csv").read_text("utf-8").splitlines())
+    assert row["crs"] == "EPSG:28992"
+    # The mission of the dataset asks for the same again.
+    assert json.loads((tmp_path / "out/mission.json").read_text())["imagery"]["crs"] == "EPSG:28992"
+    template = "https://h.example/{z}/{x}/{y}.png"
+    assert "a URL template has EPSG:3857" in one_line(
+        run("sources", "add", "x", template, "--crs", "EPSG:2056"), 2
+    )
 
 
 def test_names_and_addresses_that_are_refused(run, tmp_path):

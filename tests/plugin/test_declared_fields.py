@@ -16,8 +16,8 @@ from terrainav.terrainav_plugin.form.state import DECLARED, ENTERED_AS_DECLARED,
 IDS = set(
     "EXTENT AREA COORDS AGL CAMERA FOV ASPECT OVERLAP_ALONG OVERLAP_ACROSS LAYOUT GRID_ANGLE CROSSHATCH ORDER SOURCE "
     "OTHER_SOURCE MAP_TYPES FORMAT AGL_FIELD YAW_FIELD YAW TILT ROLL GROUND_HEIGHT ERROR_BUDGET ACCEPT_ERROR FRAME "
-    "RESAMPLING IMAGE_PX ZOOM GSD MAX_PX UPSAMPLE IMG_SIZE DATE WIND_SPEED WIND_FROM TURBULENCE AIRSPEED START SEED "
-    "MAX_IMAGES MISSION".split()
+    "RESAMPLING IMAGE_PX ZOOM GSD MAX_PX UPSAMPLE IMG_SIZE DATE CRS WIND_SPEED WIND_FROM TURBULENCE AIRSPEED START "
+    "SEED MAX_IMAGES MISSION".split()
 )
 
 
@@ -91,7 +91,7 @@ def test_parameters_have_the_declared_defaults_and_ranges(parameters):
         parameter = parameters[name]
         advanced = bool(parameter.flags() & QgsProcessingParameterDefinition.Flag.FlagAdvanced)
         assert advanced == field.advanced, name
-        if name in ("SOURCE", "START", "DATE", "BANDS", "IMG_SIZE", "IMAGE_PX"):
+        if name in ("SOURCE", "START", "DATE", "BANDS", "IMG_SIZE", "IMAGE_PX", "CRS"):
             # A list with sources of the user's own, texts that say nothing where they are empty, a camera's own.
             continue
         assert parameter.description() == title_of(field)

@@ -60,6 +60,7 @@ missions = st.builds(
     bands=st.sampled_from([(), ("4", "1", "2"), ("nir", "red")]),
     stretch=st.sampled_from(["none", "percentile", "-10 4000.5"]),
     date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
+    crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
 
 

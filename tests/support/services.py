@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable
+from dataclasses import dataclass
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from urllib.parse import parse_qs, urlsplit
 from xml.sax.saxutils import escape
@@ -109,14 +110,21 @@ def wmts_layer(
     resources=(),
     dimensions: str = "",
     styles=(("default", True),),
+    bounds=None,
 ) -> str:
-    """Write a layer; ``links`` maps tile matrix sets to the matrices it is limited to, none for all."""
+    """Write a layer; ``links`` maps tile matrix sets to the matrices it is limited to, none for all.
+
+    They may be a mapping to the limits themselves: first column and row, last column and row. ``bounds`` are west,
+    south, east and north in degrees.
+    """
     texts = []
     for matrix_set_name, limited in links.items():
+        ends = limited if isinstance(limited, dict) else dict.fromkeys(limited, (0, 0, 1, 1))
         limits = "".join(
-            f"<TileMatrixLimits><TileMatrix>{one}</TileMatrix><MinTileRow>0</MinTileRow><MaxTileRow>1</MaxTileRow>"
-            "<MinTileCol>0</MinTileCol><MaxTileCol>1</MaxTileCol></TileMatrixLimits>"
-            for one in limited
+            f"<TileMatrixLimits><TileMatrix>{one}</TileMatrix><MinTileRow>{top}</MinTileRow>"
+            f"<MaxTileRow>{bottom}</MaxTileRow><MinTileCol>{left}</MinTileCol><MaxTileCol>{right}</MaxTileCol>"
+            "</TileMatrixLimits>"
+            for one, (left, top, right, bottom) in ends.items()
         )
         limits = f"<TileMatrixSetLimits>{limits}</TileMatrixSetLimits>" if limits else ""
         texts.append(
@@ -131,8 +139,15 @@ def wmts_layer(
         for kind, url in resources
     )
     listed = "".join(f"<Format>{kind}</Format>" for kind in formats)
+    west, south, east, north = bounds or 4 * (0,)
+    box = (
+        f"<ows:WGS84BoundingBox><ows:LowerCorner>{west} {south}</ows:LowerCorner>"
+        f"<ows:UpperCorner>{east} {north}</ows:UpperCorner></ows:WGS84BoundingBox>"
+        if bounds
+        else ""
+    )
     return (
-        f"<Layer><ows:Title>{title}</ows:Title><ows:Identifier>{name}</ows:Identifier>{shown}{listed}{dimensions}"
+        f"<Layer><ows:Title>{title}</ows:Title>{box}<ows:Identifier>{name}</ows:Identifier>{shown}{listed}{dimensions}"
         f"{''.join(texts)}{rest}</Layer>"
     )
 
@@ -192,4 +207,130 @@ def painted(query: dict) -> np.ndarray:
     size_x, size_y = (east - west) / width, (north - south) / height
     columns = np.floor((west + (np.arange(width) + 0.5) * size_x + HALF_M) / size_x)
     rows = np.floor((HALF_M - north + (np.arange(height) + 0.5) * size_y) / size_y)
+    return patterns.encode_position(columns.astype(np.int64), rows.astype(np.int64))
+
+
+@dataclass(frozen=True)
+class NationalSet:
+    """A tile matrix set in a projected CRS, in the shape that a real service has it.
+
+    Parameters
+    ----------
+    name : str
+    epsg : int
+    west, north : float
+        Easting and northing of the upper left corner.
+    width, height : float
+        Of the set, in the CRS's unit.
+    resolutions : mapping of identifier to units a pixel
+    tile_px : int
+    unit_m : float
+        Metres of the unit.
+    """
+
+    name: str
+    epsg: int
+    west: float
+    north: float
+    width: float
+    height: float
+    resolutions: dict[str, float]
+    tile_px: int = 256
+    unit_m: float = 1.0
+
+    def text(self, *, northing_first: bool = False, crs: str = "urn:ogc:def:crs:EPSG::{}") -> str:
+        """Write it, its corner in either order."""
+        corner = (self.north, self.west) if northing_first else (self.west, self.north)
+        matrices = [
+            f"<TileMatrix><ows:Identifier>{name}</ows:Identifier>"
+            f"<ScaleDenominator>{size * self.unit_m / 0.00028!r}</ScaleDenominator>"
+            f"<TopLeftCorner>{corner[0]!r} {corner[1]!r}</TopLeftCorner>"
+            f"<TileWidth>{self.tile_px}</TileWidth><TileHeight>{self.tile_px}</TileHeight>"
+            f"<MatrixWidth>{self.columns(name)[0]}</MatrixWidth><MatrixHeight>{self.columns(name)[1]}</MatrixHeight>"
+            "</TileMatrix>"
+            for name, size in self.resolutions.items()
+        ]
+        return matrix_set(self.name, matrices, crs.format(self.epsg))
+
+    def columns(self, name: str) -> tuple[int, int]:
+        """Columns and rows of tiles of a matrix."""
+        across = self.resolutions[name] * self.tile_px
+        return math.ceil(self.width / across), math.ceil(self.height / across)
+
+    def tile(self, name: str, column: int, row: int) -> np.ndarray:
+        """Paint a tile, whose pixels hold their column and row from the corner."""
+        steps = np.arange(self.tile_px)
+        return patterns.encode_position(column * self.tile_px + steps, row * self.tile_px + steps)
+
+
+#: As swisstopo has it: few of its levels halve.
+SWISS = NationalSet(
+    "2056_28",
+    2056,
+    2_420_000.0,
+    1_350_000.0,
+    480_000.0,
+    320_000.0,
+    {
+        str(at): float(size)
+        for at, size in enumerate(
+            "4000 3750 3500 3250 3000 2750 2500 2250 2000 1750 1500 1250 1000 750 650 500 250 100 50 20 10 5 2.5 2 1.5 "
+            "1 0.5 0.25 0.1".split()
+        )
+    },
+)
+#: As PDOK has it.
+DUTCH = NationalSet(
+    "EPSG:28992",
+    28992,
+    -285_401.92,
+    903_401.92,
+    880_803.84,
+    880_803.84,
+    {f"{zoom:02d}": 3440.64 / 2**zoom for zoom in range(17)},
+)
+#: As NASA GIBS has it about both poles.
+ANTARCTIC = NationalSet(
+    "250m",
+    3031,
+    -4_194_304.0,
+    4_194_304.0,
+    8_388_608.0,
+    8_388_608.0,
+    {str(zoom): 8192.0 / 2**zoom for zoom in range(6)},
+    512,
+)
+ARCTIC = NationalSet(
+    "31.25m",
+    3413,
+    -4_194_304.0,
+    4_194_304.0,
+    8_388_608.0,
+    8_388_608.0,
+    {str(zoom): 8192.0 / 2**zoom for zoom in range(9)},
+    512,
+)
+#: In a system whose own order is northing, easting.
+EUROPEAN = NationalSet(
+    "inspire",
+    3035,
+    900_000.0,
+    5_500_000.0,
+    6_500_000.0,
+    4_600_000.0,
+    {f"L{zoom}": 4096.0 / 2**zoom for zoom in range(13)},
+)
+
+
+def painted_by(
+    query: dict, pixel: float, west: float, north: float, *, northing_first: bool = False
+) -> np.ndarray:
+    """Paint what a GetMap asks for: pixels that hold their column and row from a corner, ``pixel`` units wide each."""
+    edges = [float(edge) for edge in query["BBOX"].split(",")]
+    x0, y0, x1, y1 = (edges[at] for at in ((1, 0, 3, 2) if northing_first else (0, 1, 2, 3)))
+    width, height = int(query["WIDTH"]), int(query["HEIGHT"])
+    assert abs((x1 - x0) / width / pixel - 1.0) < 1e-12
+    assert abs((y1 - y0) / height / pixel - 1.0) < 1e-12
+    columns = np.floor((x0 - west) / pixel + np.arange(width) + 0.5)
+    rows = np.floor((north - y1) / pixel + np.arange(height) + 0.5)
     return patterns.encode_position(columns.astype(np.int64), rows.astype(np.int64))

@@ -24,6 +24,7 @@ from ...text import printable
 from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts
+from ..systems import MAP
 from .colours import Colours, colours_of
 from .place import TILE_PX, Place
 from .reading import Box, Facts, Pool, ReadError, Values, opener
@@ -66,7 +67,12 @@ class RasterFile(FileSource):
     def _open(self, date: str) -> RasterSource:
         options = self.options
         return open_raster(
-            self.text, date=date, bands=options.bands, stretch=options.stretch, as_stored=options.as_stored
+            self.text,
+            date=date,
+            own_pixels=options.crs != MAP,
+            bands=options.bands,
+            stretch=options.stretch,
+            as_stored=options.as_stored,
         )
 
 

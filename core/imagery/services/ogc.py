@@ -5,8 +5,11 @@ capabilities, and after ``#`` the choices, joined by ``&``: ``style, tilematrixs
 format, version`` of a WMS. What is left out is the server's default, and PNG where it is offered, because PNG
 tells ground without imagery from black or white ground. A key in the address is written ``{key}``.
 
-Of a WMTS those tile matrix sets serve that are the Web-Mercator quad, whatever their levels are called; a WMS is asked
-for tiles of that grid. OWSLib reads the documents; it is needed here only.
+A layer is taken in the coordinate reference system that is asked for; else in Web Mercator where the service has that,
+whatever its levels are called; else in the projected system whose area of use suits the layer best. Of a WMTS that is
+one of its tile matrix sets (`matrices`). A WMS is asked for tiles of the Web-Mercator grid, or of a plane of the system
+that begins 2**26 units west and north of its origin, with pixels of 1, 2, 4 … and 1/2, 1/4, 1/8 … units. OWSLib reads
+the documents; it is needed here only.
 """
 
 from __future__ import annotations
@@ -20,13 +23,15 @@ from typing import Any
 from urllib.parse import quote, urlencode, urljoin
 
 from ...errors import InvalidInput, Message, SourceError
-from ...geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM
+from ...geodesy.mercator import HALF_WORLD_M
+from ...geodesy.planes import ProjectedPlane
 from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
 from ..opening import EntrySource
 from ..policy import Policy
-from ..template import BBOX, KEY_ENV, environment_key
+from ..systems import MAP, MERCATOR_CODES, best_of, is_usable, northing_first, refused
+from ..template import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX, environment_key
 from .capabilities import (
     NAMED,
     Document,
@@ -40,19 +45,19 @@ from .capabilities import (
     policy_of,
     reading,
 )
+from .matrices import SCALE_PX_M, chosen_tiles
 from .safe_xml import written
 
-#: Metres of a pixel at scale 1:1, by which both state scales (OGC 07-057r7, 6.1; OGC 06-042, 7.2.4.6.9).
-_SCALE_PX_M = 0.28e-3
 _VERSIONS = ("1.3.0", "1.1.1")
-#: What EPSG:3857 goes by in a WMS, best first. In each of them east comes first, in every version.
-_WMS_MERCATOR = ("EPSG:3857", "EPSG:900913", "EPSG:102100", "EPSG:102113", "EPSG:3785")
-#: Documents round scales to eight digits and more; sets of another grid differ by percents.
-_SCALE_TOLERANCE = 1e-6
-#: Documents round corners to whole metres at worst; other grids start kilometres away.
-_CORNER_TOLERANCE_M = 1.0
-#: How documents of a WMTS name EPSG:3857.
-_MERCATOR = re.compile(r"(^|[:/])(3857|900913|102100|102113|3785)$")
+#: Codes of EPSG as a WMS writes them.
+_EPSG = re.compile(r"EPSG:[1-9][0-9]{0,6}")
+#: Systems of a layer that are looked at where none is asked for: services list thousands.
+_MOST_SYSTEMS = 500
+#: The plane that a WMS is asked for pixels of reaches so far from the origin to the west and the north, in the system's
+#: unit: farther than eastings that begin with a zone's number.
+_FARTHEST = 2.0**26
+#: Finest pixel asked of a WMS that states no scale, in the system's unit: about that of `DEFAULT_MAX_ZOOM`.
+_FINEST_PX = 2.0**-5
 _WMTS = "{http://www.opengis.net/wmts/1.0}"
 _OWS = "{http://www.opengis.net/ows/1.1}"
 
@@ -95,14 +100,14 @@ class ServiceLayer(EntrySource):
         InvalidInput
             The text, or a choice in it, is not right; says which are.
         SourceError
-            OWSLib is missing, or the capabilities cannot be had or read, or offer nothing in Web Mercator.
+            OWSLib is missing, or the capabilities cannot be had or read, or offer no tiles that can be used.
         """
         document = self._document()
         with reading(document):
             if self.service.kind == "wmts":
-                entry = _wmts_entry(self.text, document)
+                entry = _wmts_entry(self.text, document, self.options.crs)
             else:
-                entry = _wms_entry(self.text, document, self.options.tile_px or 256)
+                entry = _wms_entry(self.text, document, self.options.tile_px or 256, self.options.crs)
         return under_provider(entry)
 
     def _document(self) -> Document:
@@ -148,13 +153,13 @@ def _wmts_layers(document: Document) -> list[Offered]:
     return [Offered(name, one_line(layer.title)) for name, layer in _wmts(document).contents.items()]
 
 
-def _wmts_entry(name: str, document: Document) -> CatalogueEntry:
+def _wmts_entry(name: str, document: Document, crs: str) -> CatalogueEntry:
     """Entry of a layer; raises InvalidInput and SourceError as `ogc.ServiceLayer` does."""
     service = _wmts(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}
     layer = service.contents[chosen_one(document, "layer", choices.get("layer"), contents)]
-    matrix_set, tile_px, levels = _quad(document, service, layer)
+    chosen = chosen_tiles(document, service, layer, crs)
     kind = chosen_format(document, _formats(layer))
     style = choices.get("style")
     if style is None:
@@ -165,7 +170,7 @@ def _wmts_entry(name: str, document: Document) -> CatalogueEntry:
     dimensions = _dimensions(document, layer.id)
     dates = next((about for about in dimensions.values() if isinstance(about, Dates)), None)
     filled = {
-        "tilematrixset": matrix_set,
+        "tilematrixset": chosen.name,
         "tilematrix": "{z}",
         "tilerow": "{y}",
         "tilecol": "{x}",
@@ -176,18 +181,20 @@ def _wmts_entry(name: str, document: Document) -> CatalogueEntry:
     url = _rest_url(document, layer, kind, filled) or _kvp_url(
         document, service, layer, kind, filled, dimensions
     )
-    zooms = sorted(levels)
+    zooms = sorted(chosen.levels)
     return _entry(
         name,
         service,
         [layer],
         url,
-        tile_px=(tile_px,),
+        tile_px=(chosen.tile_px,),
         min_zoom=zooms[0],
         max_zoom=zooms[-1],
         native_zoom=zooms[-1],
         dates=dates if "{date}" in url else None,
-        levels=tuple((zoom, levels[zoom]) for zoom in zooms if levels[zoom] != str(zoom)),
+        levels=tuple((zoom, chosen.levels[zoom]) for zoom in zooms if chosen.levels[zoom] != str(zoom)),
+        plane=chosen.plane,
+        tile_limits=chosen.limits,
     )
 
 
@@ -199,64 +206,6 @@ def _wmts(document: Document) -> Any:
 def _formats(layer: Any) -> list[str]:
     resources = [resource["format"] for resource in layer.resourceURLs if resource["resourceType"] == "tile"]
     return list(dict.fromkeys([*layer.formats, *resources]))
-
-
-def _quad(document: Document, service: Any, layer: Any) -> tuple[str, int, dict[int, str]]:
-    """Tile matrix set to ask for: its name, size of tiles in px, and its levels by zoom."""
-    found: dict[str, tuple[int, dict[int, str]]] = {}
-    for name, link in layer.tilematrixsetlinks.items():
-        matrices = service.tilematrixsets[name]
-        if _MERCATOR.search(matrices.crs):
-            limited = link.tilematrixlimits
-            quad = _levels(
-                [one for one in matrices.tilematrix.values() if not limited or one.identifier in limited]
-            )
-            if quad is not None:
-                found[name] = quad
-    wanted = document.service.choices.get("tilematrixset")
-    if not found:
-        offered = ", ".join(
-            f"{name} ({service.tilematrixsets[name].crs})" for name in list(layer.tilematrixsetlinks)[:NAMED]
-        )
-        raise InvalidInput(
-            "layer {0!r} of {1}: has tiles in {2} only; needs a Web-Mercator quad, such as WebMercatorQuad "
-            "or GoogleMapsCompatible",
-            layer.id,
-            document.service.host,
-            one_line(offered),
-        )
-    if wanted is not None:
-        name = chosen_one(document, "tilematrixset", wanted, {name: name for name in found})
-    else:
-        name = max(found, key=lambda known: (max(found[known][1]), -found[known][0]))
-    return (name, *found[name])
-
-
-def _levels(matrices: list[Any]) -> tuple[int, dict[int, str]] | None:
-    """Size of tiles, and the levels of the Web-Mercator quad by zoom; None where the matrices are of another grid."""
-    sizes = {(matrix.tilewidth, matrix.tileheight) for matrix in matrices}
-    if len(sizes) != 1:
-        return None
-    ((width, height),) = sizes
-    if width != height or width < 256 or width % 256:
-        return None
-    levels = {}
-    for matrix in matrices:
-        x_m, y_m = matrix.topleftcorner
-        zoom = math.log2(2.0 * HALF_WORLD_M / (matrix.scaledenominator * _SCALE_PX_M * width))
-        if (
-            abs(x_m + HALF_WORLD_M) <= _CORNER_TOLERANCE_M
-            and abs(y_m - HALF_WORLD_M) <= _CORNER_TOLERANCE_M
-            and abs(2.0 ** (zoom - round(zoom)) - 1.0) <= _SCALE_TOLERANCE
-            and 0 <= round(zoom) <= HIGHEST_ZOOM
-        ):
-            levels[round(zoom)] = matrix.identifier
-    if not levels:
-        return None
-    # Zooms have to follow each other; what lies below a gap is of no use for captures.
-    highest = max(levels)
-    lowest = next(zoom for zoom in range(highest, -2, -1) if zoom not in levels) + 1
-    return width, {zoom: levels[zoom] for zoom in range(lowest, highest + 1)}
 
 
 def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
@@ -324,7 +273,7 @@ def _wms_layers(document: Document) -> list[Offered]:
     return [Offered(name, one_line(layer.title)) for name, layer in service.contents.items()]
 
 
-def _wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
+def _wms_entry(name: str, document: Document, tile_px: int, wanted_crs: str) -> CatalogueEntry:
     """Entry of one layer or several above each other; raises as `ogc.ServiceLayer` does."""
     version, service = _wms(document)
     choices = document.service.choices
@@ -339,14 +288,18 @@ def _wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
     get_map = service.getOperationByName("GetMap")
     kind = chosen_format(document, list(get_map.formatOptions))
     dates = _dates(layers)
+    crs = _crs(document, layers, wanted_crs)
+    plane = None if crs in MERCATOR_CODES else _own_plane(crs, tile_px)
+    by_northing = plane is not None and version == "1.3.0" and northing_first(crs)
+    box = BBOX if plane is None else OWN_BBOX_YX if by_northing else OWN_BBOX
     query = {
         "SERVICE": "WMS",
         "VERSION": version,
         "REQUEST": "GetMap",
         "LAYERS": ",".join(names),
         "STYLES": ",".join(styles),
-        "CRS" if version == "1.3.0" else "SRS": _crs(document, layers),
-        "BBOX": f"{{{BBOX}}}",
+        "CRS" if version == "1.3.0" else "SRS": crs,
+        "BBOX": f"{{{box}}}",
         "WIDTH": str(tile_px),
         "HEIGHT": str(tile_px),
         "FORMAT": kind,
@@ -355,9 +308,17 @@ def _wms_entry(name: str, document: Document, tile_px: int) -> CatalogueEntry:
     }
     address = next(method["url"] for method in get_map.methods if method["type"] == "Get")
     url = document.without_key(_with_query(urljoin(document.url, address), query))
-    highest = _highest_zoom(layers, tile_px)
+    highest = _highest_zoom(layers, tile_px, plane)
     return _entry(
-        name, service, layers, url, tile_px=(tile_px,), max_zoom=highest, native_zoom=highest, dates=dates
+        name,
+        service,
+        layers,
+        url,
+        tile_px=(tile_px,),
+        max_zoom=highest,
+        native_zoom=highest,
+        dates=dates,
+        plane=plane,
     )
 
 
@@ -370,19 +331,46 @@ def _wms(document: Document) -> tuple[str, Any]:
     return version, read(document.service.address, version=version, xml=written(document.root))
 
 
-def _crs(document: Document, layers: Sequence[Any]) -> str:
+def _crs(document: Document, layers: Sequence[Any], wanted: str) -> str:
+    """Coordinate reference system to ask for, as the service names it: by name, Web Mercator, or the best suited."""
     offered = set.intersection(*({crs.upper() for crs in layer.crsOptions} for layer in layers))
-    for crs in _WMS_MERCATOR:
-        if crs in offered:
-            return crs
+    mercator = next((crs for crs in MERCATOR_CODES if crs in offered), None)
+    if wanted in ("", MAP) and mercator is not None:
+        return mercator
+    projected = sorted((crs for crs in offered if _EPSG.fullmatch(crs)), key=lambda crs: int(crs[5:]))
+    if wanted:
+        if wanted in projected and is_usable(wanted):
+            return wanted
+        there = [MAP] if mercator is not None else []
+        raise refused(
+            wanted, _named(document, layers[0]), [*there, *filter(is_usable, projected[:_MOST_SYSTEMS])]
+        )
+    usable = [crs for crs in projected[:_MOST_SYSTEMS] if is_usable(crs)]
+    if usable:
+        return best_of(usable, bounds_of(layers))
     names = ", ".join(sorted(offered)[:NAMED]) or Message("none")
     raise InvalidInput(
-        "layer {0!r} of {1}: is offered in {2}; needs {3}",
+        "layer {0!r} of {1}: is offered in {2}; needs {3} or another projected system of EPSG",
         layers[0].id,
         document.service.host,
         names,
-        _WMS_MERCATOR[0],
+        MAP,
     )
+
+
+def _named(document: Document, layer: Any) -> str:
+    return Message("layer {0!r} of {1}", layer.id, document.service.host)
+
+
+def _own_plane(crs: str, tile_px: int) -> ProjectedPlane:
+    """Plane of the pixels that a WMS is asked for: their sizes are powers of two of the unit, and so are its edges.
+
+    It is the same whatever the service says of its layer, so that missions and tiles kept of it stay what they are.
+    """
+    side = float(tile_px)
+    while side < 2.0 * _FARTHEST:
+        side *= 2.0
+    return ProjectedPlane(crs, -_FARTHEST, _FARTHEST, side, side)
 
 
 def _check_styles(document: Document, layers: Sequence[Any], styles: Sequence[str]) -> None:
@@ -403,13 +391,15 @@ def _dates(layers: Sequence[Any]) -> Dates | None:
     return None
 
 
-def _highest_zoom(layers: Sequence[Any], tile_px: int) -> int:
+def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | None) -> int:
     """Highest zoom at which every layer is drawn, as far as the service says so."""
-    highest = DEFAULT_MAX_ZOOM
+    width_m = 2.0 * HALF_WORLD_M if plane is None else plane.width * plane.unit_m
+    finest = 0.0 if plane is None else math.log2(plane.width / (_FINEST_PX * tile_px))
+    highest = DEFAULT_MAX_ZOOM if plane is None else math.floor(finest + 1e-9)
     for layer in layers:
         stated = getattr(layer, "min_scale_denominator", None)
         least = float(stated.text) if stated is not None else 0.0
         if least > 0.0:
-            zoom = math.log2(2.0 * HALF_WORLD_M / (least * _SCALE_PX_M * tile_px))
+            zoom = math.log2(width_m / (least * SCALE_PX_M * tile_px))
             highest = min(highest, max(math.floor(zoom + 1e-9), 0))
     return highest

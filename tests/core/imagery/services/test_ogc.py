@@ -38,6 +38,8 @@ QUAD = matrix_set("GoogleMapsCompatible", [matrix(str(zoom), zoom) for zoom in r
 DUTCH = matrix_set(
     "EPSG:28992", [matrix("0", 0, corner=(-285401.92, 903402.0), scale=0.1)], "urn:ogc:def:crs:EPSG::28992"
 )
+#: Of degrees, which make no grid of images.
+DEGREES = matrix_set("EPSG:4326", [matrix("0", 0, corner=(90.0, -180.0))], "urn:ogc:def:crs:EPSG::4326")
 
 
 def service_entry(name, **options):
@@ -156,21 +158,21 @@ def test_zooms_come_from_the_scale_not_from_the_names(server):
     ],
 )
 def test_matrices_beside_the_quad_are_refused_with_those_that_there_are(server, off):
-    layer = wmts_layer("ortho", {"EPSG:28992": [], "near": []})
+    layer = wmts_layer("ortho", {"EPSG:4326": [], "near": []})
     near = matrix_set("near", [matrix("0", 0, **off)])
-    server.answer = lambda *_: xml(wmts_document([layer], [DUTCH, near], get_tile=server.url))
+    server.answer = lambda *_: xml(wmts_document([layer], [DEGREES, near], get_tile=server.url))
     with pytest.raises(InvalidInput) as raised:
         service_entry(f"wmts:{server.url}/c.xml")
     text = one_line(raised)
-    assert "EPSG:28992" in text
+    assert "EPSG:4326" in text
     assert "needs a Web-Mercator quad, such as WebMercatorQuad or GoogleMapsCompatible" in text
 
 
 def test_a_set_asked_for_that_does_not_fit_names_those_that_do(server):
-    layer = wmts_layer("ortho", {"EPSG:28992": [], "GoogleMapsCompatible": []})
-    server.answer = lambda *_: xml(wmts_document([layer], [DUTCH, QUAD], get_tile=server.url))
-    with pytest.raises(InvalidInput, match=r"tilematrixset 'EPSG:28992': .* offers GoogleMapsCompatible"):
-        service_entry(f"wmts:{server.url}/c.xml#tilematrixset=EPSG:28992")
+    layer = wmts_layer("ortho", {"EPSG:4326": [], "GoogleMapsCompatible": []})
+    server.answer = lambda *_: xml(wmts_document([layer], [DEGREES, QUAD], get_tile=server.url))
+    with pytest.raises(InvalidInput, match=r"tilematrixset 'EPSG:4326': .* offers GoogleMapsCompatible"):
+        service_entry(f"wmts:{server.url}/c.xml#tilematrixset=EPSG:4326")
     assert service_entry(f"wmts:{server.url}/c.xml#tilematrixset=GoogleMapsCompatible").max_zoom == 18
 
 
@@ -189,7 +191,10 @@ def test_choices_are_named_where_they_are_needed_or_wrong(server):
         ("#layer=orto", "layer 'orto': 127.0.0.1 offers ortho, topo"),
         ("#layer=ortho&style=gold", "style 'gold': 127.0.0.1 offers grey, colour"),
         ("#layer=ortho&format=jpeg", "format 'image/jpeg': 127.0.0.1 offers image/png"),
-        ("#layers=ortho", "choice 'layers' of a WMTS: must be one of layer, style, tilematrixset, format"),
+        (
+            "#layers=ortho",
+            "choice 'layers' of a WMTS: must be one of layer, style, tilematrixset, tilematrix, format",
+        ),
     ):
         with pytest.raises(InvalidInput) as raised:
             service_entry(name + choice)
@@ -444,8 +449,8 @@ def test_choices_of_a_wms(server, choice, says):
 
 
 def test_a_layer_without_web_mercator_names_what_it_has(server):
-    wms(server, "1.3.0", LAYERS_130.replace("EPSG:3857", "EPSG:2056"))
-    with pytest.raises(InvalidInput, match="is offered in EPSG:2056, EPSG:4326; needs EPSG:3857"):
+    wms(server, "1.3.0", LAYERS_130.replace("EPSG:3857", "CRS:84"))
+    with pytest.raises(InvalidInput, match="is offered in CRS:84, EPSG:4326; needs EPSG:3857 or another"):
         service_entry(f"wms:{server.url}/ows#layers=ortho")
 
 
