@@ -1,5 +1,7 @@
 """A layer of the project, or its whole map, as a source: drawn by QGIS off the main thread.
 
+A raster file in a projected CRS is drawn, in its style, at its own pixels; everything else at those of the map.
+
 Two kinds of layers are drawn in two ways. *Ground*, the rasters that only rasters lie below, does not depend on how
 much of it is drawn at once: it is drawn tile by tile on the global pixel grid, each tile once, at the very pixels of
 the grid (QGIS 3.22 doubles a row of a service's tiles here and there in larger pictures). *Drawings*, whatever lies

@@ -1,0 +1,265 @@
+"""Rasters in a projected CRS in the real application: drawn, planned, previewed and captured in their own pixels."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pyproj
+import pytest
+from osgeo import gdal
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsGeometry,
+    QgsProject,
+    QgsRasterLayer,
+    QgsRectangle,
+)
+from terrainav.core.mission.area import Box, Polygon
+from terrainav.terrainav_plugin.qgis_source.snapshot import source_name
+
+from tests.core.imagery.raster.test_own_pixels import noise
+from tests.plugin.test_capture import capture, images
+
+#: Orthophotos of 750 m about a place: EPSG code, latitude and longitude.
+UTM, POLE = (32616, 35.15, -89.9), (3031, -90.0, 0.0)
+#: What QGIS's transformations and pyproj's differ by: nanometres, of coordinates of millions of metres.
+NOISE_M = 1e-5
+
+
+def middle_of(place):
+    epsg, lat, lon = place
+    return pyproj.Transformer.from_crs(4326, epsg, always_xy=True).transform(lon, lat)
+
+
+def rectangle(place, half_m):
+    x, y = middle_of(place)
+    return x - half_m, y - half_m, x + half_m, y + half_m
+
+
+def set_source(desk, source):
+    desk.form.set_state(replace(desk.session.state(), source=source, folder=str(desk.folder)))
+
+
+def draw(desk, place, half_m):
+    """Draw a square about a place by the mouse; the map shows half as much again."""
+    desk.look_at(f"EPSG:{place[0]}", rectangle(place, 1.5 * half_m))
+    desk.click(desk.form.draw_box)
+    to_px = desk.canvas.getCoordinateTransform().transform
+    west, south, east, north = rectangle(place, half_m)
+    start, end = (to_px(x, y) for x, y in ((west, north), (east, south)))
+    desk.drag(start.toQPointF().toPoint(), end.toQPointF().toPoint())
+    return desk.wait_planned()
+
+
+def captured_edges(desk):
+    """West, south, east, north of the files that were captured, by their names, and their CRS."""
+    found, systems = {}, set()
+    for path in images(desk):
+        file = gdal.Open(str(path))
+        west, across, _, north, _, down = file.GetGeoTransform()
+        east, south = west + across * file.RasterXSize, north + down * file.RasterYSize
+        found[path.stem] = west, south, east, north
+        systems.add(f"EPSG:{file.GetSpatialRef().GetAuthorityCode(None)}")
+    return found, systems
+
+
+def edges_of(geometry):
+    box = geometry.boundingBox()
+    return box.xMinimum(), box.yMinimum(), box.xMaximum(), box.yMaximum()
+
+
+def layer_edges(layer, to):
+    """Edges of a layer's features in a CRS, by QGIS's own transformation."""
+    there = QgsCoordinateTransform(layer.crs(), QgsCoordinateReferenceSystem(to), QgsProject.instance())
+    found = {}
+    for feature in layer.getFeatures():
+        geometry = QgsGeometry(feature.geometry())
+        assert geometry.transform(there) == 0
+        found[feature["name"]] = geometry
+    return found
+
+
+@pytest.mark.parametrize(("place", "kind"), [(UTM, "file"), (POLE, "file"), (UTM, "layer"), (POLE, "layer")])
+def test_orthophoto_is_planned_previewed_and_captured_in_its_own_pixels(desk, tmp_path, place, kind):
+    values, (west, pixel, _, north, _, _) = noise(tmp_path / "ortho.tif", *place)
+    crs = f"EPSG:{place[0]}"
+    source = str(tmp_path / "ortho.tif")
+    if kind == "layer":
+        source = source_name(QgsProject.instance().addMapLayer(QgsRasterLayer(source, "ortho", "gdal")))
+    set_source(desk, source)
+    planned = draw(desk, place, 200.0)
+    assert isinstance(planned.mission.area, Polygon if place is POLE else Box)
+    assert planned.plan.grid.plane.crs == crs
+    assert planned.plan.coverage.complete
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    previewed = layer_edges(desk.layer("Planned images"), crs)
+    for name in ("Area", "Capture centres", "Flight line", "Planned images", "Images per place"):
+        assert desk.layer(name).crs().authid() == crs
+    # What is drawn is the ground that the mouse went around.
+    (area,) = (feature.geometry() for feature in desk.layer("Area").getFeatures())
+    grown = QgsGeometry.fromRect(QgsRectangle(*rectangle(place, 200.0))).buffer(2.0, 2)
+    drawn = QgsGeometry.unaryUnion(list(previewed.values()))
+    assert drawn.contains(QgsGeometry.fromRect(QgsRectangle(*rectangle(place, 198.0))))
+    assert area.isGeosValid()
+    # The box around it is a little larger, as its sides are parallels and meridians.
+    assert grown.contains(area) or place is UTM
+    assert area.area() == pytest.approx(160_000.0, rel=0.08 if place is UTM else 0.03)
+
+    capture(desk)
+    found, systems = captured_edges(desk)
+    assert systems == {crs}
+    assert set(found) == set(previewed) == set(planned.plan.names)
+    for name, edges in found.items():
+        assert edges_of(previewed[name]) == pytest.approx(edges, abs=NOISE_M)
+
+    # The mosaic is the orthophoto, wherever there are pictures.
+    mosaic = desk.layer("Satellite images")
+    assert mosaic.crs().authid() == crs
+    file = gdal.Open(mosaic.source())
+    left, across, _, top, _, down = file.GetGeoTransform()
+    assert (across, down) == (pixel, -pixel)
+    column, row = (left - west) / pixel, (north - top) / pixel
+    assert (abs(column - round(column)), abs(row - round(row))) == pytest.approx((0.0, 0.0), abs=1e-6)
+    shown = file.ReadAsArray()
+    rows = slice(round(row), round(row) + shown.shape[1])
+    columns = slice(round(column), round(column) + shown.shape[2])
+    there = shown[3] == 255
+    assert there.mean() > 0.9
+    assert np.array_equal(shown[:3][:, there], values[:, rows, columns][:, there])
+
+    # Footprints are in degrees; about the pole they still are where the pictures are.
+    footprints = desk.layer("Captured images")
+    assert footprints.crs().authid() == "EPSG:4326"
+    for name, geometry in layer_edges(footprints, crs).items():
+        if place is UTM:
+            assert edges_of(geometry) == pytest.approx(found[name], abs=1.0)
+        else:
+            assert abs(geometry.area() / previewed[name].area() - 1.0) < 0.05
+
+
+@pytest.mark.parametrize("map_crs", ["EPSG:4326", "EPSG:3857", "EPSG:2163"])
+def test_preview_in_a_project_of_another_crs(desk, tmp_path, map_crs):
+    """What is in view is drawn, wherever the map is moved, and nothing when it is elsewhere."""
+    noise(tmp_path / "ortho.tif", *UTM)
+    set_source(desk, str(tmp_path / "ortho.tif"))
+    planned = draw(desk, UTM, 350.0)
+    assert len(planned.plan) > 30
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    there = QgsCoordinateTransform(
+        QgsCoordinateReferenceSystem("EPSG:32616"),
+        QgsCoordinateReferenceSystem(map_crs),
+        QgsProject.instance(),
+    )
+    for half_m in (30.0, 400.0, 100_000.0):
+        extent = there.transformBoundingBox(QgsRectangle(*rectangle(UTM, half_m)))
+        desk.look_at(map_crs, edges_of(QgsGeometry.fromRect(extent)))
+        desk.wait_previewed()
+        desk.wait(lambda: not desk.session.preview.busy)
+        drawing = desk.session.preview.drawing
+        assert drawing.layers["footprints"] or drawing.layers["density"]
+    desk.look_at(
+        map_crs, edges_of(QgsGeometry.fromRect(there.transformBoundingBox(QgsRectangle(5e5, 0, 6e5, 1e5))))
+    )
+    desk.wait(lambda: not desk.session.preview.busy)
+    assert not desk.session.preview.drawing.layers["density"]
+
+
+def test_preview_goes_from_one_crs_to_another(desk, tmp_path):
+    """The layers stay, with the style that the user has given them, and hold what belongs there."""
+    noise(tmp_path / "ortho.tif", *UTM)
+    desk.look_at("EPSG:32616", rectangle(UTM, 300.0))
+    desk.enter_box("35.151", "-89.901", "35.149", "-89.899")
+    desk.click(desk.dock.preview)
+    desk.wait_planned()
+    desk.wait_previewed()
+    layer = desk.layer("Planned images")
+    identity = layer.id()
+    layer.setOpacity(0.5)
+    assert layer.crs().authid() == "EPSG:3857"
+    for source, crs in ((str(tmp_path / "ortho.tif"), "EPSG:32616"), ("world", "EPSG:3857")):
+        set_source(desk, source)
+        plan = desk.wait_planned().plan
+        desk.wait_previewed()
+        desk.wait(lambda plan=plan: desk.layer("Planned images").featureCount() == len(plan))
+        layer = desk.layer("Planned images")
+        assert (layer.id(), layer.opacity(), layer.crs().authid()) == (identity, 0.5, crs)
+        drawn = layer_edges(layer, crs)
+        for name, *edges in zip(plan.names, *plan.edges):
+            assert edges_of(drawn[name]) == pytest.approx(edges, abs=1e-9)
+
+
+def test_styled_layer_is_captured_in_its_style_at_its_own_pixels(desk, tmp_path):
+    """One band in grey, stretched: as QGIS shows it, pixel by pixel."""
+    values, (west, pixel, _, north, _, _) = noise(tmp_path / "ortho.tif", *POLE)
+    layer = QgsProject.instance().addMapLayer(QgsRasterLayer(str(tmp_path / "ortho.tif"), "ortho", "gdal"))
+    from qgis.core import QgsContrastEnhancement, QgsSingleBandGrayRenderer
+
+    renderer = QgsSingleBandGrayRenderer(layer.dataProvider(), 2)
+    stretch = QgsContrastEnhancement(layer.dataProvider().dataType(2))
+    stretch.setContrastEnhancementAlgorithm(
+        QgsContrastEnhancement.ContrastEnhancementAlgorithm.StretchToMinimumMaximum
+    )
+    stretch.setMinimumValue(0.0)
+    stretch.setMaximumValue(127.5)
+    renderer.setContrastEnhancement(stretch)
+    layer.setRenderer(renderer)
+    set_source(desk, source_name(layer))
+    draw(desk, POLE, 120.0)
+    capture(desk)
+    for path in images(desk):
+        file = gdal.Open(str(path))
+        left, across, _, top, _, _ = file.GetGeoTransform()
+        assert across == pixel
+        column, row, shown = round((left - west) / pixel), round((north - top) / pixel), file.ReadAsArray()
+        rows, columns = slice(row, row + shown.shape[1]), slice(column, column + shown.shape[2])
+        expected = np.minimum(2 * values[1, rows, columns].astype(int), 255)
+        assert np.abs(shown.astype(int) - expected).max() <= 1
+
+
+def test_test_shot_of_a_camera_frame_lies_on_the_map_in_the_raster_s_crs(desk, tmp_path):
+    """Laid on the ground by the exact camera: positions of a raster whose colours tell them."""
+    from terrainav.core.capture.runner import capture as run
+    from terrainav.core.imagery.raster.source import open_raster
+    from terrainav.core.mission.area import Points
+    from terrainav.core.mission.mission import Mission
+    from terrainav.core.mission.plan import plan
+    from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
+
+    from tests.support import rasters
+
+    for number, (epsg, lat, lon) in enumerate((UTM, POLE)):
+        x, y = middle_of((epsg, lat, lon))
+        side = 1500
+        columns, rows = np.meshgrid(np.arange(side) + 0.5, np.arange(side) + 0.5)
+        path = rasters.write(
+            tmp_path / f"smooth{number}.tif",
+            [rasters.triangle(columns), rasters.triangle(rows), columns * 0],
+            (x - side / 4, 0.5, 0.0, y + side / 4, 0.0, -0.5),
+            epsg,
+        )
+        source = open_raster(path)
+        mission = Mission(Points(((lat, lon, 120.0),)), 120.0, tilt_deg=30.0, yaw_deg=20.0, source=str(path))
+        worked_out = plan(mission, source.grid)
+        assert worked_out.size_px is not None
+        folder = tmp_path / f"out{number}"
+        run(worked_out, source, folder)
+        source.close()
+        (picture,) = (folder / "satellite").glob("*.tif")
+        lay_on_map(worked_out, picture, tmp_path / f"on-map{number}.tif")
+        laid = gdal.Open(str(tmp_path / f"on-map{number}.tif"))
+        assert laid.GetSpatialRef().GetAuthorityCode(None) == str(epsg)
+        west, across, _, north, _, down = laid.GetGeoTransform()
+        shown = laid.ReadAsArray().astype(float)
+        at_x, at_y = np.meshgrid(np.arange(shown.shape[2]) + 0.5, np.arange(shown.shape[1]) + 0.5)
+        at = (west + at_x * across - (x - side / 4)) / 0.5, (y + side / 4 - north - at_y * down) / 0.5
+        opaque = shown[3] == 255
+        assert opaque.sum() > 100_000
+        for channel in range(2):
+            kept = opaque & ~rasters.turns(at[channel], 8.0)
+            off = (shown[channel] - rasters.triangle(at[channel]))[kept] / 4.0
+            # Twice resampled, each time to half a grey level; at the edge of the picture there is less than a pixel.
+            assert np.percentile(np.abs(off), 98) < 0.6
