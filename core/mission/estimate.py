@@ -58,12 +58,16 @@ OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0
 
 @dataclass(frozen=True)
 class Summary:
-    """The figures of a plan; shares are of 1, None where they have no meaning (points have no area)."""
+    """The figures of a plan; shares are of 1, None where they have no meaning (points have no area).
+
+    ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
+    """
 
     images: int
     rows: int
     columns: int
     zoom: int
+    own_pixels: str
     width_px: int
     height_px: int
     requested_gsd_m_per_px: float
@@ -106,6 +110,8 @@ class Summary:
         each = Message(" for each of {0} map types", types) if types > 1 else ""
         images = Message("{0:,}{1}", self.images, each)
         shape = Message("{0} x {1} px at zoom {2}", self.width_px, self.height_px, self.zoom)
+        if self.own_pixels:
+            shape = Message("{0} x {1} px: {2}", self.width_px, self.height_px, self.own_pixels)
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
@@ -183,6 +189,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         rows=plan.rows,
         columns=plan.columns,
         zoom=plan.zoom,
+        own_pixels=own_pixels(plan),
         width_px=int(plan.width_px.max()),
         height_px=int(plan.height_px.max()),
         requested_gsd_m_per_px=plan.requested_gsd_m_per_px,
@@ -209,6 +216,25 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         accuracy=plan.accuracy,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
     )
+
+
+def own_pixels(plan: Plan) -> str:
+    """Return what the pixels of a source in a CRS of its own are for pictures; empty where they are the map's."""
+    own, native = plan.grid.own, plan.grid.native_zoom
+    if own is None:
+        return ""
+    size = length_text(plan.grid.pixel_size(native)[0] * own.unit_m)
+    if plan.zoom == native:
+        return Message("the source's own pixels, {0} in {1}", size, own.name)
+    if plan.zoom > native:
+        return Message(
+            "the source's own pixels, {0} in {1}, enlarged {2} times",
+            size,
+            own.name,
+            1 << (plan.zoom - native),
+        )
+    each = 1 << (native - plan.zoom)
+    return Message("means of {2} x {2} of the source's own pixels, {0} in {1}", size, own.name, each)
 
 
 def beyond_imagery(plan: Plan) -> tuple[str, ...]:

@@ -205,8 +205,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
-        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
+        <source>The smallest box of longitudes and latitudes around it ({crs}); its own rectangle, as a polygon, where the box would be much larger.</source>
+        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}); su propio rectángulo, como polígono, donde el recuadro sería mucho mayor.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -408,13 +408,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>rectangle</source>
+        <translation>rectángulo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{count} polygons are selected, but an area is a single polygon: select only one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
         <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
-        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
+        <source>{feature} has a hole around a pole: cut it into parts without one</source>
+        <translation>{feature} tiene un hueco alrededor de un polo: córtelo en partes que no lo tengan</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -2163,6 +2168,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{width} × {height} px at zoom {zoom}</source>
         <translation>{width} × {height} px con zoom {zoom}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{width} × {height} px: {pixels}</source>
+        <translation>{width} × {height} px: {pixels}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -5071,6 +5081,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>choose an area that the source shows</source>
+        <translation>elija un área que la fuente muestre</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
         <source>fly lower or farther from the pole</source>
         <translation>volar más bajo o más lejos del polo</translation>
     </message>
@@ -5088,6 +5104,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
         <translation>imagen en la latitud {0!r} desde {1:g} m: contiene un polo, que Web Mercator no tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show</source>
+        <translation>imagen en latitud {0!r}, longitud {1!r}: queda fuera de lo que puede mostrar el SRC {2} de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -5864,6 +5885,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/place.py"/>
         <source>its centre does not lie on the Web-Mercator map</source>
         <translation>su centro no está en el mapa Web Mercator</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its centre lies beyond what {0} reaches</source>
+        <translation>su centro queda fuera de lo que alcanza {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -6691,6 +6717,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>means of {2} x {2} of the source's own pixels, {0} in {1}</source>
+        <translation>medias de {2} x {2} de los píxeles propios de la fuente, {0} en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>nothing (computed here)</source>
         <translation>nada (se calcula aquí)</translation>
     </message>
@@ -6744,6 +6775,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>the source's own pixels, {0} in {1}</source>
+        <translation>los píxeles propios de la fuente, {0} en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>the source's own pixels, {0} in {1}, enlarged {2} times</source>
+        <translation>los píxeles propios de la fuente, {0} en {1}, ampliados {2} veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>tiles</source>
         <translation>teselas</translation>
     </message>
@@ -6776,6 +6817,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} x {1} px at zoom {2}</source>
         <translation>{0} x {1} px con zoom {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} x {1} px: {2}</source>
+        <translation>{0} x {1} px: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -7051,8 +7097,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
+        <translation>área: el SRC {0} de la fuente no alcanza la latitud {1!r}, longitud {2!r}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera from {0:g} m: sees past the horizon, where turned rows have no frames</source>
         <translation>cámara desde {0:g} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
+        <translation>cámara con inclinación {0:g}, alabeo {1:g} grados desde {2:g} m: ve más allá del horizonte, y con una fuente que tiene su propio SRC un área solo se cubre con imágenes del terreno</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7082,6 +7138,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
+        <translation>disposición {0}: está en el mapa Web Mercator, y la fuente tiene píxeles propios en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>points cover no area</source>
         <translation>los puntos no cubren ningún área</translation>
     </message>
@@ -7094,6 +7155,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>take a smaller area or north-up rows</source>
         <translation>tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>tilt it less or fly lower</source>
+        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7170,11 +7237,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>tilt it less or fly lower</source>
-        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7872,6 +7934,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>viento de {0:g} m/s a {1:g} m: las ráfagas tiran la cámara al suelo</translation>
     </message>
     <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>windows of the map in a plane about an area</source>
+        <translation>ventanas del mapa en un plano en torno a un área</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/settings.py"/>
         <source>area {0!r} and coords {1!r}: give one of the two</source>
         <translation>área {0!r} y coords {1!r}: dar uno de los dos</translation>
@@ -8108,6 +8175,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>mosaic {0}: cannot be read ({1})</source>
+        <translation>mosaico {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic {0}: cannot be written ({1})</source>
         <translation>mosaico {0}: no se puede escribir ({1})</translation>
     </message>
@@ -8128,8 +8200,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/rectify.py"/>
-        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
-        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
+        <source>picture {0}: shows no ground that a map in {1} has</source>
+        <translation>imagen {0}: no muestra terreno que tenga un mapa en {1}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/network/answers.py"/>

@@ -33,12 +33,14 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["flight_lines", "footprint_shapes", "metres", "placed", "ring_polygon"]
+__all__ = ["around_pole", "flight_lines", "footprint_shapes", "metres", "placed", "ring_polygon"]
 
 #: Corners up to which a ring in one piece cannot touch itself: those of a frame.
 _PLAIN_CORNERS = 4
 #: Corners of a ring so near to a pole are those that it goes around the pole by.
 _POLE_DEG = 90.0 - 1e-9
+#: Places within a micrometre are the same.
+_SAME_M = 1e-6
 
 
 def placed(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> Ring:
@@ -61,7 +63,8 @@ def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
         kept = np.abs(lat_deg) < _POLE_DEG
         x, y = plane.to_crs(lat_deg[kept], lon_deg[kept])
         reached = np.isfinite(x)
-        return _polygons([(x[reached], y[reached])] if reached.sum() > 2 else [])
+        shape = _polygons([(x[reached], y[reached])] if reached.sum() > 2 else [])
+        return shape if kept.all() else around_pole(shape)
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     lon, lat = cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)
     return _polygons([metres(*part) for part in cut_at_antimeridian(lon, lat)])
@@ -93,6 +96,12 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
         return geometry
     # A ring cut in two may keep its halves joined along the cut, and one around a pole the way there and back.
     return geometry if geometry.isGeosValid() else _polygons_of(geometry.makeValid())
+
+
+def around_pole(shape: QgsGeometry) -> QgsGeometry:
+    """Polygons in a CRS that has a pole as a point, without the way to it and back that their rings have in degrees."""
+    # Once there and back are the same, they bound nothing.
+    return _polygons_of(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())
 
 
 def _polygons_of(geometry: QgsGeometry) -> QgsGeometry:

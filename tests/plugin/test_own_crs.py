@@ -2,25 +2,36 @@
 
 from __future__ import annotations
 
+import html
 from dataclasses import replace
 
 import numpy as np
+import processing
 import pyproj
 import pytest
 from osgeo import gdal
 from qgis.core import (
+    QgsContrastEnhancement,
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
     QgsGeometry,
     QgsProject,
     QgsRasterLayer,
     QgsRectangle,
+    QgsSingleBandGrayRenderer,
 )
-from terrainav.core.mission.area import Box, Polygon
+from terrainav.core.capture.runner import capture as run
+from terrainav.core.imagery.raster.source import open_raster
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.area.outline import Outline
+from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.qgis_source.snapshot import source_name
 
-from tests.core.imagery.raster.test_own_pixels import noise
+from tests.core.imagery.raster.test_own_pixels import about, noise
 from tests.plugin.test_capture import capture, images
+from tests.support import rasters
 
 #: Orthophotos of 750 m about a place: EPSG code, latitude and longitude.
 UTM, POLE = (32616, 35.15, -89.9), (3031, -90.0, 0.0)
@@ -104,6 +115,7 @@ def test_orthophoto_is_planned_previewed_and_captured_in_its_own_pixels(desk, tm
     drawn = QgsGeometry.unaryUnion(list(previewed.values()))
     assert drawn.contains(QgsGeometry.fromRect(QgsRectangle(*rectangle(place, 198.0))))
     assert area.isGeosValid()
+    assert area.length() < 1_700.0
     # The box around it is a little larger, as its sides are parallels and meridians.
     assert grown.contains(area) or place is UTM
     assert area.area() == pytest.approx(160_000.0, rel=0.08 if place is UTM else 0.03)
@@ -182,13 +194,14 @@ def test_preview_goes_from_one_crs_to_another(desk, tmp_path):
     assert layer.crs().authid() == "EPSG:3857"
     for source, crs in ((str(tmp_path / "ortho.tif"), "EPSG:32616"), ("world", "EPSG:3857")):
         set_source(desk, source)
-        plan = desk.wait_planned().plan
+        planned = desk.wait_planned().plan
         desk.wait_previewed()
-        desk.wait(lambda plan=plan: desk.layer("Planned images").featureCount() == len(plan))
+        count = len(planned)
+        desk.wait(lambda count=count: desk.layer("Planned images").featureCount() == count)
         layer = desk.layer("Planned images")
         assert (layer.id(), layer.opacity(), layer.crs().authid()) == (identity, 0.5, crs)
         drawn = layer_edges(layer, crs)
-        for name, *edges in zip(plan.names, *plan.edges):
+        for name, *edges in zip(planned.names, *planned.edges):
             assert edges_of(drawn[name]) == pytest.approx(edges, abs=1e-9)
 
 
@@ -196,8 +209,6 @@ def test_styled_layer_is_captured_in_its_style_at_its_own_pixels(desk, tmp_path)
     """One band in grey, stretched: as QGIS shows it, pixel by pixel."""
     values, (west, pixel, _, north, _, _) = noise(tmp_path / "ortho.tif", *POLE)
     layer = QgsProject.instance().addMapLayer(QgsRasterLayer(str(tmp_path / "ortho.tif"), "ortho", "gdal"))
-    from qgis.core import QgsContrastEnhancement, QgsSingleBandGrayRenderer
-
     renderer = QgsSingleBandGrayRenderer(layer.dataProvider(), 2)
     stretch = QgsContrastEnhancement(layer.dataProvider().dataType(2))
     stretch.setContrastEnhancementAlgorithm(
@@ -222,15 +233,6 @@ def test_styled_layer_is_captured_in_its_style_at_its_own_pixels(desk, tmp_path)
 
 def test_test_shot_of_a_camera_frame_lies_on_the_map_in_the_raster_s_crs(desk, tmp_path):
     """Laid on the ground by the exact camera: positions of a raster whose colours tell them."""
-    from terrainav.core.capture.runner import capture as run
-    from terrainav.core.imagery.raster.source import open_raster
-    from terrainav.core.mission.area import Points
-    from terrainav.core.mission.mission import Mission
-    from terrainav.core.mission.plan import plan
-    from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
-
-    from tests.support import rasters
-
     for number, (epsg, lat, lon) in enumerate((UTM, POLE)):
         x, y = middle_of((epsg, lat, lon))
         side = 1500
@@ -263,3 +265,98 @@ def test_test_shot_of_a_camera_frame_lies_on_the_map_in_the_raster_s_crs(desk, t
             off = (shown[channel] - rasters.triangle(at[channel]))[kept] / 4.0
             # Twice resampled, each time to half a grey level; at the edge of the picture there is less than a pixel.
             assert np.percentile(np.abs(off), 98) < 0.6
+
+
+def test_dataset_whose_crs_no_thread_has_read_is_opened_at_its_place(desk, tmp_path):
+    """QGIS loses what another thread has read of a CRS: its places would then be coordinates as they were."""
+    place = (3413, 88.0, 10.0)
+    noise(tmp_path / "ortho.tif", *place)
+    source = open_raster(tmp_path / "ortho.tif")
+    lon, lat = about(*place, 200.0)
+    ring = Polygon((tuple(zip(lon.tolist(), lat.tolist())),))
+    run(plan(Mission(ring, 120.0, source=str(tmp_path / "ortho.tif")), source.grid), source, desk.folder)
+    source.close()
+    for _ in range(2):
+        # The first time the mosaic is made, then it is there.
+        desk.iface.newProject(False)
+        desk.session.missions.open_dataset(desk.folder)
+        desk.wait(lambda: "Satellite images" in desk.layer_names())
+        desk.wait_for_tasks()
+        layer = desk.layer("Satellite images")
+        assert layer.crs().authid() == "EPSG:3413"
+        there = QgsCoordinateTransform(
+            layer.crs(), QgsCoordinateReferenceSystem("EPSG:4326"), QgsProject.instance()
+        )
+        middle = there.transform(layer.extent().center())
+        assert (middle.x(), middle.y()) == pytest.approx((10.0, 88.0), abs=0.01)
+
+
+@pytest.mark.parametrize("place", [UTM, POLE])
+def test_algorithms_give_layers_in_the_raster_s_crs(plugin, tmp_path, place):
+    """Planned and captured by Processing: footprints, captures and flight line lie where the files do."""
+    noise(tmp_path / "ortho.tif", *place)
+    crs = f"EPSG:{place[0]}"
+    lon, lat = about(*place, 150.0)
+    mission = Mission(
+        Points(tuple((y, x, 120.0) for x, y in zip(lon.tolist()[::2], lat.tolist()[::2]))),
+        120.0,
+        source=str(tmp_path / "ortho.tif"),
+    )
+    mission.save(str(tmp_path / "mission.json"))
+    wanted = dict.fromkeys(("FOOTPRINTS", "CAPTURES", "FLIGHT"), "TEMPORARY_OUTPUT")
+    found = processing.run("terrainav:plan", {"MISSION": str(tmp_path / "mission.json"), **wanted})
+    made = processing.run(
+        "terrainav:capture", {"MISSION": str(tmp_path / "mission.json"), "FOLDER": str(tmp_path / "out")}
+    )
+    assert made["WRITTEN"] == len(mission.area.poses)
+    for name in wanted:
+        assert found[name].crs().authid() == crs
+    edges = {
+        path.stem: gdal.Open(str(path)).GetGeoTransform()
+        for path in (tmp_path / "out").glob("satellite/*.tif")
+    }
+    for feature in found["FOOTPRINTS"].getFeatures():
+        west, _, _, north, _, _ = edges[feature["name"]]
+        box = feature.geometry().boundingBox()
+        assert (box.xMinimum(), box.yMaximum()) == pytest.approx((west, north), abs=NOISE_M)
+        assert feature["gsd_m"] == pytest.approx(0.5, rel=0.04)
+    to_crs = pyproj.Transformer.from_crs(4326, place[0], always_xy=True)
+    for feature in found["CAPTURES"].getFeatures():
+        at = feature.geometry().asPoint()
+        assert (at.x(), at.y()) == pytest.approx(
+            to_crs.transform(feature["lon_deg"], feature["lat_deg"]), abs=1e-6
+        )
+    (line,) = found["FLIGHT"].getFeatures()
+    # Scale of the projection: a few parts in ten thousand in UTM, 3 % at the pole.
+    assert line.geometry().length() == pytest.approx(line["length_m"], rel=0.035)
+    assert QgsRasterLayer(made["MOSAIC"], "mosaic", "gdal").crs().authid() == crs
+
+
+def test_area_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
+    """Its outline on the map is the rectangle that was drawn, and the map goes there."""
+    noise(tmp_path / "ortho.tif", *POLE)
+    set_source(desk, str(tmp_path / "ortho.tif"))
+    area = draw(desk, POLE, 200.0).mission.area
+    outline = Outline(area, QgsCoordinateReferenceSystem("EPSG:3031"), QgsProject.instance(), 0.0).shape
+    assert outline.isGeosValid()
+    assert outline.area() == pytest.approx(160_000.0, rel=0.03)
+    assert outline.length() < 1_700.0
+    desk.look_at("EPSG:3031", (1e6, 1e6, 1.1e6, 1.1e6))
+    desk.zoom_to(area.bounds)
+    assert desk.canvas.extent().contains(QgsRectangle(*rectangle(POLE, 150.0)))
+    assert desk.canvas.extent().width() < 3_000.0
+
+
+def test_figures_say_what_the_pixels_are(desk, tmp_path):
+    noise(tmp_path / "ortho.tif", *UTM)
+    set_source(desk, str(tmp_path / "ortho.tif"))
+    draw(desk, UTM, 200.0)
+    details = html.unescape(desk.dock.figures.details.text())
+    assert "px: the source's own pixels, 50 cm in EPSG:32616" in details
+    assert "zoom" not in details
+    desk.form.agl.setValue(400.0)
+    desk.wait_planned()
+    assert "px: means of 2 x 2 of the source's own pixels" in html.unescape(desk.dock.figures.details.text())
+    set_source(desk, "world")
+    desk.wait_planned()
+    assert "px at zoom" in desk.dock.figures.details.text()
