@@ -25,7 +25,7 @@ from qgis.PyQt.QtGui import QPainter
 from ...core.errors import PartError
 from ...core.imagery.source import Part, Window, tile_parts
 from .renderer import Jobs, Pipes, blank, to_array, to_image
-from .sampling import sampled
+from .sampling import averaged, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import Tiles
 
@@ -172,6 +172,9 @@ class LayerSource:
     ) -> Pixels | None:
         """Pixels of one layer; None where it shows nothing."""
         layer, size = pipes.layer, (tile.width_px, tile.height_px)
+        if self.grid.own is not None and tile.zoom <= self.grid.native_zoom:
+            factor = 1 << (self.grid.native_zoom - tile.zoom)
+            return averaged(pipes, tile.left_px, tile.top_px, size, factor, self._jobs)
         if layer.providerType() == FILE_PROVIDER:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()

@@ -22,12 +22,14 @@ from qgis.core import (
 )
 from terrainav.core.capture.runner import capture as run
 from terrainav.core.imagery.raster.source import open_raster
+from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.area.outline import Outline
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
-from terrainav.terrainav_plugin.qgis_source.snapshot import source_name
+from terrainav.terrainav_plugin.qgis_source.snapshot import source_name, take_snapshot
+from terrainav.terrainav_plugin.qgis_source.source import LayerSource
 
 from tests.core.imagery.raster.test_own_pixels import about, noise
 from tests.plugin.test_capture import capture, images
@@ -360,3 +362,25 @@ def test_figures_say_what_the_pixels_are(desk, tmp_path):
     set_source(desk, "world")
     desk.wait_planned()
     assert "px at zoom" in desk.dock.figures.details.text()
+
+
+@pytest.mark.parametrize("place", [UTM, POLE])
+def test_layer_far_away_is_the_mean_of_its_pixels(tmp_path, place):
+    """As the file itself is; pixels that reach beyond the raster are missing."""
+    values, _ = noise(tmp_path / "ortho.tif", *place)
+    layer = QgsProject.instance().addMapLayer(QgsRasterLayer(str(tmp_path / "ortho.tif"), "ortho", "gdal"))
+    source = LayerSource(take_snapshot(source_name(layer), QgsProject.instance()))
+    of_file = open_raster(tmp_path / "ortho.tif")
+    assert source.grid == of_file.grid
+    native = source.grid.native_zoom
+    for zoom, factor in ((native, 1), (native - 1, 2), (native - 2, 4)):
+        shown = source.fetch("satellite", Window(zoom, 256, 256, 100, 80))
+        kept = values[:, 256 * factor : (256 + 80) * factor, 256 * factor : (256 + 100) * factor]
+        if factor < 4:
+            mean = kept.reshape(3, 80, factor, 100, factor).mean(axis=(2, 4))
+            assert np.abs(shown - np.moveaxis(mean, 0, -1)).max() <= 0.5
+        expected = of_file.fetch("satellite", Window(zoom, 256, 256, 100, 80)).astype(int)
+        assert expected.shape == shown.shape
+        assert np.abs(shown.astype(int) - expected).max() <= 1
+    of_file.close()
+    source.close()
