@@ -2672,6 +2672,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Pixels</source>
         <translation>Píxeles</translation>
     </message>
@@ -3121,6 +3122,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
         <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}</source>
+        <translation>área {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -4105,6 +4111,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{number} of {count} here: {name}</source>
         <translation>{number} de {count} aquí: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{width} × {height} of {crs}</source>
+        <translation>{width} × {height} de {crs}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>

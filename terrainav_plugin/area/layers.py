@@ -18,6 +18,7 @@ from qgis.core import (
     QgsGeometry,
     QgsMapLayer,
     QgsPointXY,
+    QgsProcessingContext,
     QgsProject,
     QgsRectangle,
     QgsUnitTypes,
@@ -27,7 +28,7 @@ from qgis.core import (
 
 from ...core.errors import Cancelled, InvalidInput
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import Area, Points, Polygon, Position
+from ...core.mission.area import Area, Box, Points, Polygon, Position
 from ...core.mission.coords import parse_coords
 from ..compat import POINT, POLYGON
 from ..i18n import number_text, tr
@@ -113,9 +114,25 @@ def polygon_of(
             ).format(feature=name, count=len(parts))
         )
     _refuse_invalid(geometry, name)
+    return polygon_of_rings(parts[0], crs, context, name)
+
+
+def polygon_of_rings(
+    rings: list[list[QgsPointXY]],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+    name: str,
+) -> Polygon:
+    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `polygon_of`.
+
+    Raises
+    ------
+    InvalidInput
+        Naming the rings' feature: a place that the CRS has not, an edge through a pole, or a hole around one.
+    """
     place = _Places(crs, context, name)
     return Polygon(
-        tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(parts[0]))
+        tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings))
     )
 
 
@@ -203,7 +220,9 @@ def text_file(path: str, agl_unit: str) -> Reading:
     return lambda _cancelled: parse_coords(path, agl_unit=agl_unit)
 
 
-def rectangle_area(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> Area:
+def rectangle_area(
+    rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject | QgsProcessingContext
+) -> Box | Polygon:
     """Ground under a rectangle of a map: the smallest box around it, or a polygon where that is much larger.
 
     It is on maps about a pole, and wherever their sides are far from running along parallels and meridians.
@@ -223,9 +242,8 @@ def rectangle_area(rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, p
         rectangle.yMaximum(),
     )
     ring = [QgsPointXY(*at) for at in ((west, south), (east, south), (east, north), (west, north))]
-    place = _Places(crs, project.transformContext(), tr("rectangle"))
     try:
-        polygon = Polygon((tuple(_ring([*ring, ring[0]], place, tr("rectangle"))),))
+        polygon = polygon_of_rings([[*ring, ring[0]]], crs, project.transformContext(), tr("rectangle"))
     except InvalidInput:
         # It reaches an edge of the map, which a box around it follows.
         return box

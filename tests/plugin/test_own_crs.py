@@ -14,11 +14,13 @@ from qgis.core import (
     QgsContrastEnhancement,
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
+    QgsFeature,
     QgsGeometry,
     QgsProject,
     QgsRasterLayer,
     QgsRectangle,
     QgsSingleBandGrayRenderer,
+    QgsVectorLayer,
 )
 from terrainav.core.capture.runner import capture as run
 from terrainav.core.imagery.raster.source import open_raster
@@ -384,3 +386,31 @@ def test_layer_far_away_is_the_mean_of_its_pixels(tmp_path, place):
         assert np.abs(shown.astype(int) - expected).max() <= 1
     of_file.close()
     source.close()
+
+
+def test_algorithms_take_areas_about_the_pole(plugin, tmp_path):
+    """An extent and a polygon of the polar CRS: as large as they are, and covered."""
+    noise(tmp_path / "ortho.tif", *POLE)
+    layer = QgsVectorLayer("Polygon?crs=EPSG:3031", "about the pole", "memory")
+    feature = QgsFeature()
+    feature.setGeometry(QgsGeometry.fromWkt("Polygon ((-150 -150, 180 -120, 0 190, -150 -150))"))
+    layer.dataProvider().addFeatures([feature])
+    for area, m2 in (({"EXTENT": "-200,200,-200,200 [EPSG:3031]"}, 160_000.0), ({"AREA": layer}, None)):
+        made = processing.run(
+            "terrainav:plan",
+            {
+                **area,
+                "OTHER_SOURCE": str(tmp_path / "ortho.tif"),
+                "MISSION_FILE": str(tmp_path / "mission.json"),
+                "FOOTPRINTS": "TEMPORARY_OUTPUT",
+            },
+        )
+        wanted = feature.geometry().area() if m2 is None else m2
+        asked = Mission.load(str(tmp_path / "mission.json")).area
+        assert isinstance(asked, Polygon)
+        # Ground is up to 6 % larger than the map there, which is true to scale at 71 degrees.
+        assert asked.area_m2() == pytest.approx(wanted / 0.9727**2, rel=1e-3)
+        assert made["COVERAGE"] == 100.0
+        drawn = QgsGeometry.unaryUnion([one.geometry() for one in made["FOOTPRINTS"].getFeatures()])
+        shape = feature.geometry() if m2 is None else QgsGeometry.fromRect(QgsRectangle(-200, -200, 200, 200))
+        assert drawn.buffer(0.2, 1).contains(shape)
