@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
+    QgsCoordinateTransformContext,
     QgsCsException,
     QgsFeature,
     QgsGeometry,
@@ -78,7 +79,8 @@ def area_of_layer(
         ]
         points = _points(_located(features, source, context), *fields, agl_m)
         return points, points.poses[0][2]
-    return _polygon(features, source, context), agl_m
+    name = tr("area {name}").format(name=source.sourceName())
+    return _polygon(features, source.sourceCrs(), context.transformContext(), name), agl_m
 
 
 def _located(
@@ -129,7 +131,10 @@ def _value(feature: QgsFeature, field: str) -> float:
 
 
 def _polygon(
-    features: list[QgsFeature], source: QgsProcessingFeatureSource, context: QgsProcessingContext
+    features: list[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+    name: str,
 ) -> Polygon:
     from ..area.layers import polygon_of_rings
 
@@ -141,5 +146,4 @@ def _polygon(
                 count=len(parts)
             )
         )
-    name = tr("area {name}").format(name=source.sourceName())
-    return polygon_of_rings(parts[0], source.sourceCrs(), context.transformContext(), name)
+    return polygon_of_rings(parts[0], crs, context, name)

@@ -162,11 +162,14 @@ def _no_crs(case: Case) -> None:
     "area of {count} separate polygons: must be one; select one, or run it as a batch",
 )
 def _separate(case: Case) -> None:
-    both = [(feature(shape), QgsGeometry.fromWkt(shape)) for shape in (SQUARE, FAR)]
-    case.refused(lambda: _polygon(both))
-    case.follow("select one", lambda: _polygon(both[:1]))
+    def joined(*features):
+        return _polygon(features, QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, "area mine")
+
+    both = [feature(shape) for shape in (SQUARE, FAR)]
+    case.refused(lambda: joined(*both))
+    case.follow("select one", lambda: joined(both[0]))
     # A batch runs once for each.
-    case.follow("run it as a batch", lambda: [_polygon([one]) for one in both])
+    case.follow("run it as a batch", lambda: [joined(one) for one in both])
 
 
 @remedy("form/area.py", "give every point a yaw, or none")
