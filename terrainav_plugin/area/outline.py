@@ -243,9 +243,12 @@ def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg
 def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     """Area moved by degrees: across the antimeridian freely, but no edge of it past where pictures end.
 
-    Those end at Web Mercator's latitudes; an area beyond them already goes as far as the pole.
+    Those end at Web Mercator's latitudes; an area beyond them already goes as far as the pole. A polygon around a pole
+    stays where it is: moved by degrees it would be another.
     """
     bounds = area.bounds
+    if isinstance(area, Polygon) and bounds.span_deg >= _TURN_DEG:
+        return area
     limit = _limit(max(abs(bounds.north_deg), abs(bounds.south_deg)))
     dlat = min(max(dlat_deg, -limit - bounds.south_deg), limit - bounds.north_deg)
     if isinstance(area, Box):

@@ -28,7 +28,7 @@ from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.area.outline import Outline
+from terrainav.terrainav_plugin.area.outline import Outline, moved
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.qgis_source.snapshot import source_name, take_snapshot
 from terrainav.terrainav_plugin.qgis_source.source import LayerSource
@@ -349,6 +349,9 @@ def test_area_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
     desk.zoom_to(area.bounds)
     assert desk.canvas.extent().contains(QgsRectangle(*rectangle(POLE, 150.0)))
     assert desk.canvas.extent().width() < 3_000.0
+    # Degrees would make another area of it; what is in the panel and in files is the one that was drawn.
+    assert moved(area, 0.01, 30.0) == area
+    assert desk.session.planned.mission == Mission.from_json(desk.session.planned.mission.to_json())
 
 
 def test_figures_say_what_the_pixels_are(desk, tmp_path):
