@@ -18,15 +18,17 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, Generic, TypeVar
 
 from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsTask
-from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
+from qgis.PyQt.QtCore import QObject, Qt, QThread, QTimer, pyqtSignal, pyqtSlot
 
 from ..core.errors import Cancelled, Message, TerrAInavError
 from .compat import TASK_FLAGS
 from .i18n import tr
 
 Result = TypeVar("Result")
-#: CRSs of the layers that TerrAInav opens and makes.
+#: CRSs of layers that TerrAInav opens and makes, beside those that imagery has of its own.
 CRS_IDS = ("EPSG:3857", "EPSG:4326")
+#: Seconds that work waits for the main thread to read another one.
+_READING_S = 3.0
 
 
 class Task(QgsTask):
@@ -218,10 +220,50 @@ class PythonThread(Generic[Result]):
             self._failures.append(failure)
 
 
+def crs_named(text: str) -> QgsCoordinateReferenceSystem:
+    """CRS of a code or of a WKT; the first time on the main thread, see above."""
+    if text.count(":") == 1 and "[" not in text:
+        return QgsCoordinateReferenceSystem(text)
+    return QgsCoordinateReferenceSystem.fromWkt(text)
+
+
 def hold_crs() -> None:
     """Read the CRSs of TerrAInav's layers on the main thread, before work on another one does."""
     for identifier in CRS_IDS:
         QgsCoordinateReferenceSystem(identifier)
+
+
+def held_crs(text: str) -> bool:
+    """Have the main thread read a CRS, a code or WKT, before this one does; False where it had no time for that."""
+    if text in CRS_IDS:
+        return True
+    if QThread.currentThread() == QgsApplication.instance().thread():
+        crs_named(text)
+        return True
+    return _Reading(text).wait()
+
+
+class _Reading(QObject):
+    """A CRS that the main thread is to read as soon as it comes to it."""
+
+    _asked = pyqtSignal()
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self._text = text
+        self._read_there = threading.Event()
+        self.moveToThread(QgsApplication.instance().thread())
+        self._asked.connect(self._read, Qt.ConnectionType.QueuedConnection)
+
+    def wait(self) -> bool:
+        """Wait for it, but no longer than a user would: the main thread may wait for this one."""
+        self._asked.emit()
+        return self._read_there.wait(_READING_S)
+
+    @pyqtSlot()
+    def _read(self) -> None:
+        crs_named(self._text)
+        self._read_there.set()
 
 
 def is_foreign() -> bool:

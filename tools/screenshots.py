@@ -30,6 +30,7 @@ from qgis.core import (
     QgsFillSymbol,
     QgsGeometry,
     QgsProject,
+    QgsRasterLayer,
     QgsRectangle,
     QgsVectorLayer,
 )
@@ -81,6 +82,9 @@ QUALITIES = range(85, 20, -5)
 
 FIRST = "35.143_-89.889_35.130_-89.867"
 AGRICENTER = "35.16_-89.90_35.115_-89.823"
+MIDLANDS = "52.412_-0.128_52.392_-0.090"
+#: Edges of an orthophoto there, metres of the British National Grid.
+ORTHOPHOTO_M = (527_800.0, 279_200.0, 529_800.0, 280_600.0)
 LARGE = "35.35_-90.10_35.05_-89.70"
 #: Corners and a hole, in degrees.
 POLYGON = (
@@ -469,6 +473,45 @@ def holed(tiles: Path) -> None:
         )
 
 
+def orthophoto(stage: Stage) -> None:
+    """An orthophoto in the British National Grid, and the project in it, too: captured in its own pixels."""
+    # A world that has fields and woods there.
+    stage.begin(MIDLANDS, "survey", seed=0)
+    picture = next(
+        layer.source()
+        for layer in QgsProject.instance().mapLayers().values()
+        if layer.providerType() == "gdal"
+    )
+    path = FOLDER / "orthophoto_osgb.tif"
+    west, south, east, north = ORTHOPHOTO_M
+    gdal.Warp(
+        str(path),
+        picture,
+        dstSRS="EPSG:27700",
+        outputBounds=(west, south, east, north),
+        xRes=0.5,
+        yRes=0.5,
+        resampleAlg="bilinear",
+    )
+    stage.clear("survey")
+    layer = QgsProject.instance().addMapLayer(QgsRasterLayer(str(path), "orthophoto_osgb"))
+    stage.form.set_state(replace(stage.session.state(), source=f"qgis:layer/{layer.id()}", agl=250.0))
+    wait_until_drawn()
+    stage.canvas.setExtent(layer.extent())
+    wait_until_drawn()
+    click(stage.form.draw_box)
+    end = at(0.85, 0.72)
+    press_map(at(0.15, 0.28), end)
+    release_map(end)
+    stage.plan()
+    stage.preview()
+    stage.capture()
+    stage.dock.figures.fold.setChecked(True)
+    stage.settle()
+    stage.shoot("orthophoto.jpg", stage.part(stage.canvas, stage.dock), stage.form.source, 80_000)
+    stage.dock.figures.fold.setChecked(False)
+
+
 # --- scenes: around the panel
 
 
@@ -537,6 +580,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
         capturing,
         cleaning,
         failed,
+        orthophoto,
         algorithms,
         options,
         dark,

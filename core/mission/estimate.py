@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
-from ..geodesy.mercator import WebMercator
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
@@ -61,15 +60,14 @@ OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0
 class Summary:
     """The figures of a plan; shares are of 1, None where they have no meaning (points have no area).
 
-    ``crs`` is that of the source's grid and ``pixel_m`` its pixel there, at ``zoom``.
+    ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
 
     images: int
     rows: int
     columns: int
     zoom: int
-    crs: str
-    pixel_m: float
+    own_pixels: str
     width_px: int
     height_px: int
     requested_gsd_m_per_px: float
@@ -112,15 +110,8 @@ class Summary:
         each = Message(" for each of {0} map types", types) if types > 1 else ""
         images = Message("{0:,}{1}", self.images, each)
         shape = Message("{0} x {1} px at zoom {2}", self.width_px, self.height_px, self.zoom)
-        if self.crs != WebMercator.crs:
-            pixel = length_text(self.pixel_m)
-            shape = Message(
-                "{0} x {1} px, the source in pixels of {2} in {3}",
-                self.width_px,
-                self.height_px,
-                pixel,
-                self.crs,
-            )
+        if self.own_pixels:
+            shape = Message("{0} x {1} px: {2}", self.width_px, self.height_px, self.own_pixels)
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
@@ -197,8 +188,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         rows=plan.rows,
         columns=plan.columns,
         zoom=plan.zoom,
-        crs=plan.grid.plane.crs if plan.grid.own is None else plan.grid.own.name,
-        pixel_m=plan.grid.pixel_size(plan.zoom)[0] * (1.0 if plan.grid.own is None else plan.grid.own.unit_m),
+        own_pixels=own_pixels(plan),
         width_px=int(plan.width_px.max()),
         height_px=int(plan.height_px.max()),
         requested_gsd_m_per_px=plan.requested_gsd_m_per_px,
@@ -225,6 +215,25 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         accuracy=plan.accuracy,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
     )
+
+
+def own_pixels(plan: Plan) -> str:
+    """Return what the pixels of a source in a CRS of its own are for pictures; empty where they are the map's."""
+    own, native = plan.grid.own, plan.grid.native_zoom
+    if own is None:
+        return ""
+    size = length_text(plan.grid.pixel_size(native)[0] * own.unit_m)
+    if plan.zoom == native:
+        return Message("the source's own pixels, {0} in {1}", size, own.name)
+    if plan.zoom > native:
+        return Message(
+            "the source's own pixels, {0} in {1}, enlarged {2} times",
+            size,
+            own.name,
+            1 << (plan.zoom - native),
+        )
+    each = 1 << (native - plan.zoom)
+    return Message("means of {2} x {2} of the source's own pixels, {0} in {1}", size, own.name, each)
 
 
 def beyond_imagery(plan: Plan) -> tuple[str, ...]:

@@ -22,6 +22,8 @@ Ring = tuple[Floats, Floats]
 #: Degrees of a great circle up to which a footprint's edges are drawn straight, in longitude and latitude or on the
 #: map: there they are within 3 m, a thousandth of their length, of the true ones.
 _STRAIGHT_DEG = 0.1
+#: Degrees of longitude up to which they are so near a pole: straight ones leave the true ones by 1/8 of their turn.
+_LEAST_TURN_DEG = 0.5
 #: A centimetre from the poles, which are infinitely far away on the map.
 _FARTHEST_DEG = 90.0 - 1e-7
 _WORLD_M = 2.0 * HALF_WORLD_M
@@ -164,6 +166,9 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
     lat, lon, hit = (values[part] for values in plan.corners)
     wide_deg = np.ptp(lon, axis=1) * np.cos(np.radians(plan.lat_deg[part]))
     small = np.maximum(np.ptp(lat, axis=1), wide_deg) < _STRAIGHT_DEG
+    if plan.grid.own is not None:
+        # The map ends before meridians come so near to each other.
+        small &= np.ptp(lon, axis=1) < _LEAST_TURN_DEG
     return np.asarray(small & hit.all(axis=1) & (plan.poles[part] == 0))
 
 

@@ -205,8 +205,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>The smallest box of longitudes and latitudes around it ({crs}).</source>
-        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}).</translation>
+        <source>The smallest box of longitudes and latitudes around it ({crs}); its own rectangle, as a polygon, where the box would be much larger.</source>
+        <translation>El menor recuadro de longitudes y latitudes que la contiene ({crs}); su propio rectángulo, como polígono, donde el recuadro sería mucho mayor.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -405,13 +405,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>rectangle</source>
+        <translation>rectángulo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{count} polygons are selected, but an area is a single polygon: select only one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
         <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature} goes around a pole: an area's edges must close without that; cut it</source>
-        <translation>{feature} rodea un polo: los bordes de un área deben cerrarse sin ello; cortarlo</translation>
+        <source>{feature} has a hole around a pole: cut it into parts without one</source>
+        <translation>{feature} tiene un hueco alrededor de un polo: córtelo en partes que no lo tengan</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -2138,6 +2143,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{width} × {height} px: {pixels}</source>
+        <translation>{width} × {height} px: {pixels}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>≤ {bound} px of a budget of {budget} px</source>
         <translation>≤ {bound} px de {budget} px admisibles</translation>
     </message>
@@ -2634,6 +2644,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Pixels</source>
         <translation>Píxeles</translation>
     </message>
@@ -3095,6 +3106,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
         <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}</source>
+        <translation>área {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -4066,6 +4082,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{number} of {count} here: {name}</source>
         <translation>{number} de {count} aquí: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{width} × {height} of {crs}</source>
+        <translation>{width} × {height} de {crs}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -6800,6 +6821,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>means of {2} x {2} of the source's own pixels, {0} in {1}</source>
+        <translation>medias de {2} x {2} de los píxeles propios de la fuente, {0} en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>nothing (computed here)</source>
         <translation>nada (se calcula aquí)</translation>
     </message>
@@ -6853,6 +6879,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>the source's own pixels, {0} in {1}</source>
+        <translation>los píxeles propios de la fuente, {0} en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>the source's own pixels, {0} in {1}, enlarged {2} times</source>
+        <translation>los píxeles propios de la fuente, {0} en {1}, ampliados {2} veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>tiles</source>
         <translation>teselas</translation>
     </message>
@@ -6888,8 +6924,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0} x {1} px, the source in pixels of {2} in {3}</source>
-        <translation>{0} x {1} px, la fuente en píxeles de {2} en {3}</translation>
+        <source>{0} x {1} px: {2}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8323,6 +8359,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>mosaic {0}: cannot be read ({1})</source>
+        <translation>mosaico {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic {0}: cannot be written ({1})</source>
         <translation>mosaico {0}: no se puede escribir ({1})</translation>
     </message>
@@ -8343,8 +8384,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/rectify.py"/>
-        <source>picture {0}: shows no ground that a map in EPSG:3857 has</source>
-        <translation>imagen {0}: no muestra terreno que tenga un mapa en EPSG:3857</translation>
+        <source>picture {0}: shows no ground that a map in {1} has</source>
+        <translation>imagen {0}: no muestra terreno que tenga un mapa en {1}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/network/answers.py"/>

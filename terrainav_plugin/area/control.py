@@ -14,14 +14,14 @@ from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON, VECTOR
 from ..form.area import FormError, area_words, entered_area, with_area
 from ..i18n import tr, translate
-from ..map.canvas import box_of, canvas_rectangle, show_extent
+from ..map.canvas import canvas_rectangle, show_extent
 from ..messages import Messages
 from ..tasks import single_shot
 from .bands import AreaMark
 from .dialogs import LayerDialog, PointsDialog, PolygonDialog
 from .editing import AreaEditing
 from .entries import AreaEntries
-from .layers import Reading, ReadTask, extent_of, points, selected_polygon, text_file
+from .layers import Reading, ReadTask, extent_of, points, rectangle_area, selected_polygon, text_file
 from .menu import Way
 from .tools import AreaTool, BoxTool, PointTool
 
@@ -122,10 +122,10 @@ class AreaControl(QObject):
     # --- ways to an area
 
     def take_canvas(self) -> None:
-        """Take the box of what the map shows."""
+        """Take what the map shows."""
         settings = self._canvas.mapSettings()
         self._enter(
-            lambda: box_of(settings.visibleExtent(), settings.destinationCrs(), self._project),
+            lambda: rectangle_area(settings.visibleExtent(), settings.destinationCrs(), self._project),
             tr("map canvas extent"),
         )
 

@@ -69,9 +69,10 @@ class LayerDialog(QDialog):
         """Add what else is asked for."""
 
     def _words(self, layer: QgsMapLayer) -> str:
-        return tr("The smallest box of longitudes and latitudes around it ({crs}).").format(
-            crs=layer.crs().authid() or tr("no CRS")
-        )
+        return tr(
+            "The smallest box of longitudes and latitudes around it ({crs}); its own rectangle, as a polygon, where "
+            "the box would be much larger."
+        ).format(crs=layer.crs().authid() or tr("no CRS"))
 
 
 class PolygonDialog(LayerDialog):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 from qgis.core import (
@@ -18,7 +18,9 @@ from qgis.core import (
     QgsGeometry,
     QgsMapLayer,
     QgsPointXY,
+    QgsProcessingContext,
     QgsProject,
+    QgsRectangle,
     QgsUnitTypes,
     QgsVectorLayer,
     QgsVectorLayerFeatureSource,
@@ -46,6 +48,9 @@ _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
 #: Features between two looks at whether somebody has lost patience.
 _PAUSE = 256
 _MOST_YAW_DEG = 360.0
+_HALF_TURN_DEG = 180.0
+#: How much larger a box may be than the rectangle that it is around: half as large again.
+_MUCH_LARGER = 1.5
 #: What reads an area, and the height of its first point in metres where it has one; it may be cancelled.
 Reading = Callable[[Callable[[], bool]], "tuple[Area, float | None]"]
 
@@ -82,7 +87,7 @@ def polygon_of(
     Raises
     ------
     InvalidInput
-        No feature or several, several parts, no sound geometry, or one around a pole.
+        No feature or several, several parts, no sound geometry, or a hole around a pole.
     """
     found = list(features)
     if not found:
@@ -109,8 +114,26 @@ def polygon_of(
             ).format(feature=name, count=len(parts))
         )
     _refuse_invalid(geometry, name)
+    return polygon_of_rings(parts[0], crs, context, name)
+
+
+def polygon_of_rings(
+    rings: list[list[QgsPointXY]],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+    name: str,
+) -> Polygon:
+    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `polygon_of`.
+
+    Raises
+    ------
+    InvalidInput
+        Naming the rings' feature: a place that the CRS has not, an edge through a pole, or a hole around one.
+    """
     place = _Places(crs, context, name)
-    return Polygon(tuple(tuple(_ring(ring, place, name)) for ring in parts[0]))
+    return Polygon(
+        tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings))
+    )
 
 
 def points_of(
@@ -197,8 +220,38 @@ def text_file(path: str, agl_unit: str) -> Reading:
     return lambda _cancelled: parse_coords(path, agl_unit=agl_unit)
 
 
-def extent_of(layer: QgsMapLayer, project: QgsProject) -> Box:
-    """Box around a layer.
+def rectangle_area(
+    rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject | QgsProcessingContext
+) -> Box | Polygon:
+    """Ground under a rectangle of a map: the smallest box around it, or a polygon where that is much larger.
+
+    It is on maps about a pole, and wherever their sides are far from running along parallels and meridians.
+
+    Raises
+    ------
+    InvalidInput
+        Where the rectangle leaves the domain of the CRS.
+    """
+    box = box_of(rectangle, crs, project)
+    if crs.isGeographic():
+        return box
+    west, south, east, north = (
+        rectangle.xMinimum(),
+        rectangle.yMinimum(),
+        rectangle.xMaximum(),
+        rectangle.yMaximum(),
+    )
+    ring = [QgsPointXY(*at) for at in ((west, south), (east, south), (east, north), (west, north))]
+    try:
+        polygon = polygon_of_rings([[*ring, ring[0]]], crs, project.transformContext(), tr("rectangle"))
+    except InvalidInput:
+        # It reaches an edge of the map, which a box around it follows.
+        return box
+    return polygon if box.area_m2() > _MUCH_LARGER * polygon.area_m2() else box
+
+
+def extent_of(layer: QgsMapLayer, project: QgsProject) -> Area:
+    """Area of a layer's extent, as `rectangle_area` has it.
 
     Raises
     ------
@@ -208,7 +261,7 @@ def extent_of(layer: QgsMapLayer, project: QgsProject) -> Box:
     extent = layer.extent()
     if extent.isNull() or not extent.isFinite():
         raise InvalidInput(tr("layer “{name}” is empty: it has no extent").format(name=layer.name()))
-    return box_of(extent, _crs(layer), project)
+    return rectangle_area(extent, _crs(layer), project)
 
 
 class _Places:
@@ -269,21 +322,40 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
         )
 
 
-def _ring(ring: list[QgsPointXY], place: _Places, name: str) -> Iterator[Position]:
-    """Corners of a ring in continuous degrees, not closed."""
-    lon, lat = first = place(ring[0])
-    yield first
+def _ring(ring: list[QgsPointXY], place: _Places, name: str, *, is_hole: bool = False) -> Sequence[Position]:
+    """Corners of a ring in continuous degrees, not closed; one around a pole goes back along it."""
+    first = place(ring[0])
+    corners = [first]
     for start, end in zip(ring, ring[1:]):
-        for corner_lon, corner_lat in _edge(start, end, place, name):
-            lon, lat = _near(corner_lon, lon), corner_lat
-            if not (end == ring[-1] and (abs(lon - first[0]), lat) == (0.0, first[1])):
-                yield lon, lat
-    if abs(lon - first[0]) > 180.0:
-        raise InvalidInput(
-            tr("{feature} goes around a pole: an area's edges must close without that; cut it").format(
-                feature=name
+        for lon, lat in _edge(start, end, place, name):
+            corners.append((_near(lon, corners[-1][0]), lat))
+    if abs(corners[-1][0] - first[0]) > _HALF_TURN_DEG:
+        if is_hole:
+            raise InvalidInput(
+                tr("{feature} has a hole around a pole: cut it into parts without one").format(feature=name)
             )
-        )
+        return _around_pole(corners)
+    if len(corners) > 1 and corners[-1] == first:
+        corners.pop()
+    return corners
+
+
+def _around_pole(corners: list[Position]) -> list[Position]:
+    """Ring of corners around a pole, the last over the first: from 180° W to 180° E, and back along the pole."""
+    if corners[-1][0] < corners[0][0]:
+        corners.reverse()
+    turn = 2.0 * _HALF_TURN_DEG
+    west = math.floor((corners[0][0] + _HALF_TURN_DEG) / turn) * turn + _HALF_TURN_DEG
+    cut = next(at for at, (lon, _) in enumerate(corners) if lon >= west)
+    (lon0, lat0), (lon1, lat1) = corners[cut - 1 : cut + 1]
+    lat = lat0 + (west - lon0) / (lon1 - lon0) * (lat1 - lat0)
+    after = [(x - west - _HALF_TURN_DEG, y) for x, y in corners[cut:] if x != west]
+    # The first corner stands at the end once more.
+    before = [(x - west + _HALF_TURN_DEG, y) for x, y in corners[1:cut]]
+    pole = math.copysign(90.0, corners[0][1])
+    # Corners along the pole that are less than half a turn apart.
+    along = [(share * _HALF_TURN_DEG, pole) for share in (1.0, 1.0 / 3.0, -1.0 / 3.0, -1.0)]
+    return [(-_HALF_TURN_DEG, lat), *after, *before, (_HALF_TURN_DEG, lat), *along]
 
 
 def _edge(start: QgsPointXY, end: QgsPointXY, place: _Places, name: str) -> Iterator[Position]:

@@ -23,6 +23,7 @@ from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import MAX_LAT_DEG
 from ...core.mission.area import Area, Box, Points, Polygon
 from ..map.canvas import lon_lat_of, to_lon_lat
+from ..map.outlines import around_pole
 
 #: Steps each side is drawn in; sides may be curves on the canvas.
 _STEPS = 48
@@ -75,6 +76,7 @@ class Outline:
         near_lon_deg: float,
     ) -> None:
         self._transform = to_lon_lat(crs, project)
+        self._is_geographic = crs.isGeographic()
         middle = middle_of(area)[0]
         self._turn_deg = 360.0 * round((near_lon_deg - middle) / 360.0) if crs.isGeographic() else 0.0
         self.handles: dict[frozenset[str], QgsPointXY] = {}
@@ -141,7 +143,11 @@ class Outline:
                 rings = [self._ring(ring) for ring in part]
                 if rings and len(rings[0]) >= 3:
                     parts.append([ring for ring in rings if len(ring) >= 3])
-        return QgsGeometry.fromMultiPolygonXY(parts) if parts else QgsGeometry()
+        shape = QgsGeometry.fromMultiPolygonXY(parts) if parts else QgsGeometry()
+        box = degrees.boundingBox()
+        reaches_pole = max(abs(box.yMinimum()), abs(box.yMaximum())) >= _POLE_DEG
+        is_around = reaches_pole and box.width() >= _TURN_DEG and self._cut_deg is None
+        return around_pole(shape) if is_around and not self._is_geographic else shape
 
     def _ring(self, ring: list[QgsPointXY]) -> list[QgsPointXY]:
         placed = (self.project(corner.x(), corner.y()) for corner in ring)
@@ -237,9 +243,12 @@ def continuous_box(north_deg: float, west_deg: float, south_deg: float, east_deg
 def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     """Area moved by degrees: across the antimeridian freely, but no edge of it past where pictures end.
 
-    Those end at Web Mercator's latitudes; an area beyond them already goes as far as the pole.
+    Those end at Web Mercator's latitudes; an area beyond them already goes as far as the pole. A polygon around a pole
+    stays where it is: moved by degrees it would be another.
     """
     bounds = area.bounds
+    if isinstance(area, Polygon) and bounds.span_deg >= _TURN_DEG:
+        return area
     limit = _limit(max(abs(bounds.north_deg), abs(bounds.south_deg)))
     dlat = min(max(dlat_deg, -limit - bounds.south_deg), limit - bounds.north_deg)
     if isinstance(area, Box):

@@ -13,11 +13,12 @@ from qgis.PyQt.QtWidgets import QApplication
 from ...core.errors import TerrAInavError
 from ...core.mission.area import Area, Box, Points
 from ..compat import POLYGON
-from ..form.area import readout, size_text
+from ..form.area import readout
 from ..i18n import tr, translate
-from ..map.canvas import ClickTool, TemporaryTool, box_of
+from ..map.canvas import ClickTool, TemporaryTool
 from ..units import METRES
 from .bands import AreaBands, PointerText, area_band
+from .layers import rectangle_area
 from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
 
 #: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
@@ -40,14 +41,14 @@ _CURSORS = (
 
 
 class BoxTool(TemporaryTool):
-    """Draws a box on the canvas and tells its longitudes and latitudes, whatever the project's CRS.
+    """Draws a rectangle on the canvas and tells the ground under it, whatever the project's CRS.
 
     Signals
     -------
     drawn(object)
-        The `Box`, once the mouse is released.
+        The `Box`, or a `Polygon` where a box would be much larger, once the mouse is released.
     refused(str)
-        Why a rectangle makes no box.
+        Why a rectangle makes no area.
     """
 
     drawn = pyqtSignal(object)
@@ -90,14 +91,14 @@ class BoxTool(TemporaryTool):
             self._clear()
             return
         try:
-            box = self._box(event.pos())
+            area = self._area(event.pos())
         except (TerrAInavError, QgsCsException) as wrong:
             self.refused.emit(translate(wrong))
             return
         finally:
             self._clear()
         self.stop()
-        self.drawn.emit(box)
+        self.drawn.emit(area)
 
     def give_up(self) -> None:
         """Drop the box; the tool stays until the mouse button is up, which another tool would take for its own."""
@@ -133,13 +134,13 @@ class BoxTool(TemporaryTool):
     def _say_size(self, at: QPoint) -> None:
         """Say beside the pointer how large the box would be; nothing where there is none."""
         try:
-            text = size_text(self._box(at), self.length_unit)
+            text = readout(self._area(at), self.length_unit)
         except (TerrAInavError, QgsCsException):
             text = ""
         self._readout.say(text, at)
 
-    def _box(self, at: QPoint) -> Box:
-        return box_of(
+    def _area(self, at: QPoint) -> Area:
+        return rectangle_area(
             self._rectangle(at), self.canvas().mapSettings().destinationCrs(), QgsProject.instance()
         )
 

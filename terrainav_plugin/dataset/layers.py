@@ -22,7 +22,8 @@ from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
 from ..i18n import tr, translate
-from ..tasks import CRS_IDS
+from ..map.canvas import LON_LAT
+from ..tasks import CRS_IDS, crs_named, held_crs
 from .footprints import feature_lines, feature_of
 from .mosaic import Mosaic
 
@@ -40,7 +41,7 @@ _NAME = re.compile(rb'"name": "([^"]*)"')
 class OpenedResults(NamedTuple):
     """Layers of a dataset that are in no project yet; they belong to the main thread.
 
-    A mosaic that is still to be put in its place has none.
+    A mosaic has none that is still to be put in its place, or that the main thread alone can open.
     """
 
     folder: Path
@@ -62,11 +63,13 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
     # (3.40) leaves that to the project's own setting, which is the user's.
     footprints.setReadExtentFromXml(True)
     footprints = _for_main_thread(footprints)
-    opened = [
-        None if mosaic.is_made else _for_main_thread(open_raster(mosaic.path, mosaic.title))
-        for mosaic in mosaics
-    ]
+    opened = [None if mosaic.is_made else _opened(mosaic) for mosaic in mosaics]
     return OpenedResults(folder, mission, footprints, list(zip(mosaics, opened)))
+
+
+def _opened(mosaic: Mosaic) -> QgsRasterLayer | None:
+    crs = mosaic.crs()
+    return _for_main_thread(open_raster(mosaic.path, mosaic.title), crs) if held_crs(crs) else None
 
 
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
@@ -191,13 +194,12 @@ class FailedImages:
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
 
 
-def _for_main_thread(layer: QgsMapLayer) -> QgsMapLayer:
+def _for_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
     main = QgsApplication.instance().thread()
     if QThread.currentThread() != main:
         # The same CRS, but as the main thread has read it (see `tasks`); one that is equal would not be taken.
-        held = QgsCoordinateReferenceSystem(layer.crs().authid())
-        layer.setCrs(QgsCoordinateReferenceSystem(next(other for other in CRS_IDS if other != held.authid())))
-        layer.setCrs(held)
+        layer.setCrs(QgsCoordinateReferenceSystem(next(other for other in CRS_IDS if other != crs)))
+        layer.setCrs(crs_named(crs))
         layer.moveToThread(main)
     return layer
 

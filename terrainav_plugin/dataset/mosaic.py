@@ -5,6 +5,7 @@ Runs in the background.
 
 from __future__ import annotations
 
+import html
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -16,8 +17,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from osgeo import gdal
+from pyproj import CRS
 
-from ...core.capture.georeference import WEB_MERCATOR_WKT
+from ...core.capture.georeference import WEB_MERCATOR, WEB_MERCATOR_WKT
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, Message, OutputError
@@ -42,6 +44,9 @@ _OVERVIEWS, _MADE = ".ovr", ".new"
 #: Ending of what GDAL notes of a file: statistics of pixels that may be others by now.
 _NOTES = ".aux.xml"
 _SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
+_SRS = re.compile(r"<SRS[^<>]*>([^<]+)</SRS>")
+#: What a virtual raster says before its first band, at most.
+_HEAD_BYTES = 1 << 16
 _COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
 Progress = Callable[[float], bool]
 #: Pixels of the mosaic along a side of one of its first overview. Finer ones cost disk and gain little: a screen
@@ -87,6 +92,18 @@ class Mosaic(NamedTuple):
     path: Path
     title: str
     is_made: bool = False
+
+    def crs(self) -> str:
+        """``EPSG:code`` of what is there, or WKT where it has no code; raises OutputError."""
+        try:
+            with self.path.open("rb") as file:
+                head = file.read(_HEAD_BYTES).decode("utf-8", "replace")
+        except OSError as wrong:
+            raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
+        found = _SRS.search(head)
+        wkt = html.unescape(found[1]) if found else WEB_MERCATOR_WKT
+        code = CRS.from_wkt(wkt).to_epsg()
+        return f"EPSG:{code}" if code else wkt
 
     def put_in_place(self) -> Mosaic:
         """Have what was made replace what was there; returns the mosaic that is there now.
@@ -179,6 +196,11 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         raise
 
 
+def wkt_of(crs: str) -> str:
+    """WKT 1, which every GDAL reads, of a code or of a WKT of any version."""
+    return WEB_MERCATOR_WKT if crs == WEB_MERCATOR else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
+
+
 def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
     """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
     found: list[Mosaic] = []
@@ -254,7 +276,8 @@ def build_overviews(
 
 def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
     world = plan.grid.world_px(plan.zoom)
-    turn = np.floor(np.asarray(plan.windows.left_px, np.float64) / world)
+    left_px = np.asarray(plan.windows.left_px, np.float64)
+    turn = np.floor(left_px / world) if plan.grid.own is None else np.zeros(len(plan))
     turns = np.unique(turn)
     order = np.lexsort((plan.windows.left_px, plan.windows.top_px))
     for map_type in plan.mission.imagery.map_types:
@@ -311,10 +334,12 @@ def _virtual_raster(
 ) -> Iterator[str]:
     """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""
     west, _, _, north = (float(edge) for edge in plan.grid.edges(*origin, *size, plan.zoom))
-    resolution = plan.grid.pixel_size(plan.zoom)[0]
+    across, down = plan.grid.pixel_size(plan.zoom)
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
-    yield f"<SRS>{xml_text(WEB_MERCATOR_WKT)}</SRS>\n"
-    yield f"<GeoTransform>{west!r}, {resolution!r}, 0.0, {north!r}, 0.0, {-resolution!r}</GeoTransform>\n"
+    # The axes are those of the geotransform, in whatever order the CRS itself has them.
+    axes = "" if plan.grid.own is None else ' dataAxisToSRSAxisMapping="1,2"'
+    yield f"<SRS{axes}>{xml_text(wkt_of(plan.grid.plane.crs))}</SRS>\n"
+    yield f"<GeoTransform>{west!r}, {across!r}, 0.0, {north!r}, 0.0, {-down!r}</GeoTransform>\n"
     sources = list(_sources(plan, placed, shown.data_type, folder))
     channels = len(shown.bands)
     for band, colour in enumerate(_COLOURS[channels], 1):

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from osgeo import gdal
 
-from ...core.capture.georeference import WEB_MERCATOR_WKT
 from ...core.errors import OutputError
 from ...core.files import partial_file
 from ...core.geodesy.ellipsoid import sight_lines
@@ -21,6 +20,7 @@ from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
 from ...core.mission.layout.framing import ground_of
 from ...core.mission.outlines import footprint_ring, metres
 from ...core.picture.resampling import sample
+from .mosaic import wkt_of
 from .shown import open_shown
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ _OPAQUE = 255
 
 
 class _Frame(NamedTuple):
-    """Pixels of the map, in EPSG:3857."""
+    """Pixels of the map, in the CRS that the plan's pictures have."""
 
     west_m: float
     north_m: float
@@ -55,7 +55,7 @@ class _Frame(NamedTuple):
 
 
 def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
-    """Write a camera frame as a GeoTIFF in EPSG:3857, transparent where the picture shows no ground.
+    """Write a camera frame as a GeoTIFF in the CRS of its source's pixels, transparent where it shows no ground.
 
     Every pixel of the map takes what the exact camera sees there.
 
@@ -84,21 +84,32 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
         x, y = (points[seen, 0] + 1.0) / 2.0 * width, (1.0 - points[seen, 1]) / 2.0 * height
         part[seen] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
     pixels[..., 3] = np.where(pixels[..., 3] > _OPAQUE // 2, _OPAQUE, 0)
-    _write(pixels, frame, target)
+    _write(pixels, frame, target, wkt_of(plan.grid.plane.crs))
 
 
 def _frame(plan: Plan) -> _Frame:
     """Pixels around the ground in the picture, as far as it is worth it."""
     lon, lat = _outline(plan)
-    x, y = metres(lon, np.clip(lat, -MAX_LAT_DEG, MAX_LAT_DEG))
-    own_x, own_y = metres(plan.lon_deg[0], np.clip(plan.lat_deg[0], -MAX_LAT_DEG, MAX_LAT_DEG))
-    # The scale of the map there.
-    coarsest_m = _COARSEST * plan.camera_gsd_m_per_px / math.cos(math.radians(float(plan.lat_deg[0])))
-    reach_m = coarsest_m * _LONGEST_PX
+    own = plan.grid.own
+    if own is None:
+        x, y = metres(lon, np.clip(lat, -MAX_LAT_DEG, MAX_LAT_DEG))
+        own_x, own_y = metres(plan.lon_deg[0], np.clip(plan.lat_deg[0], -MAX_LAT_DEG, MAX_LAT_DEG))
+        # The scale of the map there.
+        m_per_unit = math.cos(math.radians(float(plan.lat_deg[0])))
+    else:
+        x, y = own.to_crs(lat, lon)
+        x, y = x[np.isfinite(x)], y[np.isfinite(y)]
+        own_x, own_y = own.to_crs(plan.lat_deg[0], plan.lon_deg[0])
+        m_per_unit = own.unit_m
+    reach_m = _COARSEST * plan.camera_gsd_m_per_px / m_per_unit * _LONGEST_PX
     west, east = max(float(x.min()), float(own_x) - reach_m), min(float(x.max()), float(own_x) + reach_m)
     south, north = max(float(y.min()), float(own_y) - reach_m), min(float(y.max()), float(own_y) + reach_m)
     if not (west < east and south < north):
-        raise OutputError("picture {0}: shows no ground that a map in EPSG:3857 has", plan.names[0])
+        raise OutputError(
+            "picture {0}: shows no ground that a map in {1} has",
+            plan.names[0],
+            plan.grid.plane.crs if own is None else own.name,
+        )
     pixel_m = max(east - west, north - south) / _LONGEST_PX
     width, height = (max(math.floor(length / pixel_m), 1) for length in (east - west, north - south))
     return _Frame(west, north, pixel_m, width, height)
@@ -117,8 +128,13 @@ def _image_points(plan: Plan, frame: _Frame, rows: NDArray[np.int64]) -> tuple[F
     ground = ground_of(plan.mission)
     x_m = frame.west_m + (np.arange(frame.width_px) + 0.5) * frame.pixel_m
     y_m = frame.north_m - (rows + 0.5) * frame.pixel_m
-    dlon = x_m / HALF_WORLD_M * 180.0 - plan.lon_deg[0]
-    lat = v_to_lat(0.5 - y_m / (2.0 * HALF_WORLD_M))[:, np.newaxis]
+    own = plan.grid.own
+    if own is None:
+        dlon = x_m / HALF_WORLD_M * 180.0 - plan.lon_deg[0]
+        lat = v_to_lat(0.5 - y_m / (2.0 * HALF_WORLD_M))[:, np.newaxis]
+    else:
+        lat, lon = own.from_crs(*np.meshgrid(x_m, y_m))
+        dlon = lon - plan.lon_deg[0]
     vectors = sight_lines(plan.lat_deg, plan.agl_m, lat, dlon, ground)
     points, in_front = plan.mission.camera.image_xy(
         vectors.reshape(1, -1, 3), *(angle for angle in plan.poses.attitude)
@@ -154,7 +170,7 @@ def _read(picture: Path) -> Pixels:
     return np.dstack([*colours, mask])
 
 
-def _write(pixels: Pixels, frame: _Frame, target: Path) -> None:
+def _write(pixels: Pixels, frame: _Frame, target: Path, wkt: str) -> None:
     try:
         with partial_file(target) as partial:
             raster = gdal.GetDriverByName("GTiff").Create(
@@ -162,7 +178,7 @@ def _write(pixels: Pixels, frame: _Frame, target: Path) -> None:
             )
             if raster is None:
                 raise OutputError("picture {0}: cannot be written ({1})", target, gdal.GetLastErrorMsg())
-            raster.SetProjection(WEB_MERCATOR_WKT)
+            raster.SetProjection(wkt)
             raster.SetGeoTransform((frame.west_m, frame.pixel_m, 0.0, frame.north_m, 0.0, -frame.pixel_m))
             raster.WriteArray(np.moveaxis(pixels, -1, 0))
             raster.BuildOverviews("AVERAGE", _OVERVIEWS)

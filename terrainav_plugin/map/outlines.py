@@ -1,4 +1,7 @@
-"""What a plan draws on the map, as QGIS's geometries in EPSG:3857, cut at the antimeridian. On any thread."""
+"""What a plan draws on the map, as QGIS's geometries in the CRS of its pictures' pixels. On any thread.
+
+In EPSG:3857 they are cut at the antimeridian and at the ends of the map; other CRSs have neither.
+"""
 
 from __future__ import annotations
 
@@ -6,24 +9,46 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from qgis.core import QgsGeometry, QgsLineString, QgsMultiLineString, QgsMultiPolygon, QgsPolygon
+from qgis.core import (
+    QgsGeometry,
+    QgsLineString,
+    QgsMultiLineString,
+    QgsMultiPolygon,
+    QgsPolygon,
+    QgsWkbTypes,
+)
 
 from ...core.geodesy.mercator import MAX_LAT_DEG
+from ...core.geodesy.planes import ProjectedPlane
 from ...core.mission.area import cut_half_plane
 from ...core.mission.outlines import cut_at_antimeridian, cut_line, metres, pictures_m
+from ..compat import POLYGON
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from ...core.geodesy.mercator import Plane
     from ...core.mission.outlines import Ring
     from ...core.mission.plan import Plan
 
     Floats = NDArray[np.float64]
 
-__all__ = ["flight_lines", "footprint_shapes", "metres", "ring_polygon"]
+__all__ = ["around_pole", "flight_lines", "footprint_shapes", "metres", "placed", "ring_polygon"]
 
 #: Corners up to which a ring in one piece cannot touch itself: those of a frame.
 _PLAIN_CORNERS = 4
+#: Corners of a ring so near to a pole are those that it goes around the pole by.
+_POLE_DEG = 90.0 - 1e-9
+#: Places within a micrometre are the same.
+_SAME_M = 1e-6
+
+
+def placed(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> Ring:
+    """Coordinates of longitudes (not wrapped) and latitudes, any shape, in the CRS of a plane.
+
+    Not finite where a CRS that imagery has of its own does not reach.
+    """
+    return plane.to_crs(lat_deg, lon_deg) if isinstance(plane, ProjectedPlane) else metres(lon_deg, lat_deg)
 
 
 def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
@@ -31,21 +56,31 @@ def footprint_shapes(plan: Plan) -> Iterator[QgsGeometry]:
     return map(_polygons, pictures_m(plan))
 
 
-def ring_polygon(lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
-    """Polygons of a ring, cut at the ends of the map."""
+def ring_polygon(plane: Plane, lon_deg: Floats, lat_deg: Floats) -> QgsGeometry:
+    """Polygons of a ring in the CRS of a plane, cut where that ends."""
+    if isinstance(plane, ProjectedPlane):
+        # Around a pole, longitudes and latitudes have to go along it, which is a point here.
+        kept = np.abs(lat_deg) < _POLE_DEG
+        x, y = plane.to_crs(lat_deg[kept], lon_deg[kept])
+        reached = np.isfinite(x)
+        shape = _polygons([(x[reached], y[reached])] if reached.sum() > 2 else [])
+        return shape if kept.all() else around_pole(shape)
     lon, lat = cut_half_plane(lon_deg, lat_deg, 1, MAX_LAT_DEG, -1.0)
     lon, lat = cut_half_plane(lon, lat, 1, -MAX_LAT_DEG, 1.0)
     return _polygons([metres(*part) for part in cut_at_antimeridian(lon, lat)])
 
 
-def flight_lines(runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
-    """Ways through longitudes and latitudes in their order, from each place to the next the shorter way around."""
+def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeometry:
+    """Ways through longitudes and latitudes in their order, from each place to the next the shorter way around.
+
+    In the CRS of a plane.
+    """
     lines = QgsMultiLineString()
     for run in runs:
-        for lon, lat in cut_line(*run):
+        for lon, lat in [run] if isinstance(plane, ProjectedPlane) else cut_line(*run):
             # A single capture is no line.
             if len(lon) > 1:
-                x, y = metres(lon, lat)
+                x, y = placed(plane, lon, lat)
                 lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
     return QgsGeometry(lines)
 
@@ -59,5 +94,18 @@ def _polygons(rings: list[Ring]) -> QgsGeometry:
     geometry = QgsGeometry(parts)
     if len(rings) == 1 and len(rings[0][0]) <= _PLAIN_CORNERS:
         return geometry
-    # A ring cut in two may keep its halves joined along the cut.
-    return geometry if geometry.isGeosValid() else geometry.makeValid()
+    # A ring cut in two may keep its halves joined along the cut, and one around a pole the way there and back.
+    return geometry if geometry.isGeosValid() else _polygons_of(geometry.makeValid())
+
+
+def around_pole(shape: QgsGeometry) -> QgsGeometry:
+    """Polygons in a CRS that has a pole as a point, without the way to it and back that their rings have in degrees."""
+    # Once there and back are the same, they bound nothing.
+    return _polygons_of(shape.snappedToGrid(_SAME_M, _SAME_M).makeValid())
+
+
+def _polygons_of(geometry: QgsGeometry) -> QgsGeometry:
+    """Geometry without the lines and points that making it valid may have left."""
+    if QgsWkbTypes.flatType(geometry.wkbType()) == QgsWkbTypes.Type.GeometryCollection:
+        geometry.convertGeometryCollectionToSubclass(POLYGON)
+    return geometry

@@ -334,9 +334,11 @@ def _images(summary: Summary) -> str:
 
 
 def _picture(summary: Summary) -> str:
-    return tr("{width} × {height} px at zoom {zoom}").format(
-        width=number_text(summary.width_px), height=number_text(summary.height_px), zoom=summary.zoom
-    )
+    width, height = number_text(summary.width_px), number_text(summary.height_px)
+    if summary.own_pixels:
+        pixels = translate(summary.own_pixels)
+        return tr("{width} × {height} px: {pixels}").format(width=width, height=height, pixels=pixels)
+    return tr("{width} × {height} px at zoom {zoom}").format(width=width, height=height, zoom=summary.zoom)
 
 
 def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from qgis.core import QgsFeature, QgsGeometry
 
-from ...core.geodesy.mercator import HALF_WORLD_M
-from .view import WORLD_M, Rect
+from .view import MERCATOR, Rect, World
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -46,21 +45,24 @@ class Cells(NamedTuple):
     row: int
     columns: int
     rows: int
+    world: World = MERCATOR
 
     @classmethod
     def over(cls, rect: Rect, px_per_m: float) -> Cells:
         """Cells over a part of the world, as fine as can be seen."""
         width = max(_CELL_PX / px_per_m, rect.longer_m / (_MOST_CELLS - 2))
-        level = max(math.floor(math.log2(WORLD_M / width)), 0)
-        size = WORLD_M / 2.0**level
-        first = [math.floor((edge + HALF_WORLD_M) / size) for edge in (rect.west, rect.south)]
-        last = [math.ceil((edge + HALF_WORLD_M) / size) for edge in (rect.east, rect.north)]
-        return cls(level, *first, *(max(stop - start, 1) for start, stop in zip(first, last)))
+        world = rect.world
+        level = max(math.floor(math.log2(world.size / width)), 0)
+        size = world.size / 2.0**level
+        corner = world.west, world.south
+        first = [math.floor((edge - low) / size) for edge, low in zip((rect.west, rect.south), corner)]
+        last = [math.ceil((edge - low) / size) for edge, low in zip((rect.east, rect.north), corner)]
+        return cls(level, *first, *(max(stop - start, 1) for start, stop in zip(first, last)), world)
 
     @property
     def size_m(self) -> float:
-        """Width of a cell in metres of EPSG:3857."""
-        return WORLD_M / 2.0**self.level
+        """Width of a cell."""
+        return self.world.size / 2.0**self.level
 
 
 def mean_images(boxes: Boxes, cells: Cells) -> Floats:
@@ -69,14 +71,16 @@ def mean_images(boxes: Boxes, cells: Cells) -> Floats:
     The mean and not the number at one place of the cell: that of a regular grid of images beats against the grid of
     the cells, and shows patterns that are not there.
     """
-    around, size = 1 << cells.level, cells.size_m
+    around, size, world = 1 << cells.level, cells.size_m, cells.world
     # What each rectangle covers of rows and columns is the running sum of a few steps at its edges.
     steps = np.zeros((cells.rows + 1) * (cells.columns + 1))
     for start in range(0, len(boxes.west), _BATCH):
-        part = (edge[start : start + _BATCH] for edge in boxes)
-        west, south, east, north = ((edge + HALF_WORLD_M) / size for edge in part)
+        west, south, east, north = (
+            (edge[start : start + _BATCH] - low) / size
+            for edge, low in zip(boxes.edges, 2 * (world.west, world.south))
+        )
         low, high = (np.clip(edge - cells.row, 0.0, cells.rows) for edge in (south, north))
-        for shift in (-around, 0, around):
+        for shift in (-around, 0, around) if world.wraps else (0,):
             left, right = (
                 np.clip(edge + (shift - cells.column), 0.0, cells.columns) for edge in (west, east)
             )
@@ -113,7 +117,7 @@ def density_features(quarters: Numbers, cells: Cells) -> list[QgsFeature]:
     change = padded[:, 1:] != padded[:, :-1]
     # No cell lies on both sides of the antimeridian.
     border = (1 << cells.level) - cells.column
-    if 0 < border < cells.columns:
+    if cells.world.wraps and 0 < border < cells.columns:
         change[:, border] = True
     row, column = np.nonzero(change)
     value = padded[row, column + 1]
@@ -143,10 +147,10 @@ def density_features(quarters: Numbers, cells: Cells) -> list[QgsFeature]:
 
 def _rectangles(cells: Cells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers) -> NDArray[np.void]:
     """Rectangles from rows and columns of cells up to others (excluded), in well-known binary."""
-    size, around = cells.size_m, 1 << cells.level
-    turn = np.floor_divide(cells.column + first, around) * around
-    west, east = (-HALF_WORLD_M + size * (cells.column + edge - turn) for edge in (first, stop))
-    south, north = (-HALF_WORLD_M + size * (cells.row + edge) for edge in (low, high))
+    size, around, world = cells.size_m, 1 << cells.level, cells.world
+    turn = np.floor_divide(cells.column + first, around) * around if world.wraps else 0
+    west, east = (world.west + size * (cells.column + edge - turn) for edge in (first, stop))
+    south, north = (world.south + size * (cells.row + edge) for edge in (low, high))
     shapes = np.zeros(len(low), _RECTANGLE)
     shapes["order"], shapes["type"], shapes["rings"], shapes["corners"] = _LITTLE_ENDIAN, _POLYGON, 1, 5
     ring = ((west, north), (east, north), (east, south), (west, south), (west, north))

@@ -16,7 +16,7 @@ from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
 from ...core.geodesy.mercator import wrap_lon_deg
 from ...core.mission.area import Polygon
-from ..map.outlines import flight_lines, footprint_shapes, metres, ring_polygon
+from ..map.outlines import flight_lines, footprint_shapes, metres, placed, ring_polygon
 from .index import Boxes
 
 if TYPE_CHECKING:
@@ -85,8 +85,9 @@ def area_features(plan: Plan) -> list[QgsFeature]:
         return []
     area = plan.mission.area
     share = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+    plane = plan.grid.plane
     outer, *holes = (
-        ring_polygon(*((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
+        ring_polygon(plane, *((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
         for ring in _rings(area)
     )
     for hole in holes:
@@ -139,7 +140,7 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
     """Where the camera is at each capture."""
     plan = picked.plan
     lon = wrap_lon_deg(plan.lon_deg)
-    places = (values.tolist() for values in metres(lon, plan.lat_deg))
+    places = (values.tolist() for values in placed(plan.grid.plane, lon, plan.lat_deg))
     where = (plan.column, plan.row, plan.lat_deg, lon, plan.agl_m, _gsd(plan), plan.poses.yaw_deg)
     columns = (values.tolist() for values in where)
     return [
@@ -166,12 +167,15 @@ class Flight:
         if self.is_short:
             return
         # Legs longer than the pictures beside them may cross a view that no picture of them touches.
-        x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
+        if plan.grid.own is None:
+            x, y = metres(np.unwrap(plan.lon_deg, period=360.0), plan.lat_deg)
+        else:
+            x, y = placed(plan.grid.plane, plan.lon_deg, plan.lat_deg)
         step = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
         self._long = np.flatnonzero(step > np.minimum(index.longer_m[:-1], index.longer_m[1:]))
         x0, y0, x1, y1 = (values[self._long + shift] for shift in (0, 1) for values in (x, y))
         self._long_boxes = Boxes.wrapped(
-            np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1)
+            np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1), index.boxes.world
         )
 
     @property
@@ -191,10 +195,12 @@ class Flight:
     def is_clear(self, bounds: Rect, px_per_m: float) -> bool:
         """Whether the legs of the whole flight lie far enough apart on the screen, over all, to be told apart."""
         area_m2 = (bounds.east - bounds.west) * (bounds.north - bounds.south)
+        own = self._plan.grid.own
         # Metres of the map are longer than those of the ground by the same share in length and, squared, in area.
-        length_m = self._plan.flight_distance_m / np.cos(
-            np.radians(float(np.mean(self._plan.lat_deg[self._whole])))
+        shrunk = (
+            np.cos(np.radians(float(np.mean(self._plan.lat_deg[self._whole])))) if own is None else own.unit_m
         )
+        length_m = self._plan.flight_distance_m / shrunk
         return bool(area_m2 * px_per_m >= _LEAST_SPACE_PX * length_m)
 
     def near(self, ids: Numbers, rect: Rect) -> list[QgsFeature]:
@@ -207,7 +213,8 @@ class Flight:
         return self._feature([np.append(run, run[-1] + 1) for run in np.split(legs, cuts) if len(run)])
 
     def _feature(self, runs: list[Numbers]) -> list[QgsFeature]:
-        lines = flight_lines((self._plan.lon_deg[run], self._plan.lat_deg[run]) for run in runs)
+        plan = self._plan
+        lines = flight_lines(plan.grid.plane, ((plan.lon_deg[run], plan.lat_deg[run]) for run in runs))
         return [feature(lines, *self._attributes)]
 
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...core.geodesy.mercator import HALF_WORLD_M
-from .view import WORLD_M, Rect
+from .view import MERCATOR, Rect, World
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,21 +19,25 @@ _NARROWEST_BIN_M = 0.1
 
 
 class Boxes(NamedTuple):
-    """Rectangles in metres of EPSG:3857, (n,) each: west in the world, east beyond its end across the antimeridian."""
+    """Rectangles of a world in metres, (n,) each: west within it, east beyond its end across the antimeridian."""
 
     west: Floats
     south: Floats
     east: Floats
     north: Floats
+    world: World = MERCATOR
 
     @classmethod
-    def wrapped(cls, west: Floats, south: Floats, east: Floats, north: Floats) -> Boxes:
+    def wrapped(
+        cls, west: Floats, south: Floats, east: Floats, north: Floats, world: World = MERCATOR
+    ) -> Boxes:
         """Rectangles of continuous eastings, at most as wide as the world."""
-        east = np.minimum(east, west + WORLD_M)
-        turn = np.floor((west + HALF_WORLD_M) / WORLD_M)
-        if turn.any():
-            west, east = west - WORLD_M * turn, east - WORLD_M * turn
-        return cls(west, south, east, north)
+        if world.wraps:
+            east = np.minimum(east, west + world.size)
+            turn = np.floor((west - world.west) / world.size)
+            if turn.any():
+                west, east = west - world.size * turn, east - world.size * turn
+        return cls(west, south, east, north, world)
 
     @property
     def longer_m(self) -> Floats:
@@ -43,13 +46,27 @@ class Boxes(NamedTuple):
 
     def take(self, which: Numbers) -> Boxes:
         """Some of them."""
-        return Boxes(*(edge[which] for edge in self))
+        return Boxes(*(edge[which] for edge in self.edges), self.world)
+
+    @property
+    def edges(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """West, south, east, north."""
+        return self[:4]
+
+    @property
+    def middles(self) -> tuple[Floats, Floats]:
+        """Middle of each, within the world."""
+        x = (self.west + self.east) / 2.0
+        if self.world.wraps:
+            # It may lie beyond the antimeridian.
+            x = np.where(x >= self.world.east, x - self.world.size, x)
+        return x, (self.south + self.north) / 2.0
 
     def meets(self, rect: Rect) -> NDArray[np.bool_]:
         """Which of them share ground with a rectangle."""
         level = (self.south <= rect.north) & (self.north >= rect.south)
         beside = np.zeros(len(self.west), bool)
-        for shift in (-WORLD_M, 0.0, WORLD_M):
+        for shift in self.world.shifts:
             beside |= (self.west + shift <= rect.east) & (self.east + shift >= rect.west)
         return level & beside
 
@@ -92,34 +109,32 @@ class _Level:
 
     def __init__(self, boxes: Boxes, ids: Numbers, bin_m: float) -> None:
         self.bin_m = bin_m
-        middle_x = _middle(boxes.west, boxes.east, ids)
-        # A middle may lie beyond the antimeridian.
-        middle_x = np.where(middle_x >= HALF_WORLD_M, middle_x - WORLD_M, middle_x)
-        column = self._bin(middle_x)
-        row = self._bin(_middle(boxes.south, boxes.north, ids))
-        self._columns = int(WORLD_M / bin_m) + 2
+        world = self._world = boxes.world
+        middle_x, middle_y = (boxes if len(ids) == len(boxes.west) else boxes.take(ids)).middles
+        column, row = self._bin(middle_x, world.west), self._bin(middle_y, world.south)
+        self._columns = int(world.size / bin_m) + 2
         key = row * self._columns + column
         order = np.argsort(key, kind="stable")
         self.ids, self._keys = ids[order], key[order]
         rows = self._keys // self._columns
         self._rows = rows[np.r_[True, rows[1:] != rows[:-1]]]
 
-    def _bin(self, position_m: Floats) -> Numbers:
-        return np.floor((position_m + HALF_WORLD_M) / self.bin_m).astype(np.int64)
+    def _bin(self, position_m: Floats, from_m: float) -> Numbers:
+        return np.floor((position_m - from_m) / self.bin_m).astype(np.int64)
 
     def slices(self, rect: Rect) -> tuple[Numbers, Numbers]:
         """Where in ``ids`` those stand whose bins a rectangle may touch: starts and stops."""
-        reach = self.bin_m / 2.0
-        low, high = self._bin(np.array([rect.south - reach, rect.north + reach])).tolist()
+        reach, world = self.bin_m / 2.0, self._world
+        low, high = self._bin(np.array([rect.south - reach, rect.north + reach]), world.south).tolist()
         rows = self._rows[np.searchsorted(self._rows, low) : np.searchsorted(self._rows, high, "right")]
         starts, stops = [], []
         after = -1
-        for shift in (-WORLD_M, 0.0, WORLD_M):
-            west = max(rect.west - reach + shift, -HALF_WORLD_M)
-            east = min(rect.east + reach + shift, HALF_WORLD_M)
+        for shift in world.shifts:
+            west = max(rect.west - reach + shift, world.west)
+            east = min(rect.east + reach + shift, world.east)
             if west > east:
                 continue
-            first, last = self._bin(np.array([west, east])).tolist()
+            first, last = self._bin(np.array([west, east]), world.west).tolist()
             first = max(first, after)
             if first <= last:
                 starts.append(np.searchsorted(self._keys, rows * self._columns + first))
@@ -127,12 +142,6 @@ class _Level:
                 after = last + 1
         none = [np.empty(0, np.int64)]
         return np.concatenate(starts or none), np.concatenate(stops or none)
-
-
-def _middle(low: Floats, high: Floats, ids: Numbers) -> Floats:
-    if len(ids) == len(low):
-        return (low + high) / 2.0
-    return (low[ids] + high[ids]) / 2.0
 
 
 def _ranges(start: Numbers, stop: Numbers) -> Numbers:
@@ -159,7 +168,9 @@ def shown_by(boxes: Boxes, x_m: Floats, y_m: Floats) -> Numbers:
         place = _ranges(first[begin:end], last[begin:end])
         box = np.repeat(np.arange(begin, end), (last - first)[begin:end])
         x, west, east = eastings[place], boxes.west[box], boxes.east[box]
-        inside = ((west <= x) & (x < east)) | (x + WORLD_M < east)
+        inside = (west <= x) & (x < east)
+        if boxes.world.wraps:
+            inside |= x + boxes.world.size < east
         shown += np.bincount(place[inside], minlength=len(shown))
     result = np.empty_like(shown)
     result[order] = shown

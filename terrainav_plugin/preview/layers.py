@@ -11,6 +11,7 @@ from ..i18n import tr
 from ..map.mission_group import ROLE
 from ..paths import style
 from ..plain import escaped_field
+from ..tasks import crs_named
 from .view import CRS
 
 _POSE = "field=name:string&field=column:integer&field=row:integer&field=lat:double&field=lon:double&field=agl_m:double"
@@ -44,10 +45,11 @@ class Kind:
     role: str
     geometry: str
 
-    def new_layer(self) -> QgsVectorLayer:
-        """Layer without features, in its styles."""
+    def new_layer(self, crs: str) -> QgsVectorLayer:
+        """Layer without features in a CRS, a code or WKT, in its styles."""
         uri = f"{self.geometry}?crs={CRS}&{FIELDS[self.role]}"
         layer = QgsVectorLayer(uri, title(self.role), "memory")
+        layer.setCrs(crs_named(crs))
         # It can be made again at any time, so closing the project need not ask whether to save it.
         layer.setCustomProperty("skipMemoryLayersCheck", 1)
         # Styles keep such properties, too: they are set before there are two.

@@ -11,9 +11,9 @@ from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 
 from ..map.mission_group import MissionGroup
-from ..tasks import LatestWorker, single_shot
+from ..tasks import LatestWorker, crs_named, single_shot
 from .layers import KINDS, field_names
-from .view import HALF_WORLD_M, View, view_of
+from .view import MERCATOR, View, view_of, world_of
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -61,6 +61,7 @@ class Preview(QObject):
         self._group: MissionGroup | None = None
         self._ids: dict[str, str] = {}
         self._plan: Plan | None = None
+        self._world = MERCATOR
         self._drawing: Drawing | None = None
         #: What each layer holds, so that the same is not put there again.
         self._held: dict[str, list[QgsFeature]] = {}
@@ -116,7 +117,7 @@ class Preview(QObject):
     def show(self, group: MissionGroup, mission: Mission, plan: Plan) -> None:
         """Have a plan drawn; layers that are there already are filled anew, in place."""
         self._move_to(group)
-        self._plan, self._drawing = plan, None
+        self._plan, self._world, self._drawing = plan, world_of(plan), None
         self._filling, self._pieces = False, self._make_layers(mission)
         self._fill_on()
         self._look()
@@ -169,7 +170,7 @@ class Preview(QObject):
         if self._plan is None:
             self._scene = None
             return
-        view = view_of(self._canvas)
+        view = view_of(self._canvas, self._world)
         if self._drawing is not None and view is not None and self._drawing.is_right_for(view):
             # On its way may be another view, which has been left meanwhile.
             self._worker.forget()
@@ -215,9 +216,11 @@ class Preview(QObject):
     def _make_layers(self, mission: Mission) -> Iterator[None]:
         """Bring the layers that are not there, step by step: reading their styles takes a while."""
         for index, kind in enumerate(KINDS):
-            if self.layer(kind.role) is not None or self._adopt(kind.role) is not None:
+            there = self.layer(kind.role) or self._adopt(kind.role)
+            if there is not None:
+                self._bring_to_world(there, kind.role)
                 continue
-            layer = kind.new_layer()
+            layer = kind.new_layer(self._world.crs)
             # Before the project has it: what it looks like meanwhile is not seen.
             for _ in kind.add_styles(layer):
                 yield None
@@ -251,10 +254,10 @@ class Preview(QObject):
         self._repaint(changed, drawing)
 
     def _repaint(self, roles: list[str], drawing: Drawing) -> None:
-        bounds = QgsRectangle(*drawing.bounds)
-        if bounds.xMaximum() > HALF_WORLD_M:
-            bounds.setXMinimum(-HALF_WORLD_M)
-            bounds.setXMaximum(HALF_WORLD_M)
+        bounds, world = QgsRectangle(*drawing.bounds.edges), drawing.bounds.world
+        if bounds.xMaximum() > world.east:
+            bounds.setXMinimum(world.west)
+            bounds.setXMaximum(world.east)
         for role in roles:
             layer = self.layer(role)
             if layer is None:
@@ -300,6 +303,15 @@ class Preview(QObject):
         self._ids[role] = layer.id()
         self._held.pop(role, None)
         return layer
+
+    def _bring_to_world(self, layer: QgsVectorLayer, role: str) -> None:
+        """Have a layer, which keeps its style, hold features in the CRS of another plan."""
+        crs = crs_named(self._world.crs)
+        if layer.crs() != crs:
+            # What it holds lies elsewhere in that CRS.
+            layer.dataProvider().truncate()
+            layer.setCrs(crs)
+            self._held[role] = []
 
     def _add(self, layer: QgsVectorLayer, role: str, index: int) -> None:
         self._group.add(layer, role, index).setExpanded(False)

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ...core.geodesy.mercator import HALF_WORLD_M
-from ..map.outlines import metres
+from ..map.outlines import metres, placed
 from .density import Cells, density_features, levels, mean_images
 from .features import Clock, Flight, Picked, area_features, centre_features, footprint_features, part_of
 from .index import Boxes, CaptureIndex, shown_by
-from .view import WORLD, WORLD_M, Rect
+from .view import MERCATOR, Rect, world_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -87,9 +86,9 @@ class Scene:
 
     def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
         self.plan = plan
-        self.windows = Boxes.wrapped(*plan.edges)
+        self.windows = Boxes.wrapped(*plan.edges, world_of(plan))
         check()
-        self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan))
+        self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan, self.windows))
         check()
         self._clock = Clock(plan)
         self._flight = Flight(plan, self.index, self._clock)
@@ -174,8 +173,8 @@ class Scene:
         """How many planned images show the middle of each of these; of camera frames, by the rectangle inside each."""
         if not len(ids):
             return np.empty(0, np.int64)
-        x, y = _middles(self.windows.take(ids))
-        others = self.index.within(Rect(x.min(), y.min(), x.max(), y.max()))
+        x, y = self.windows.take(ids).middles
+        others = self.index.within(Rect(x.min(), y.min(), x.max(), y.max(), self.windows.world))
         return shown_by(self.windows.take(others), x, y)
 
     def _dense(self, rect: Rect, scale: float, below_m: float) -> list[QgsFeature]:
@@ -192,13 +191,7 @@ class Scene:
 
 def _crowd(boxes: Boxes) -> Numbers:
     """How many of some rectangles lie over the middle of each."""
-    return shown_by(boxes, *_middles(boxes))
-
-
-def _middles(boxes: Boxes) -> tuple[Floats, Floats]:
-    """Middles of rectangles, within the world."""
-    x = (boxes.west + boxes.east) / 2.0
-    return np.where(x >= HALF_WORLD_M, x - WORLD_M, x), (boxes.south + boxes.north) / 2.0
+    return shown_by(boxes, *boxes.middles)
 
 
 def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
@@ -209,20 +202,24 @@ def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
         x = [rect.west, rect.east]
     if y[0] > y[1]:
         y = [rect.south, rect.north]
-    middle = sum(x) / 2.0
-    return (middle - WORLD_M if middle > HALF_WORLD_M else middle), sum(y) / 2.0
+    middle, world = sum(x) / 2.0, rect.world
+    return (middle - world.size if world.wraps and middle > world.east else middle), sum(y) / 2.0
 
 
 def _bounds(plan: Plan, boxes: Boxes) -> Rect:
     """Rectangle of a whole mission; longitudes of its captures are continuous."""
-    x, _ = metres(plan.lon_deg, np.zeros(len(plan)))
-    turn = WORLD_M * np.round((x - (boxes.west + boxes.east) / 2.0) / WORLD_M)
+    world, turn = boxes.world, 0.0
+    if world.wraps:
+        x, _ = metres(plan.lon_deg, np.zeros(len(plan)))
+        turn = world.size * np.round((x - (boxes.west + boxes.east) / 2.0) / world.size)
     west, east = float((boxes.west + turn).min()), float((boxes.east + turn).max())
-    return Rect.fitted(west, float(boxes.south.min()), east, float(boxes.north.max()))
+    return Rect.fitted(west, float(boxes.south.min()), east, float(boxes.north.max()), world)
 
 
-def _seen(plan: Plan) -> Boxes:
+def _seen(plan: Plan, windows: Boxes) -> Boxes:
     """Rectangles that hold what each camera frame shows; ample ones, where the horizon or a pole may be in sight."""
+    if not windows.world.wraps:
+        return _seen_in_own_crs(plan, windows)
     corners = plan.corners
     lat, lon = corners.lat_deg, corners.lon_deg
     south, north, west, east = lat.min(axis=1), lat.max(axis=1), lon.min(axis=1), lon.max(axis=1)
@@ -243,7 +240,19 @@ def _seen(plan: Plan) -> Boxes:
         west[ample], east[ample] = at_lon - wide, at_lon + wide
     x0, y0 = metres(west, np.maximum(south, -90.0))
     x1, y1 = metres(east, np.minimum(north, 90.0))
-    return Boxes.wrapped(x0, np.maximum(y0, WORLD.south), x1, np.minimum(y1, WORLD.north))
+    return Boxes.wrapped(x0, np.maximum(y0, MERCATOR.south), x1, np.minimum(y1, MERCATOR.north))
+
+
+def _seen_in_own_crs(plan: Plan, windows: Boxes) -> Boxes:
+    """The same in a CRS that the imagery has of its own, which camera frames without a horizon alone are planned in."""
+    x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
+    # Corners that the projection does not reach count for nothing; the rectangle inside of each picture is there.
+    west, east = np.fmin.reduce(x, axis=1, initial=np.inf), np.fmax.reduce(x, axis=1, initial=-np.inf)
+    south, north = np.fmin.reduce(y, axis=1, initial=np.inf), np.fmax.reduce(y, axis=1, initial=-np.inf)
+    west, south = np.minimum(west, windows.west), np.minimum(south, windows.south)
+    east, north = np.maximum(east, windows.east), np.maximum(north, windows.north)
+    margin = _BULGE * np.maximum(east - west, north - south)
+    return Boxes(west - margin, south - margin, east + margin, north + margin, windows.world)
 
 
 #: Least radius of the Earth, at the poles: its horizon is the nearest, so the share below makes up for that.

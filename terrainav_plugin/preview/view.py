@@ -1,12 +1,14 @@
-"""What the map shows now: the part of the world in view, and how large things are on the screen."""
+"""What the map shows now: the part of a plan's world in view, and how large things are on the screen."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
 from qgis.core import (
+    Qgis,
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
     QgsCsException,
@@ -16,33 +18,113 @@ from qgis.core import (
 from qgis.gui import QgsMapCanvas
 from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
+from ...core.geodesy.ellipsoid import WGS84
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG
+from ..tasks import crs_named
 
-#: Of all layers: that of the pictures' pixels, in which their edges are exact.
+if TYPE_CHECKING:
+    from ...core.mission.plan import Plan
+
+#: Of pictures of the map's pixels.
 CRS = "EPSG:3857"
 #: Width of the world in metres of that CRS.
 WORLD_M = 2.0 * HALF_WORLD_M
+#: Width of the world of a plan in a CRS of its own, in widths of what its pictures show, at least.
+_ROOM = 4.0
 #: Points a side at which a view in another CRS is looked up: a twentieth of it apart, which is also its margin.
 _SAMPLES = 21
 #: Widest gap in degrees between longitudes looked up in a view that goes around the Earth.
 _AROUND_DEG = 40.0
 
 
+@dataclass(frozen=True)
+class World:
+    """The square of a CRS's plane that a plan is looked at in: the whole map, or what lies about the plan.
+
+    Parameters
+    ----------
+    crs : str
+        Of the pictures' pixels and so of all layers, in which the pictures' edges are exact: ``EPSG:code``, or WKT.
+    west, south, size : float
+        The square's lower left corner and its side, in the CRS's unit, which is called metres everywhere here.
+    wraps : bool
+        Whether what leaves it in the east comes back in the west, as on the map.
+    """
+
+    crs: str = CRS
+    west: float = -HALF_WORLD_M
+    south: float = -HALF_WORLD_M
+    size: float = WORLD_M
+    wraps: bool = True
+
+    @property
+    def east(self) -> float:
+        """Its right side."""
+        return self.west + self.size
+
+    @property
+    def north(self) -> float:
+        """Its upper side."""
+        return self.south + self.size
+
+    @property
+    def shifts(self) -> tuple[float, ...]:
+        """How far to the east things within it may be seen again."""
+        return (-self.size, 0.0, self.size) if self.wraps else (0.0,)
+
+    @property
+    def whole(self) -> Rect:
+        """All of it."""
+        return Rect(self.west, self.south, self.east, self.north, self)
+
+
+MERCATOR = World()
+
+
+def world_of(plan: Plan) -> World:
+    """World that a plan is looked at in."""
+    own = plan.grid.own
+    if own is None:
+        return MERCATOR
+    west, south, east, north = plan.edges
+    edges = float(west.min()), float(south.min()), float(east.max()), float(north.max())
+    reach = 0.0
+    if plan.size_px is not None:
+        lat, lon, _ = plan.corners
+        east_deg = (lon - plan.lon_deg[:, np.newaxis]) * np.cos(np.radians(plan.lat_deg))[:, np.newaxis]
+        degrees = np.hypot(lat - plan.lat_deg[:, np.newaxis], east_deg)
+        reach = math.radians(float(np.nanmax(degrees))) * WGS84.a_m / own.unit_m
+    longest = max(edges[2] - edges[0], edges[3] - edges[1]) + 2.0 * reach
+    # A power of two, so that the cells of a density have round sides.
+    size = 2.0 ** math.ceil(math.log2(_ROOM * longest))
+    middle_x, middle_y = (edges[0] + edges[2]) / 2.0, (edges[1] + edges[3]) / 2.0
+    return World(own.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
+
+
 class Rect(NamedTuple):
-    """Part of the world in metres of EPSG:3857: west within it, east beyond its end across the antimeridian."""
+    """Part of a world in metres: west within it, east beyond its end across the antimeridian."""
 
     west: float
     south: float
     east: float
     north: float
+    world: World = MERCATOR
 
     @classmethod
-    def fitted(cls, west: float, south: float, east: float, north: float) -> Rect:
+    def fitted(cls, west: float, south: float, east: float, north: float, world: World = MERCATOR) -> Rect:
         """Rectangle brought to where the world is; at most once around it."""
-        if east - west >= WORLD_M:
-            west, east = -HALF_WORLD_M, HALF_WORLD_M
-        turn = WORLD_M * math.floor((west + HALF_WORLD_M) / WORLD_M)
-        return cls(west - turn, max(south, -HALF_WORLD_M), east - turn, min(north, HALF_WORLD_M))
+        south, north = max(south, world.south), min(north, world.north)
+        if not world.wraps:
+            return cls(max(west, world.west), south, min(east, world.east), north, world)
+        if east - west >= world.size:
+            west, east = world.west, world.east
+        turn = world.size * math.floor((west - world.west) / world.size)
+        return cls(west - turn, south, east - turn, north, world)
+
+    @property
+    def edges(self) -> tuple[float, float, float, float]:
+        """West, south, east, north."""
+        return self[:4]
 
     @property
     def longer_m(self) -> float:
@@ -52,15 +134,17 @@ class Rect(NamedTuple):
     def grown(self, share: float) -> Rect:
         """Rectangle with a margin on each side, as a share of its own."""
         x, y = share * (self.east - self.west), share * (self.north - self.south)
-        return Rect.fitted(self.west - x, self.south - y, self.east + x, self.north + y)
+        return Rect.fitted(self.west - x, self.south - y, self.east + x, self.north + y, self.world)
 
     def contains(self, other: Rect) -> bool:
         """Whether another one lies inside."""
         if self.south > other.south or self.north < other.north:
             return False
-        if self.east - self.west >= WORLD_M:
+        if not self.world.wraps:
+            return self.west <= other.west and other.east <= self.east
+        if self.east - self.west >= self.world.size:
             return True
-        west = other.west + (WORLD_M if other.west < self.west else 0.0)
+        west = other.west + (self.world.size if other.west < self.west else 0.0)
         return west + (other.east - other.west) <= self.east
 
     def is_empty(self) -> bool:
@@ -68,7 +152,7 @@ class Rect(NamedTuple):
         return self.south >= self.north or self.west >= self.east
 
 
-WORLD = Rect(-HALF_WORLD_M, -HALF_WORLD_M, HALF_WORLD_M, HALF_WORLD_M)
+WORLD = MERCATOR.whole
 
 
 @dataclass(frozen=True)
@@ -78,9 +162,9 @@ class View:
     Attributes
     ----------
     rect : Rect
-        What is in view; a little more where the project has another CRS.
+        What is in view; a little more where the project has another CRS than the world's.
     to_map : QgsCoordinateTransform
-        From EPSG:3857 to the map's CRS.
+        From the world's CRS to the map's.
     units_per_px : float
         Map units of a pixel of the screen.
     width_px : int
@@ -96,15 +180,14 @@ class View:
     times_ms: tuple[float, float] | None = None
 
     def px_per_m(self, x_m: float, y_m: float) -> float:
-        """Pixels of the screen that a metre of EPSG:3857 takes at a place."""
+        """Pixels of the screen that a metre of the world takes at a place."""
         step = max(self.rect.longer_m * 1e-3, 1e-3)
-        at = []
+        world, at = self.rect.world, []
+        # Towards its middle: beyond its ends there may be nothing.
+        beside_x = x_m - math.copysign(step, x_m - (world.west + world.east) / 2.0)
+        beside_y = y_m - math.copysign(step, y_m - (world.south + world.north) / 2.0)
         try:
-            for x, y in (
-                (x_m, y_m),
-                (x_m - math.copysign(step, x_m), y_m),
-                (x_m, y_m - math.copysign(step, y_m)),
-            ):
+            for x, y in ((x_m, y_m), (beside_x, y_m), (x_m, beside_y)):
                 at.append(self.to_map.transform(QgsPointXY(x, y)))
         except QgsCsException:
             at = []
@@ -115,22 +198,22 @@ class View:
         return longest / step / self.units_per_px
 
 
-def view_of(canvas: QgsMapCanvas) -> View | None:
-    """What a map canvas shows; None of one that shows nothing yet. On the main thread."""
+def view_of(canvas: QgsMapCanvas, world: World = MERCATOR) -> View | None:
+    """What of a world a map canvas shows; None of a canvas that shows nothing yet. On the main thread."""
     settings = canvas.mapSettings()
     extent, crs = settings.visibleExtent(), settings.destinationCrs()
     size = settings.outputSize()
     if extent.isEmpty() or not extent.isFinite() or size.isEmpty():
         return None
     context = settings.transformContext()
-    web = QgsCoordinateReferenceSystem(CRS)
-    to_map = QgsCoordinateTransform(web, crs, context) if crs.isValid() else QgsCoordinateTransform()
+    own = crs_named(world.crs)
+    to_map = QgsCoordinateTransform(own, crs, context) if crs.isValid() else QgsCoordinateTransform()
     to_map.setBallparkTransformsAreAppropriate(True)
     times = None
     if settings.isTemporal():
         shown = settings.temporalRange()
         times = (_utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf))
-    rect = _in_web_metres(extent, crs, context)
+    rect = _in_web_metres(extent, crs, context) if world.wraps else _in_own_metres(extent, to_map, world)
     return View(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
 
 
@@ -144,7 +227,7 @@ def _in_web_metres(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, cont
         return _of_degrees(max(west, -180.0), south, min(east, 180.0), north)
     to_degrees = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem("EPSG:4326"), context)
     to_degrees.setBallparkTransformsAreAppropriate(True)
-    places = _looked_up(extent, to_degrees)
+    places, _ = _looked_up(extent, to_degrees)
     if not places:
         return WORLD
     lons = sorted(lon for lon, _ in places)
@@ -159,20 +242,37 @@ def _in_web_metres(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, cont
     return _of_degrees(west - margin, south, west + 360.0 - gap + margin, north)
 
 
-def _looked_up(extent: QgsRectangle, to_degrees: QgsCoordinateTransform) -> list[tuple[float, float]]:
-    """Longitudes and latitudes of points spread over a view, of those that lie on the Earth."""
+def _in_own_metres(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: World) -> Rect:
+    """What of a world that does not wrap is in view; all of it where the view holds places that it has not."""
+    if not to_map.isValid() or to_map.isShortCircuited():
+        edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()
+        return Rect.fitted(*edges, world)
+    places, whole = _looked_up(extent, to_map, Qgis.TransformDirection.Reverse)
+    if not whole:
+        return world.whole
+    x, y = ([place[axis] for place in places] for axis in (0, 1))
+    margin_x, margin_y = ((max(at) - min(at)) / (_SAMPLES - 1) for at in (x, y))
+    return Rect.fitted(min(x) - margin_x, min(y) - margin_y, max(x) + margin_x, max(y) + margin_y, world)
+
+
+def _looked_up(
+    extent: QgsRectangle,
+    transform: QgsCoordinateTransform,
+    direction: Qgis.TransformDirection = Qgis.TransformDirection.Forward,
+) -> tuple[list[tuple[float, float]], bool]:
+    """Points spread over a view in another CRS, those that it has, and whether it has all of them."""
     found = []
     for i in range(_SAMPLES):
         x = extent.xMinimum() + extent.width() * i / (_SAMPLES - 1)
         for j in range(_SAMPLES):
             y = extent.yMinimum() + extent.height() * j / (_SAMPLES - 1)
             try:
-                place = to_degrees.transform(QgsPointXY(x, y))
+                place = transform.transform(QgsPointXY(x, y), direction)
             except QgsCsException:
                 continue
             if math.isfinite(place.x()) and math.isfinite(place.y()):
                 found.append((place.x(), place.y()))
-    return found
+    return found, len(found) == _SAMPLES**2
 
 
 def _of_degrees(west: float, south: float, east: float, north: float) -> Rect:

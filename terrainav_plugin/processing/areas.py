@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
+    QgsCoordinateTransformContext,
     QgsCsException,
     QgsFeature,
     QgsGeometry,
+    QgsProcessingContext,
     QgsProcessingFeatureSource,
 )
 
@@ -24,28 +26,33 @@ if TYPE_CHECKING:
 
 #: Latitude and longitude, which missions are in.
 _GEOGRAPHIC = "EPSG:4326"
-#: Pieces that the longest side of a polygon is cut in where its CRS is another: straight edges bend.
-_PIECES = 256
 
 
-def box_of_extent(run: Run) -> Box:
-    """Box around an extent; raises InvalidInput."""
-    from ...core.mission.area import Box
+def area_of_extent(run: Run) -> Box | Polygon:
+    """Ground under an extent, as that of a rectangle drawn on the map; raises InvalidInput."""
+    from ..area.layers import rectangle_area
 
     geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
+    extent = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context)
     try:
-        extent = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context, geographic)
+        in_degrees = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context, geographic)
     except QgsCsException as wrong:
         raise InvalidInput(
             tr("extent: has no place in latitude and longitude ({error})").format(error=wrong)
         ) from wrong
-    if extent.isNull() or not extent.isFinite():
+    if extent.isNull() or not in_degrees.isFinite():
         raise InvalidInput(
             tr("extent {text}: cannot be read; must be xmin,xmax,ymin,ymax [EPSG:code]").format(
                 text=run.parameters.get("EXTENT")
             )
         )
-    return Box(extent.yMaximum(), extent.xMinimum(), extent.yMinimum(), extent.xMaximum())
+    # Numbers that come without a CRS are degrees, as QGIS leaves them, and not what the project has.
+    crs = (
+        geographic
+        if extent == in_degrees
+        else run.algorithm.parameterAsExtentCrs(run.parameters, "EXTENT", run.context)
+    )
+    return rectangle_area(extent, crs, run.context)
 
 
 def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
@@ -53,44 +60,39 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
     source = run.algorithm.parameterAsSource(run.parameters, "AREA", run.context)
     if source is None:
         raise InvalidInput(tr("area {name}: no such layer").format(name=run.parameters.get("AREA")))
-    features = _located(source, run)
+    features = [
+        feature for feature in source.getFeatures() if not run.feedback.isCanceled() and feature.hasGeometry()
+    ]
     if not features:
         raise InvalidInput(tr("area {name}: has no features").format(name=source.sourceName()))
-    if source.wkbType() and _is_points(features):
+    if source.wkbType() and all(feature.geometry().type() == POINT for feature in features):
         fields = [
             next(iter(chosen_fields(run.algorithm, run.parameters, name, run.context)), None)
             for name in ("AGL_FIELD", "YAW_FIELD")
         ]
-        points = _points(features, *fields, agl_m)
+        points = _points(_located(features, source, run.context), *fields, agl_m)
         return points, points.poses[0][2]
-    return _polygon(features), agl_m
+    name = tr("area {name}").format(name=source.sourceName())
+    return _polygon(features, source.sourceCrs(), run.context.transformContext(), name), agl_m
 
 
-def _is_points(features: list[tuple[QgsFeature, QgsGeometry]]) -> bool:
-    return all(geometry.type() == POINT for _, geometry in features)
-
-
-def _located(source: QgsProcessingFeatureSource, run: Run) -> list[tuple[QgsFeature, QgsGeometry]]:
-    """Features with their geometries in longitude and latitude."""
+def _located(
+    features: list[QgsFeature], source: QgsProcessingFeatureSource, context: QgsProcessingContext
+) -> list[tuple[QgsFeature, QgsGeometry]]:
+    """Points with their geometries in longitude and latitude."""
     geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
-    to_geographic = QgsCoordinateTransform(source.sourceCrs(), geographic, run.context.transformContext())
-    size = max(source.sourceExtent().width(), source.sourceExtent().height())
+    to_geographic = QgsCoordinateTransform(source.sourceCrs(), geographic, context.transformContext())
     found = []
-    for feature in source.getFeatures():
-        if run.feedback.isCanceled() or not feature.hasGeometry():
-            continue
+    for feature in features:
         geometry = QgsGeometry(feature.geometry())
-        if source.sourceCrs() != geographic:
-            if geometry.type() != POINT and size > 0.0:
-                geometry = geometry.densifyByDistance(size / _PIECES)
-            try:
-                geometry.transform(to_geographic)
-            except QgsCsException as wrong:
-                raise InvalidInput(
-                    tr("area {name}: has no place in latitude and longitude ({error})").format(
-                        name=source.sourceName(), error=wrong
-                    )
-                ) from wrong
+        try:
+            geometry.transform(to_geographic)
+        except QgsCsException as wrong:
+            raise InvalidInput(
+                tr("area {name}: has no place in latitude and longitude ({error})").format(
+                    name=source.sourceName(), error=wrong
+                )
+            ) from wrong
         found.append((feature, geometry))
     return found
 
@@ -121,10 +123,15 @@ def _value(feature: QgsFeature, field: str) -> float:
         ) from wrong
 
 
-def _polygon(features: list[tuple[QgsFeature, QgsGeometry]]) -> Polygon:
-    from ...core.mission.area import Polygon
+def _polygon(
+    features: list[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+    name: str,
+) -> Polygon:
+    from ..area.layers import polygon_of_rings
 
-    whole = QgsGeometry.unaryUnion([geometry for _, geometry in features])
+    whole = QgsGeometry.unaryUnion([feature.geometry() for feature in features])
     parts = whole.asMultiPolygon() if whole.isMultipart() else [whole.asPolygon()]
     if len(parts) != 1 or not parts[0]:
         raise InvalidInput(
@@ -132,4 +139,4 @@ def _polygon(features: list[tuple[QgsFeature, QgsGeometry]]) -> Polygon:
                 count=len(parts)
             )
         )
-    return Polygon(tuple(tuple((corner.x(), corner.y()) for corner in ring) for ring in parts[0]))
+    return polygon_of_rings(parts[0], crs, context, name)

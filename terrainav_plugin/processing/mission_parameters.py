@@ -26,7 +26,7 @@ from ...core.resources import read_json
 from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import tr
-from .areas import area_of_layer, box_of_extent
+from .areas import area_of_extent, area_of_layer
 
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
@@ -269,7 +269,7 @@ def _area(run: Run, agl_m: float) -> tuple[Area, float]:
             )
         )
     if given == ["EXTENT"]:
-        return box_of_extent(run), agl_m
+        return area_of_extent(run), agl_m
     if given == ["AREA"]:
         return area_of_layer(run, agl_m)
     from ...core.mission.coords import parse_coords

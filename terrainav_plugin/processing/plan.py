@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
-    QgsCoordinateReferenceSystem,
     QgsFeature,
     QgsFeatureSink,
     QgsFields,
@@ -24,6 +23,7 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 
 from ..compat import field
 from ..i18n import tr, translate
+from ..tasks import crs_named, held_crs
 from .algorithm import Algorithm, Run, Words, off_main_thread
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 #: Features written between two looks at whether the user has cancelled.
 _BATCH = 1000
 _PERCENT = 100.0
-#: Of all layers: that of the pictures' pixels, in which their edges are exact.
-CRS = "EPSG:3857"
 _CAPTURE = (
     ("name", "text"),
     ("column", "integer"),
@@ -145,7 +143,9 @@ class Plan(Algorithm):
         ):
             if run.parameters.get(name) is None:
                 continue
-            crs = QgsCoordinateReferenceSystem(CRS)
+            # That of the pictures' pixels, in which their edges are exact.
+            held_crs(worked_out.grid.plane.crs)
+            crs = crs_named(worked_out.grid.plane.crs)
             sink, results[name] = self.parameterAsSink(run.parameters, name, run.context, fields, kind, crs)
             if sink is None:
                 raise QgsProcessingException(self.invalidSinkError(run.parameters, name))
@@ -193,9 +193,9 @@ def footprints(plan: Plan) -> Iterator[QgsFeature]:
 def captures(plan: Plan) -> Iterator[QgsFeature]:
     """Points below the camera, in flight order."""
     from ...core.geodesy.mercator import wrap_lon_deg
-    from ..map.outlines import metres
+    from ..map.outlines import placed
 
-    east, north = metres(wrap_lon_deg(plan.lon_deg), plan.lat_deg)
+    east, north = placed(plan.grid.plane, wrap_lon_deg(plan.lon_deg), plan.lat_deg)
     for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
         yield _feature(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
 
@@ -204,7 +204,7 @@ def flight_line(plan: Plan) -> QgsFeature:
     """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
     from ..map.outlines import flight_lines
 
-    lines = flight_lines([(plan.lon_deg, plan.lat_deg)])
+    lines = flight_lines(plan.grid.plane, [(plan.lon_deg, plan.lat_deg)])
     return _feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
 
 
@@ -294,7 +294,7 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
         plan.agl_m,
         *plan.poses.attitude,
         np.broadcast_to(plan.zoom, len(plan)),
-        np.mod(np.asarray(plan.windows.left_px, np.float64), plan.grid.world_px(plan.zoom)),
+        plan.grid.wrapped_px(np.asarray(plan.windows.left_px, np.float64), plan.zoom),
         np.asarray(plan.windows.top_px, np.float64),
         plan.width_px,
         plan.height_px,

@@ -1,7 +1,8 @@
-"""A raster file's layer on another pixel grid, without QGIS's approximate reprojection.
+"""A raster file's layer at its own pixels, or on another pixel grid without QGIS's approximate reprojection.
 
 QGIS first resamples a raster to a grid of its own, and takes its nearest pixels from that: up to more than a pixel
-off. Here every pixel of the picture takes the pixel of the raster that its centre lies in, styled by QGIS.
+off. Here every pixel of a picture on another grid takes the pixel of the raster that its centre lies in, styled by
+QGIS.
 """
 
 from __future__ import annotations
@@ -33,6 +34,8 @@ _HEADER = struct.Struct("<BII")
 _POINTS_IN_ONE_CALL = 4096
 #: Pixels beyond the outermost sample that the widest kernel needs.
 _MARGIN_PX = 2
+#: Pixels of a raster along a side of one of a picture that its mean is taken of: the blocks stay small.
+_MOST_AVERAGED = 8
 #: Kernels by the names of QGIS's resamplers; nearest where a layer has none.
 _KERNELS = {"bilinear": "bilinear", "cubic": "bicubic"}
 
@@ -94,6 +97,50 @@ def sampled(
     else:
         picture[inside] = np.clip(np.rint(sample(shown, columns, rows, kernel)), 0, 255)
     return picture.reshape(height, width, 4)
+
+
+def averaged(
+    pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], factor: int, jobs: Jobs
+) -> Pixels | None:
+    """Pixels of a layer as its raster has them, or means of several.
+
+    Parameters
+    ----------
+    pipes : Pipes
+        Of a file's layer.
+    left_px, top_px : int
+        Of the picture, in its own pixels from the raster's corner.
+    size : width, height
+        Of the picture, px.
+    factor : int
+        Pixels of the raster along each side of one of the picture; a power of two.
+    jobs : Jobs
+
+    Returns
+    -------
+    array (height, width, 4) of uint8, or None where the layer shows nothing there
+        Premultiplied; alpha is 0 where anything is missing beneath a pixel.
+    """
+    layer, (width, height) = pipes.layer, size
+    # From far above QGIS itself picks pixels.
+    each = min(factor, _MOST_AVERAGED)
+    picked = factor // each
+    left, top = max(left_px * each, 0), max(top_px * each, 0)
+    right = min((left_px + width) * each, -(-layer.width() // picked))
+    bottom = min((top_px + height) * each, -(-layer.height() // picked))
+    if left >= right or top >= bottom:
+        return None
+    cells = Cells(picked, left, top, right - left, bottom - top)
+    shown = pipes.block(_extent(layer, cells), (cells.width, cells.height), jobs)
+    whole = np.zeros((height * each, width * each, 4), np.uint8)
+    row, column = top - top_px * each, left - left_px * each
+    whole[row : row + cells.height, column : column + cells.width] = shown
+    if each == 1:
+        return whole
+    parts = whole.reshape(height, each, width, each, 4)
+    means = (parts.sum(axis=(1, 3), dtype=np.uint32) + each * each // 2) // (each * each)
+    means[parts[..., 3].min(axis=(1, 3)) == 0] = 0
+    return means.astype(np.uint8)
 
 
 def _centres(edges_m: tuple[float, float, float, float], size: tuple[int, int]) -> Floats:

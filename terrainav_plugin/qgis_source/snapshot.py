@@ -23,11 +23,14 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QColor
 
 from ...core.errors import InvalidInput
-from ...core.geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
+from ...core.geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM, PixelGrid, extent_of_outline, fitting_zoom
 from ...core.imagery.policy import Policy
+from ...core.imagery.raster.place import Place
+from ...core.imagery.raster.reading import Facts
 from ..compat import attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
+from ..tasks import crs_named
 from .connections import is_connection
 from .renderer import Pipes
 from .tiles import Address, Tiles, address_of
@@ -49,6 +52,8 @@ _MAX_ZOOM = 22
 _HIGHEST_NATIVE_ZOOM = 27
 #: A raster's own resolution may be off a zoom's by the rounding of its file, and is still that zoom's.
 _RESOLUTION_SLACK = 1e-3
+#: Zooms above a raster's own that are served by enlarging, where pictures have its own pixels.
+_ENLARGED_ZOOMS = 6
 #: Where layers have their tiles from, by the layers' ids; None for those without.
 Addresses = dict[str, Optional[Address]]
 
@@ -152,10 +157,13 @@ def title_of(name: str, project: QgsProject) -> str:
 def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
     """Pixel grid of a source; on the main thread. Raises InvalidInput as `layers_of`."""
     layers = layers_of(name, project)
-    return _grid(layers, _addresses(layers), project)
+    return _grid(name, layers, _addresses(layers), project)
 
 
-def _grid(layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
+def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
+    own = None if name == PROJECT_SOURCE else _own_grid(layers[0])
+    if own is not None:
+        return own
     native = max(_native_zoom(layer, addresses[layer.id()], project) for layer in layers)
     extent = _extent(layers[0], project) if len(layers) == 1 else None
     return PixelGrid(max_zoom=max(native, _MAX_ZOOM), native_zoom=native, extent=extent)
@@ -165,17 +173,18 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
     """Copies of what a source shows now; on the main thread. Raises InvalidInput as `layers_of`."""
     layers = layers_of(name, project)
     addresses, ground = _addresses(layers), _ground(layers)
+    grid = _grid(name, layers, addresses, project)
     drawing = layers[: len(layers) - len(ground)]
     return Snapshot(
         name=name,
         title=title_of(name, project),
         attribution=_attribution(layers),
         date=_date(layers[0]) if len(layers) == 1 else "",
-        grid=_grid(layers, addresses, project),
+        grid=grid,
         ground=tuple(_drawn(layer, addresses[layer.id()]) for layer in ground),
         policy=next((policy for policy, _ in _policies(ground, addresses)), Policy()),
         drawing=tuple(_copy(layer) for layer in drawing),
-        settings=_settings(project),
+        settings=_settings(project, crs_named(grid.plane.crs)),
         paper=project.backgroundColor(),
     )
 
@@ -233,9 +242,9 @@ def _copy(layer: QgsMapLayer) -> QgsMapLayer:
     return copy
 
 
-def _settings(project: QgsProject) -> QgsMapSettings:
+def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapSettings:
     settings = QgsMapSettings()
-    settings.setDestinationCrs(QgsCoordinateReferenceSystem(_MERCATOR))
+    settings.setDestinationCrs(crs)
     settings.setTransformContext(project.transformContext())
     settings.setEllipsoid(project.ellipsoid())
     settings.setOutputDpi(DPI)
@@ -248,6 +257,28 @@ def _settings(project: QgsProject) -> QgsMapSettings:
     settings.setLabelingEngineSettings(labels)
     settings.setExpressionContext(project.createExpressionContext())
     return settings
+
+
+def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
+    """Pixels of a raster file in a projected CRS, in whatever style; None of what is drawn at the map's pixels."""
+    if not isinstance(layer, QgsRasterLayer) or layer.providerType() != FILE_PROVIDER:
+        return None
+    box, width, height = layer.extent(), layer.width(), layer.height()
+    wkt = layer.crs().toWkt(QgsCoordinateReferenceSystem.WktVariant.WKT_PREFERRED)
+    if not wkt or width < 1 or height < 1:
+        return None
+    corner = (box.xMinimum(), box.width() / width, 0.0, box.yMaximum(), 0.0, -box.height() / height)
+    try:
+        place = Place(Facts((), ((width, height),), wkt, corner, {}))
+        own = place.own_plane()
+    except InvalidInput:
+        # What has no place is refused as every such layer is.
+        return None
+    if own is None:
+        return None
+    plane, native = own
+    highest = min(native + _ENLARGED_ZOOMS, HIGHEST_ZOOM)
+    return PixelGrid(max_zoom=highest, native_zoom=native, extent=place.own_extent(native), plane=plane)
 
 
 def _native_zoom(layer: QgsMapLayer, address: Address | None, project: QgsProject) -> int:

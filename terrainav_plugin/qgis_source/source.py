@@ -1,5 +1,7 @@
 """A layer of the project, or its whole map, as a source: drawn by QGIS off the main thread.
 
+A raster file in a projected CRS is drawn, in its style, at its own pixels; everything else at those of the map.
+
 Two kinds of layers are drawn in two ways. *Ground*, the rasters that only rasters lie below, does not depend on how
 much of it is drawn at once: it is drawn tile by tile on the global pixel grid, each tile once, at the very pixels of
 the grid (QGIS 3.22 doubles a row of a service's tiles here and there in larger pictures). *Drawings*, whatever lies
@@ -23,7 +25,7 @@ from qgis.PyQt.QtGui import QPainter
 from ...core.errors import PartError
 from ...core.imagery.source import Part, Window, tile_parts
 from .renderer import Jobs, Pipes, blank, to_array, to_image
-from .sampling import sampled
+from .sampling import averaged, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import Tiles
 
@@ -170,6 +172,9 @@ class LayerSource:
     ) -> Pixels | None:
         """Pixels of one layer; None where it shows nothing."""
         layer, size = pipes.layer, (tile.width_px, tile.height_px)
+        if self.grid.own is not None and tile.zoom <= self.grid.native_zoom:
+            factor = 1 << (self.grid.native_zoom - tile.zoom)
+            return averaged(pipes, tile.left_px, tile.top_px, size, factor, self._jobs)
         if layer.providerType() == FILE_PROVIDER:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()

@@ -269,7 +269,10 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
     yield tr("Source"), row.get("source") or metadata.get("SOURCE", "")
     yield tr("Imagery date"), row.get("imagery_date") or metadata.get("IMAGERY_DATE", "")
     yield tr("Attribution"), row.get("attribution") or metadata.get("ATTRIBUTION", "")
-    yield tr("Zoom"), str(pose.get("zoom", ""))
+    if row.get("crs"):
+        yield tr("Pixels"), _pixels(row)
+    else:
+        yield tr("Zoom"), str(pose.get("zoom", ""))
     yield tr("Column, row"), f"{pose.get('column', '')}, {pose.get('row', '')}"
     for name, value in metadata.items():
         if name not in _TOLD and not name.startswith(("TIFFTAG_", "EXIF_")):
@@ -294,6 +297,19 @@ def _time(pose: dict[str, Any]) -> str:
 def _gsd(text: str) -> str:
     value = _float(text)
     return "" if math.isnan(value) else tr("{gsd} m/px").format(gsd=number_text(value, ".4g"))
+
+
+def _pixels(row: dict[str, str]) -> str:
+    """What pixels are of a source in a CRS of its own, whose zooms are no map's."""
+    width, height = _float(row.get("pixel_width", "")), _float(row.get("pixel_height", ""))
+    crs = row["crs"]
+    # Of a CRS without a code there is its WKT, which begins with its name.
+    name = crs.split('"')[1] if "[" in crs and '"' in crs else crs
+    if math.isnan(width) or math.isnan(height):
+        return name
+    return tr("{width} × {height} of {crs}").format(
+        width=number_text(width, ".9g"), height=number_text(height, ".9g"), crs=name
+    )
 
 
 def _entropy(text: str) -> str:

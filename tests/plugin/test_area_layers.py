@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -155,8 +156,8 @@ def test_polygon_across_the_antimeridian_runs_on():
         ("EPSG:32616", "Point (1 1)", "feature 7 is no polygon"),
         (
             "EPSG:3031",
-            "Polygon ((-900000 -900000, 900000 -900000, 900000 900000, -900000 900000, -900000 -900000))",
-            "feature 7 goes around a pole",
+            "Polygon ((-9 -9, 9 -9, 9 9, -9 9, -9 -9), (-2 -2, 2 -2, 2 2, -2 2, -2 -2))",
+            "feature 7 has a hole around a pole",
         ),
         (
             "EPSG:32616",
@@ -455,3 +456,22 @@ def test_text_file_that_cannot_be_read_is_named_with_its_line(desk, tmp_path, mo
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
     choose_way(desk, "file")
     desk.wait(lambda: any("line 2" in text for text in desk.messages()))
+
+
+@pytest.mark.parametrize("ring", ["9 -8, 9 7, -6 7, -6 -8, 9 -8", "0 -9, -7 3, 5 4, 0 -9"])
+@pytest.mark.parametrize("crs", ["EPSG:3031", "EPSG:3413"])
+def test_polygon_around_a_pole_goes_back_along_it(crs, ring):
+    """From 180 W to 180 E, as files have such a ring; as large as by pyproj's formulas, also the other way around."""
+    km = re.sub(r"-?\d+", lambda number: f"{number[0]}000", ring)
+    for text in (km, ", ".join(reversed(km.split(", ")))):
+        (outer,) = polygon(f"Polygon (({text}))", crs).arrays()
+        lon, lat = outer
+        pole = -90.0 if crs == "EPSG:3031" else 90.0
+        assert (lon.min(), lon.max()) == (-180.0, 180.0)
+        assert np.abs(np.diff(lon)).max() < 180.0
+        assert set(lon[lat == pole]) >= {-180.0, 180.0}
+        x, y = Transformer.from_crs(4326, crs, always_xy=True).transform(lon[lat != pole], lat[lat != pole])
+        drawn = QgsGeometry.fromPolygonXY([[QgsPointXY(*at) for at in zip(x, y)]])
+        wanted = QgsGeometry.fromWkt(f"Polygon (({km}))")
+        # A decimetre along its sides of 60 km at most.
+        assert drawn.symDifference(wanted).area() < 6_000.0

@@ -341,13 +341,14 @@ def test_hole_below_a_drawing_is_a_hole(server):
 
 @pytest.mark.parametrize("resolution_m", [0.3, 1.0, 2.6])
 def test_raster_in_utm_is_taken_at_the_very_pixels(tmp_path, resolution_m):
-    """Each pixel shows the pixel of the raster that its centre lies in, by pyproj's formulas."""
+    """Of the whole map, each pixel shows the pixel of the raster that its centre lies in, by pyproj's formulas."""
     west_m, south_m, east_m, north_m = edges(WINDOW)
     size_px = int(1200 / resolution_m)
     middle = ((west_m + east_m) / 2, (south_m + north_m) / 2)
     path = tmp_path / "utm.tif"
     west, north = utm_raster(path, resolution_m, size_px, middle)
-    source = opened(source_name(add(QgsRasterLayer(str(path), "utm", "gdal"))))
+    add(QgsRasterLayer(str(path), "utm", "gdal"))
+    source = opened(PROJECT_SOURCE)
     shown = picture(source, WINDOW)
     columns, rows = decode_position(shown)
     x = west_m + (np.arange(WINDOW.width_px) + 0.5) * (east_m - west_m) / WINDOW.width_px
@@ -363,7 +364,8 @@ def test_raster_in_utm_is_taken_at_the_very_pixels(tmp_path, resolution_m):
 def test_raster_says_up_to_which_zoom_it_has_detail(tmp_path):
     path = tmp_path / "utm.tif"
     utm_raster(path, 1.0, 300, (-10_000_000.0, 4_180_000.0))
-    source = opened(source_name(add(QgsRasterLayer(str(path), "utm", "gdal"))))
+    add(QgsRasterLayer(str(path), "utm", "gdal"))
+    source = opened(PROJECT_SOURCE)
     # A metre at 35 degrees north is 1.22 m of the map, whose zooms have 1.19 m (17) and 2.39 m (16).
     assert source.grid.native_zoom == 16
     assert source.grid.max_zoom == 22
@@ -373,8 +375,8 @@ def test_raster_says_where_it_ends(tmp_path):
     """By pyproj's formulas, to a millimetre; several layers together say nothing."""
     path = tmp_path / "utm.tif"
     west, north = utm_raster(path, 1.0, 300, (-10_000_000.0, 4_180_000.0))
-    layer = add(QgsRasterLayer(str(path), "utm", "gdal"))
-    corners = np.array(opened(source_name(layer)).grid.extent)
+    add(QgsRasterLayer(str(path), "utm", "gdal"))
+    corners = np.array(opened(PROJECT_SOURCE).grid.extent)
     x, y = Transformer.from_crs(32616, 3857, always_xy=True).transform(
         west + np.array([0.0, 300.0, 300.0, 0.0]), north - np.array([0.0, 0.0, 300.0, 300.0])
     )
@@ -384,12 +386,15 @@ def test_raster_says_where_it_ends(tmp_path):
     assert opened(PROJECT_SOURCE).grid.extent is None
 
 
-def test_beyond_a_raster_there_is_no_picture(tmp_path):
+@pytest.mark.parametrize("whole_map", [True, False])
+def test_beyond_a_raster_there_is_no_picture(tmp_path, whole_map):
     path = tmp_path / "utm.tif"
     utm_raster(path, 1.0, 200, edges(WINDOW)[::3])
-    source = opened(source_name(add(QgsRasterLayer(str(path), "utm", "gdal"))))
+    layer = add(QgsRasterLayer(str(path), "utm", "gdal"))
+    source = opened(PROJECT_SOURCE if whole_map else source_name(layer))
+    window = WINDOW if whole_map else Window(source.grid.native_zoom, -40, 150, 90, 70)
     with pytest.raises(PartError, match="no imagery at"):
-        picture(source, WINDOW)
+        picture(source, window)
     source.close()
 
 

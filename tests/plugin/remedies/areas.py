@@ -105,12 +105,13 @@ def _unsound(case: Case) -> None:
     case.follow("repair it first (Processing: Fix geometries)", lambda: area(*repaired))
 
 
-@remedy("area/layers.py", "{feature} goes around a pole: an area's edges must close without that; cut it")
-def _around_a_pole(case: Case) -> None:
-    whole = "Polygon ((-900000 -900000, 900000 -900000, 900000 900000, -900000 900000, -900000 -900000))"
+@remedy("area/layers.py", "{feature} has a hole around a pole: cut it into parts without one")
+def _hole_around_a_pole(case: Case) -> None:
+    hole = "(-900 -900, 900 -900, 900 900, -900 900, -900 -900)"
+    whole = f"Polygon ((-9000 -9000, 9000 -9000, 9000 9000, -9000 9000, -9000 -9000), {hole})"
     case.refused(lambda: area(whole, crs="EPSG:3031"))
-    half = "Polygon ((100000 -900000, 900000 -900000, 900000 900000, 100000 900000, 100000 -900000))"
-    case.follow("cut it", lambda: area(half, crs="EPSG:3031"))
+    part = "Polygon ((-9000 900, 9000 900, 9000 9000, -9000 9000, -9000 900))"
+    case.follow("cut it into parts without one", lambda: area(part, crs="EPSG:3031"))
 
 
 @remedy("area/layers.py", "{feature} has an edge through a pole or across the edge of its map: cut it")
@@ -161,11 +162,14 @@ def _no_crs(case: Case) -> None:
     "area of {count} separate polygons: must be one; select one, or run it as a batch",
 )
 def _separate(case: Case) -> None:
-    both = [(feature(shape), QgsGeometry.fromWkt(shape)) for shape in (SQUARE, FAR)]
-    case.refused(lambda: _polygon(both))
-    case.follow("select one", lambda: _polygon(both[:1]))
+    def joined(*features):
+        return _polygon(features, QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, "area mine")
+
+    both = [feature(shape) for shape in (SQUARE, FAR)]
+    case.refused(lambda: joined(*both))
+    case.follow("select one", lambda: joined(both[0]))
     # A batch runs once for each.
-    case.follow("run it as a batch", lambda: [_polygon([one]) for one in both])
+    case.follow("run it as a batch", lambda: [joined(one) for one in both])
 
 
 @remedy("form/area.py", "give every point a yaw, or none")
