@@ -46,6 +46,9 @@ class SourceOptions:
         API key and signing secret; None for those of the environment.
     date : str or None
         Of the imagery, where the source has several; None for its default.
+    crs : str
+        Coordinate reference system in which pictures are made, one that the source has pixels in: ``EPSG:code``, and
+        EPSG:3857 for those of the Web-Mercator map. Empty for the source's own, and the map's of a service that has it.
     tile_px : int or None
         Size of tiles; None for the source's own, 256 for a template.
     max_zoom : int or None
@@ -67,6 +70,7 @@ class SourceOptions:
     key: str | None = None
     secret: str | None = None
     date: str | None = None
+    crs: str = ""
     tile_px: int | None = None
     max_zoom: int | None = None
     connections: int = 8
@@ -103,7 +107,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
             text,
             remedy="name a file, a URL template or a name of the catalogue",
         )
-    source: NamedSource = getattr(_imported(kind.module), kind.source)(text, options)
+    source: NamedSource = getattr(imported(kind.module), kind.source)(text, options)
     return source
 
 
@@ -206,7 +210,7 @@ def kind_of(text: str) -> Kind:
     return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
-def _imported(module: str) -> ModuleType:
+def imported(module: str) -> ModuleType:
     """Module by its name, relative to this package."""
     # By the built-in import and not importlib's: that is where QGIS keeps book of what it forgets when a plugin goes.
     return __import__(resolve_name(module, __package__ or ""), fromlist=["*"])
@@ -348,7 +352,7 @@ class EntrySource(NamedSource):
             raise SourceError(
                 "{0}: needs an API key: set the environment variable {1}", entry.title, entry.key_env
             )
-        pixels = _imported(PIXELS[entry.kind])
+        pixels = imported(PIXELS[entry.kind])
         source: Source = pixels.open_entry(entry, date, key, options)
         return source
 
