@@ -13,7 +13,7 @@ from .ice import Ice, blue, icy
 from .paint import Canvas, ramp
 from .scene import Scene
 
-_SNOW, _BLUE_ICE, _ROCK = (220, 227, 235), (164, 196, 216), (112, 102, 94)
+_SNOW, _BLUE_ICE, _ROCK = (208, 216, 225), (158, 189, 210), (112, 102, 94)
 _CREVASSE, _BRIDGE = (74, 112, 146), (206, 217, 228)
 _FLOE, _YOUNG_ICE = (220, 227, 234), (126, 150, 168)
 _PACKED_SNOW, _SHADOW = (206, 214, 224), (96, 116, 142)
@@ -66,8 +66,8 @@ def _photographed(scene: Scene) -> Canvas:
         light = np.float32(1) + scene.shade() * np.float32(0.15)
         drifts = ice.drifts()
         if drifts is not None:
-            light += drifts * np.float32(0.05)
-        light += ice.speckle * np.float32(0.018)
+            light += drifts * np.float32(0.06)
+        light += ice.speckle * np.float32(0.032)
         cracks = ice.crevasses()
         if cracks is not None:
             canvas.blend(np.sqrt(cracks) * np.float32(0.5), _BRIDGE)

@@ -5071,6 +5071,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>choose an area that the source shows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
         <source>fly lower or farther from the pole</source>
         <translation>volar más bajo o más lejos del polo</translation>
     </message>
@@ -5088,6 +5094,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/frames.py"/>
         <source>picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
         <translation>imagen en la latitud {0!r} desde {1:g} m: contiene un polo, que Web Mercator no tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/frames.py"/>
+        <source>picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -5864,6 +5875,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/place.py"/>
         <source>its centre does not lie on the Web-Mercator map</source>
         <translation>su centro no está en el mapa Web Mercator</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
+        <source>its centre lies beyond what {0} reaches</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -6975,8 +6991,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>fly higher or nearer to the equator</source>
-        <translation>volar más alto o más cerca del ecuador</translation>
+        <source>fly higher or nearer to the equator, or choose imagery in a polar CRS</source>
+        <translation>volar más alto o más cerca del ecuador, o elegir imágenes en un SRC polar</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -6986,8 +7002,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>fly lower or nearer to the equator</source>
-        <translation>volar más bajo o más cerca del ecuador</translation>
+        <source>fly lower or nearer to the equator, or choose imagery in a polar CRS</source>
+        <translation>volar más bajo o más cerca del ecuador, o elegir imágenes en un SRC polar</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -7051,8 +7067,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera from {0:g} m: sees past the horizon, where turned rows have no frames</source>
         <translation>cámara desde {0:g} m: ve más allá del horizonte, donde las pasadas giradas no tienen encuadres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7082,6 +7108,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
+        <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
         <source>points cover no area</source>
         <translation>los puntos no cubren ningún área</translation>
     </message>
@@ -7094,6 +7125,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>take a smaller area or north-up rows</source>
         <translation>tomar un área menor o pasadas con el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>tilt it less or fly lower</source>
+        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -7120,6 +7157,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)</source>
         <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>choose imagery in a polar CRS, such as the synthetic world with {0} {1}</source>
+        <translation>elegir imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7170,11 +7212,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>tilt it less or fly lower</source>
-        <translation>inclinarla menos o volar más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -7872,6 +7909,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>viento de {0:g} m/s a {1:g} m: las ráfagas tiran la cámara al suelo</translation>
     </message>
     <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>windows of the map in a plane about an area</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/mission/settings.py"/>
         <source>area {0!r} and coords {1!r}: give one of the two</source>
         <translation>área {0!r} y coords {1!r}: dar uno de los dos</translation>
@@ -8050,6 +8092,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/unexpected.py"/>
         <source>unexpected error ({0})</source>
         <translation>error inesperado ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>CRS {0!r}: the synthetic world has {1}</source>
+        <translation>SRC {0!r}: el mundo sintético tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or none elsewhere</source>
+        <translation>elegir EPSG:3413 en torno al polo norte, EPSG:3031 en torno al polo sur, o ninguno en otra parte</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>
