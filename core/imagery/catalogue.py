@@ -10,9 +10,10 @@ from typing import Any
 
 from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
+from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
-from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
-from .opening import EntrySource, NamedSource
+from .entry import NAME, PIXELS, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
+from .opening import EntrySource, NamedSource, imported
 from .placeholder import Placeholder
 from .source import Source
 from .template import KEY_ENV, Template, environment_key
@@ -29,6 +30,15 @@ class CatalogueName(EntrySource):
     def is_local(self) -> bool:
         """Whether it is the embedded world."""
         return self.entry.kind == "world"
+
+    @cached_property
+    def _wanted(self) -> tuple[str, PixelGrid]:
+        """Date and grid that the options ask for; the embedded world has charts of its own about the poles."""
+        if not (self.is_local and self.options.crs):
+            return super()._wanted
+        self.entry.grid(self.options.tile_px)
+        grid: PixelGrid = imported(PIXELS["world"]).grid_in(self.options.crs)
+        return self.entry.date(self.options.date), grid
 
     def _find(self) -> CatalogueEntry:
         return entry_named(self.text)

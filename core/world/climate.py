@@ -94,16 +94,23 @@ def wateriness(f: dict[str, Array]) -> Array:
     )  # fmt: skip
 
 
-def sea_colour(f: dict[str, Array]) -> Array:
-    """Colour of open water by its depth, shape (3, ...): pale shelves, ice near the poles."""
+def open_water(f: dict[str, Array]) -> Array:
+    """Colour of water by its depth, shape (3, ...): pale shelves."""
     depth = np.clip(-f["land"], 0.0, None)
     shelf, deep = np.exp(depth * np.float32(-14.0)), smoothstep(0.05, 0.7, depth)
-    ice = smoothstep(0.14, 0.06, f["heat"]) * np.float32(0.92)
     out = np.empty((3, *depth.shape), dtype=np.float32)
     for channel in range(3):
         c = _SEA_MID[channel] + deep * np.float32(_SEA_DEEP[channel] - _SEA_MID[channel])
-        c += shelf * (np.float32(_SEA_SHORE[channel]) - c)
-        out[channel] = c + ice * (np.float32(_SNOW[channel]) - c)
+        out[channel] = c + shelf * (np.float32(_SEA_SHORE[channel]) - c)
+    return out
+
+
+def sea_colour(f: dict[str, Array]) -> Array:
+    """Colour of the sea, shape (3, ...): water, and ice near the poles."""
+    out = open_water(f)
+    ice = smoothstep(0.14, 0.06, f["heat"]) * np.float32(0.92)
+    for channel in range(3):
+        out[channel] += ice * (np.float32(_SNOW[channel]) - out[channel])
     return out
 
 

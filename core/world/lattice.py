@@ -1,10 +1,10 @@
 """Hashed lattices and spline noise: the deterministic ground the embedded world stands on.
 
-Level *k* divides the world square into ``2**k`` by ``2**k`` cells. A cell's hash depends on its column modulo ``2**k``,
-so everything built on it is periodic across the antimeridian. Noise is a uniform cubic B-spline whose coefficients sit
-on such lattices: spline spaces of successive levels are nested, so the sum of many octaves is *one* spline on
-the finest
-level, evaluated once per pixel however many octaves it has, and its coefficients bound its values.
+Level *k* divides the world square, be it the Web-Mercator map or the chart about a pole, into ``2**k`` by ``2**k``
+cells. A cell's hash depends on its column modulo ``2**k``, so everything built on it is periodic across the
+antimeridian. Noise is a uniform cubic B-spline whose coefficients sit on such lattices: spline spaces of successive
+levels are nested, so the sum of many octaves is *one* spline on the finest level, evaluated once per pixel however many
+octaves it has, and its coefficients bound its values.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ WORLD_M = 40075016.685578488
 TILE_PX = 256
 
 _MASK = 0xFFFFFFFF
+_SEED_BITS = 64
 
 
 def mix(h: Array) -> NDArray[np.uint32]:
@@ -36,10 +37,24 @@ def mix(h: Array) -> NDArray[np.uint32]:
     return h
 
 
+def on_chart(seed: int, pole: int) -> int:
+    """Seed of the landscape that a user's seed, below ``2**64``, has about a pole: 1 the north's, -1 the south's.
+
+    0 is the Web-Mercator map. A landscape is handed on as this one number.
+    """
+    return seed + ((pole % 3) << _SEED_BITS)
+
+
+def pole_of(seed: int) -> int:
+    """Pole whose chart a landscape's seed belongs to, see `on_chart`."""
+    return (0, 1, -1)[seed >> _SEED_BITS]
+
+
 def salt(seed: int, *words: int) -> int:
-    """Hash of a seed and a few small integers, as a Python integer below ``2**32``."""
+    """Hash of a landscape's seed and a few small integers, as a Python integer below ``2**32``."""
     h = seed & _MASK
-    for word in ((seed >> 32) & _MASK, *words):
+    chart = seed >> _SEED_BITS
+    for word in ((seed >> 32) & _MASK, *((chart,) if chart else ()), *words):
         h = (h ^ (word * 0x9E3779B1)) & _MASK
         h ^= h >> 16
         h = (h * 0x85EBCA6B) & _MASK

@@ -11,7 +11,7 @@ from typing import Callable
 
 import numpy as np
 
-from .lattice import WORLD_M, Array, Window, cell_hash, refine, salt, signed
+from .lattice import WORLD_M, Array, Window, cell_hash, pole_of, refine, salt, signed
 from .samples import Grid, Samples, shared
 
 FINEST_OCTAVE = 19
@@ -28,6 +28,12 @@ COARSE = 10
 
 BLOCK_ZOOM = 15
 """From this zoom on regions are worked out, and remembered, for tiles of this zoom, 1.2 km wide."""
+
+_CHART_DIAMETER_M = 2.0 * 6371007.0 * 0.9698
+"""Of the sphere that polar stereographic charts with true scale at 70° to 71° project from its pole."""
+
+_COLDER = {1: 0.04, -1: 0.13}
+"""By how much about each pole, as its chart has it, than elsewhere at the same latitude."""
 
 _SHARED_TILES_LOG2 = 2
 """From two zooms further in on, what is finer than a region is shared by blocks of four by four tiles."""
@@ -131,7 +137,13 @@ def _coarse(seed: int, window: Window) -> tuple[Array, Array | None]:
     windows = _ancestry(window, 0)
     start = np.zeros((len(NAMES), windows[0].rows, windows[0].columns), dtype=np.float32)
     c, ridge = _descend(seed, windows, start, None)
-    c[_INDEX["heat"]] += _latitude_heat(window)
+    pole = pole_of(seed)
+    if pole:
+        from_pole = _from_pole(window)
+        c[_INDEX["heat"]] += _heat(np.sin(from_pole)) - np.float32(_COLDER[pole])
+        c[_INDEX["land"]] += _continent(pole, from_pole)
+    else:
+        c[_INDEX["heat"]] += _latitude_heat(window)
     return c, ridge
 
 
@@ -153,8 +165,30 @@ def _latitude_heat(window: Window) -> Array:
     j = window.indices()[1]
     v = np.clip(j / float(1 << window.level), 0.0, 1.0)
     latitude = np.arctan(np.sinh(np.pi * (1.0 - 2.0 * v)))
-    heat: Array = (1.06 * np.cos(latitude) ** 1.15 - 0.1).astype(np.float32)
+    return _heat(np.cos(latitude))
+
+
+def _heat(cosine: Array) -> Array:
+    """Warmth by the cosine of the latitude."""
+    heat: Array = (1.06 * cosine**1.15 - 0.1).astype(np.float32)
     return heat
+
+
+def _from_pole(window: Window) -> Array:
+    """Angle from the pole in the middle of its chart, in radians, at lattice points; splines reproduce it closely."""
+    i, j = window.indices()
+    middle, cell_m = 0.5 * (1 << window.level), WORLD_M / (1 << window.level)
+    return np.asarray(2.0 * np.arctan(np.hypot(i - middle, j - middle) * (cell_m / _CHART_DIAMETER_M)))
+
+
+def _continent(pole: int, from_pole: Array) -> Array:
+    """What is added to the land about a pole, for a sea with islands in the north and a continent in the south."""
+    degrees = np.degrees(from_pole)
+    if pole > 0:
+        return np.asarray(-0.5 * smoothstep(19.0, 9.0, degrees), np.float32)
+    return np.asarray(
+        0.75 * smoothstep(30.0, 8.0, degrees) - 0.45 * smoothstep(18.0, 30.0, degrees), np.float32
+    )
 
 
 def finest_level(zoom: int) -> int:

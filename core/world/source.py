@@ -2,39 +2,58 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..geodesy.mercator import PixelGrid
+from ..geodesy.mercator import HALF_WORLD_M, PixelGrid
+from ..geodesy.planes import ProjectedPlane
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
 from ..imagery.policy import Policy
 from ..imagery.source import Part, Pixels, Window, tile_parts
 from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
-from .lattice import TILE_PX, Array
-from .paint import Canvas
+from . import caps, styles
+from .lattice import TILE_PX, Array, on_chart
 from .samples import Grid, Points
 from .scene import Scene
-from .styles import roadmap, satellite, terrain
 
 MAX_ZOOM = 22
-_PAINTERS: dict[str, Callable[[Scene], Canvas]] = {SATELLITE: satellite, ROADMAP: roadmap, TERRAIN: terrain}
+#: The pole in the middle of each chart beside the Web-Mercator map, see `lattice.on_chart`.
+_POLES = {"EPSG:3413": 1, "EPSG:3031": -1}
+_MERCATOR = "EPSG:3857"
+_ON_MAP: dict[str, styles.Painter] = {
+    SATELLITE: styles.satellite,
+    ROADMAP: styles.roadmap,
+    TERRAIN: styles.terrain,
+}
+_ON_CAPS: dict[str, styles.Painter] = {
+    SATELLITE: caps.satellite,
+    ROADMAP: caps.roadmap,
+    TERRAIN: caps.terrain,
+}
 _KEPT_BYTES = 1 << 24
 
 
-def _painter(style: str) -> Callable[[Scene], Canvas]:
-    if style not in _PAINTERS:
-        raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
-    return _PAINTERS[style]
+def _chart(crs: str) -> str:
+    """Return the CRS of a chart, as its code is written; the map's for none."""
+    code = crs.strip().upper() or _MERCATOR
+    if code != _MERCATOR and code not in _POLES:
+        raise InvalidInput(
+            "CRS {0!r}: the synthetic world has {1}",
+            crs,
+            ", ".join((_MERCATOR, *_POLES)),
+            field="crs",
+            remedy="choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or none elsewhere",
+        )
+    return code
 
 
 @dataclass(frozen=True)
 class World:
-    """A seeded landscape over the whole Web-Mercator square.
+    """A seeded landscape over the whole Web-Mercator square, or about a pole.
 
     Its value at a position and a zoom is the landscape low-passed for that zoom's pixels. It is a pure
     function of seed,
@@ -44,11 +63,17 @@ class World:
     ----------
     seed : int
         Chooses the landscape; 0 or greater, below ``2**64``.
+    crs : str
+        Of the chart: empty, or ``EPSG:3857``, for Web Mercator; ``EPSG:3413`` or ``EPSG:3031`` for the polar
+        stereographic square about the North or South Pole. That is as wide as the Mercator map, in metres of its CRS,
+        with the pole in its middle, so that a zoom's pixels are as large. Each of the three is a landscape of its own.
     """
 
     seed: int = 2024
+    crs: str = ""
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "crs", _chart(self.crs))
         if not 0 <= self.seed < 1 << 64:
             raise InvalidInput("seed {0}: must be from 0 to 2**64 - 1", self.seed)
 
@@ -60,8 +85,8 @@ class World:
         style : str
             ``"satellite"``, ``"roadmap"`` or ``"terrain"``.
         u, v : float64 arrays
-            World fractions east and south of the north-west corner (180° W, 85.0511° N). `u` wraps around; `v`
-            in [0, 1].
+            World fractions east and south of the north-west corner (on the map 180° W, 85.0511° N). `u` wraps around;
+            `v` in [0, 1].
         zoom : float or array
             Pixel size as a zoom, 0 to 22: ``2**-zoom / 256`` of the world. Between whole zooms the two
             neighbours are mixed.
@@ -77,7 +102,7 @@ class World:
         InvalidInput
             Unknown style, zoom or `v` out of range or not finite.
         """
-        painter = _painter(style)
+        painter = self._painter(style)
         u, v, zoom = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in (u, v, zoom)))
         if not (np.isfinite(u).all() and ((v >= 0) & (v <= 1)).all()):
             raise InvalidInput("position outside the world: u must be finite and v from 0 to 1")
@@ -94,8 +119,17 @@ class World:
             out[between] += share * (above - out[between])
         return out.reshape(*shape, 3)
 
+    @property
+    def _landscape(self) -> int:
+        return on_chart(self.seed, _POLES.get(self.crs, 0))
+
+    def _painter(self, style: str) -> styles.Painter:
+        if style not in MAP_TYPES:
+            raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
+        return (_ON_CAPS if self.crs in _POLES else _ON_MAP)[style]
+
     def _at_whole_zooms(
-        self, painter: Callable[[Scene], Canvas], u: Array, v: Array, zoom: Array
+        self, painter: styles.Painter, u: Array, v: Array, zoom: Array
     ) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
         x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
@@ -106,7 +140,7 @@ class World:
             if at.size:
                 first = at[0]
                 samples = Points(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
-                out[at] = painter(Scene(self.seed, samples)).pixels()
+                out[at] = painter(Scene(self._landscape, samples)).pixels()
         return out
 
     def tile(self, style: str, zoom: int, x: int, y: int) -> NDArray[np.uint8]:
@@ -117,14 +151,14 @@ class World:
         InvalidInput
             Unknown style, or a tile that does not exist.
         """
-        painter = _painter(style)
+        painter = self._painter(style)
         if not 0 <= zoom <= MAX_ZOOM:
             raise InvalidInput("zoom {0}: must be from 0 to {1}", zoom, MAX_ZOOM)
         if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
             raise InvalidInput(
                 "tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1
             )
-        return painter(Scene(self.seed, Grid(int(zoom), int(x), int(y)))).rounded()
+        return painter(Scene(self._landscape, Grid(int(zoom), int(x), int(y)))).rounded()
 
 
 class WorldSource:
@@ -138,8 +172,9 @@ class WorldSource:
     policy = Policy()
     date = ""
 
-    def __init__(self, seed: int = 2024) -> None:
-        self.world = World(seed)
+    def __init__(self, seed: int = 2024, crs: str = "") -> None:
+        self.world = World(seed, crs)
+        self.grid = grid_in(crs)
         # glibc gives what a tile has used back to the system after each, and takes it anew, page by page: a quarter of
         # a tile's time. Freeing one large block tells it to keep as much (mallopt(3), M_TRIM_THRESHOLD).
         np.empty(_KEPT_BYTES, dtype=np.uint8)
@@ -162,6 +197,17 @@ class WorldSource:
         """Do nothing: it holds nothing."""
 
 
+def grid_in(crs: str) -> PixelGrid:
+    """Pixels of the chart that `World` has in a CRS; raises InvalidInput where it has none."""
+    code = _chart(crs)
+    if code == _MERCATOR:
+        return WorldSource.grid
+    side = 2.0 * HALF_WORLD_M
+    plane = ProjectedPlane(code, -HALF_WORLD_M, HALF_WORLD_M, side, side)
+    whole = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+    return replace(WorldSource.grid, plane=plane, extent=whole)
+
+
 def open_entry(_entry: CatalogueEntry, _date: str, _key: str | None, options: SourceOptions) -> WorldSource:
     """Return the world of the seed that is asked for."""
-    return WorldSource(options.seed)
+    return WorldSource(options.seed, options.crs)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from .paint import Canvas
 from .region import neighbourhood
 from .samples import Grid, Samples, shared
 from .scene import PARCEL_ZOOM, Scene
+
+#: Makes the picture of a scene in one style.
+Painter = Callable[[Scene], Canvas]
 
 _SPECKLE_FIRST = 14
 

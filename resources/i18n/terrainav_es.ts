@@ -6925,7 +6925,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} x {1} px: {2}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} x {1} px: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -7125,8 +7125,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>fly higher or nearer to the equator</source>
-        <translation>volar más alto o más cerca del ecuador</translation>
+        <source>fly higher or nearer to the equator, or choose imagery in a polar CRS</source>
+        <translation>volar más alto o más cerca del ecuador, o elegir imágenes en un SRC polar</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -7136,8 +7136,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>fly lower or nearer to the equator</source>
-        <translation>volar más bajo o más cerca del ecuador</translation>
+        <source>fly lower or nearer to the equator, or choose imagery in a polar CRS</source>
+        <translation>volar más bajo o más cerca del ecuador, o elegir imágenes en un SRC polar</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -7291,6 +7291,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)</source>
         <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>choose imagery in a polar CRS, such as the synthetic world with {0} {1}</source>
+        <translation>elegir imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -8301,6 +8306,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>share</source>
         <translation>fracción</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>CRS {0!r}: the synthetic world has {1}</source>
+        <translation>SRC {0!r}: el mundo sintético tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/world/source.py"/>
+        <source>choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or none elsewhere</source>
+        <translation>elegir EPSG:3413 en torno al polo norte, EPSG:3031 en torno al polo sur, o ninguno en otra parte</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>

@@ -469,13 +469,13 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
                 "{0}: lies beyond the map, which ends at ±{1:.4f}",
                 place,
                 MAX_LAT_DEG,
-                remedy="fly higher or nearer to the equator",
+                remedy="fly higher or nearer to the equator, or choose imagery in a polar CRS",
             )
         raise InvalidInput(
             "{0}: reaches beyond the map, which ends at ±{1:.4f}",
             place,
             MAX_LAT_DEG,
-            remedy="fly lower or nearer to the equator",
+            remedy="fly lower or nearer to the equator, or choose imagery in a polar CRS",
         )
     if framed.size_px is not None:
         return

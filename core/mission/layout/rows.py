@@ -92,12 +92,23 @@ def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
     return _cover(mission, area, frames, pixel)
 
 
+#: Of the Antarctic and the Arctic.
+_POLAR_CRS = ("EPSG:3031", "EPSG:3413")
+
+
 def refuse_beyond_mercator(box: Box) -> None:
     """Refuse areas that reach beyond Web Mercator's latitudes."""
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
             raise InvalidInput(
-                "area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)", lat, MAX_LAT_DEG
+                "area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)",
+                lat,
+                MAX_LAT_DEG,
+                remedy=Message(
+                    "choose imagery in a polar CRS, such as the synthetic world with {0} {1}",
+                    OptionName("crs"),
+                    _POLAR_CRS[lat > 0.0],
+                ),
             )
 
 

@@ -475,3 +475,15 @@ def _date_of_url(case: Case) -> None:
 
     case.refused(made)
     case.follow("say which", partial(made, date="2020"))
+
+
+@remedy(
+    "world/source.py",
+    "CRS {}: the synthetic world has {}; choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or "
+    "none elsewhere",
+)
+def _no_such_chart(case: Case) -> None:
+    case.refused(lambda: opened("world", crs="EPSG:32661"))
+    case.follow("choose EPSG:3413 about the North Pole", lambda: opened("world", crs="EPSG:3413"))
+    case.follow("EPSG:3031 about the South Pole", lambda: opened("world", crs="EPSG:3031"))
+    case.follow("none elsewhere", lambda: opened("world", crs=""))

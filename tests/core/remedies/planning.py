@@ -15,6 +15,7 @@ from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
+from terrainav.core.world import WorldSource
 
 from tests.support.remedies import Case, remedy
 
@@ -57,6 +58,16 @@ def planned(module, message, mission, ways, grid=GRID, room="mission"):
     remedy(f"{room}/{module}", message)(entry)
 
 
+planned(
+    "layout/rows.py",
+    "area reaches latitude {}: pictures end at ±{} (Web Mercator); choose imagery in a polar CRS, such as the "
+    "synthetic world with --crs {}",
+    Mission(Box(-89.9, 0.0, -89.95, 40.0), 120.0),
+    {
+        "choose imagery in a polar CRS": WorldSource(crs="EPSG:3031").grid,
+        "such as the synthetic world with --crs EPSG:3031": WorldSource(crs="EPSG:3031").grid,
+    },
+)
 planned(
     "methods.py",
     "pixels of {} m on the ground: degrees in float64 resolve {} m; fly higher or widen the field of view",
@@ -130,15 +141,24 @@ planned(
 )
 planned(
     "layout/framing.py",
-    "{}: lies beyond the map, which ends at ±{}; fly higher or nearer to the equator",
+    "{}: lies beyond the map, which ends at ±{}; fly higher or nearer to the equator, or choose imagery in a polar CRS",
     at(86.0, 1e3),
-    {"fly higher": moved(86.0, 1e6), "nearer to the equator": moved(80.0, 1e3)},
+    {
+        "fly higher": moved(86.0, 1e6),
+        "nearer to the equator": moved(80.0, 1e3),
+        "choose imagery in a polar CRS": WorldSource(crs="EPSG:3413").grid,
+    },
 )
 planned(
     "layout/framing.py",
-    "{}: reaches beyond the map, which ends at ±{}; fly lower or nearer to the equator",
+    "{}: reaches beyond the map, which ends at ±{}; fly lower or nearer to the equator, or choose imagery in a polar "
+    "CRS",
     at(85.0505, 300.0, **HIGH),
-    {"fly lower": moved(85.0505, 3.0), "nearer to the equator": moved(84.0, 300.0)},
+    {
+        "fly lower": moved(85.0505, 3.0),
+        "nearer to the equator": moved(84.0, 300.0),
+        "choose imagery in a polar CRS": WorldSource(crs="EPSG:3413").grid,
+    },
 )
 planned(
     "layout/framing.py",
