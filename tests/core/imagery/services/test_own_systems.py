@@ -46,7 +46,6 @@ with warnings.catch_warnings():
     # It imports a module that Python is going to drop; that is for it to change.
     warnings.simplefilter("ignore", DeprecationWarning)
     importlib.import_module("owslib.wms")
-gdal.UseExceptions()
 
 #: Sets, with a place in them, a choice after #, the height of the flight, and the finest pixels.
 PLACES = {
