@@ -21,7 +21,9 @@ MAP = "EPSG:3857"
 #: Codes that name it, best first.
 MERCATOR_CODES = (MAP, "EPSG:900913", "EPSG:102100", "EPSG:102113", "EPSG:3785")
 #: How documents name a system: ``EPSG:2056``, ``urn:ogc:def:crs:EPSG::2056``, ``…/def/crs/EPSG/0/2056``.
-_CODE = re.compile(r"(?:^|[:/])EPSG(?::|/)(?:[\w.]*[:/])?(\d{1,7})$", re.IGNORECASE)
+_CODE = re.compile(r"(?:^|[:/])EPSG[:/](?:[\w.]*[:/]){0,2}(\d{1,7})$", re.IGNORECASE)
+#: How they name Web Mercator, of whatever authority.
+_MERCATOR = re.compile(r"(^|[:/])(3857|900913|102100|102113|3785)$")
 #: Directions that the axes of a plane may have: east and north, or away from a pole.
 _DIRECTIONS = ({"east", "north"}, {"north"}, {"south"})
 _AXES = 2
@@ -41,9 +43,11 @@ _NAME = re.compile(r'\["([^"]{1,80})')
 
 def code_of(name: str) -> str:
     """``EPSG:code`` of a system as a document names it; as it is where it is none of those, Web Mercator as `MAP`."""
-    found = _CODE.search(name.strip())
-    code = f"EPSG:{int(found.group(1))}" if found else name.strip()
-    return MAP if code in MERCATOR_CODES else code
+    name = name.strip()
+    if _MERCATOR.search(name):
+        return MAP
+    found = _CODE.search(name)
+    return f"EPSG:{int(found.group(1))}" if found else name
 
 
 def is_usable(code: str) -> bool:

@@ -98,7 +98,7 @@ def chosen_tiles(document: Document, service: Any, layer: Any, crs: str) -> Laye
     wanted, first = choices.get("tilematrixset"), choices.get("tilematrix")
     sets: dict[str, Any] = {name: service.tilematrixsets[name] for name in layer.tilematrixsetlinks}
     found: dict[str, LayerTiles] = {}
-    asked_first = sorted(sets, key=lambda name: (name != wanted, code_of(sets[name].crs) != crs))
+    asked_first = sorted(sets, key=lambda name: (name != wanted, code_of(sets[name].crs) != (crs or MAP)))
     for name in asked_first[:_MOST_SETS]:
         tiles = _tiles_of(sets[name], name, layer, first)
         if tiles is not None:

@@ -20,6 +20,7 @@ from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.catalogue import add
 from terrainav.core.imagery.opening import DescribedSource, SourceOptions, named_source, open_source
 from terrainav.core.imagery.source import Window
+from terrainav.core.imagery.systems import code_of
 from terrainav.core.mission.area import Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -215,6 +216,29 @@ def test_web_mercator_is_taken_where_there_is_one_and_any_other_by_name(server):
     with pytest.raises(InvalidInput, match="EPSG:28992: Orthophotos has EPSG:3035") as refused:
         crs_of(name + "&tilematrixset=inspire", crs="EPSG:28992")
     assert refused.value.field == "crs"
+
+
+@pytest.mark.parametrize(
+    ("name", "code"),
+    [
+        ("EPSG:2056", "EPSG:2056"),
+        ("epsg:2056", "EPSG:2056"),
+        (" urn:ogc:def:crs:EPSG::2056 ", "EPSG:2056"),
+        ("urn:ogc:def:crs:EPSG:6.3:28992", "EPSG:28992"),
+        ("urn:ogc:def:crs:EPSG:6.18:3:28992", "EPSG:28992"),
+        ("urn:x-ogc:def:crs:EPSG:28992", "EPSG:28992"),
+        ("http://www.opengis.net/def/crs/EPSG/0/28992", "EPSG:28992"),
+        ("http://www.opengis.net/gml/srs/epsg.xml#28992", "http://www.opengis.net/gml/srs/epsg.xml#28992"),
+        ("urn:ogc:def:crs:EPSG:6.18:3:3857", "EPSG:3857"),
+        ("urn:ogc:def:crs:ESRI::102100", "EPSG:3857"),
+        ("urn:ogc:def:crs:EPSG::900913", "EPSG:3857"),
+        ("3857", "EPSG:3857"),
+        ("urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:OGC:1.3:CRS84"),
+        ("IGNF:LAMB93", "IGNF:LAMB93"),
+    ],
+)
+def test_names_of_systems_in_documents(name, code):
+    assert code_of(name) == code
 
 
 def test_without_web_mercator_the_system_that_suits_the_layer_is_taken(server):
