@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from osgeo import gdal
 from qgis.core import QgsRasterLayer
+from qgis.PyQt.QtWidgets import QLineEdit
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Points
@@ -15,6 +18,8 @@ from terrainav.terrainav_plugin.dataset.mosaic import build_mosaics
 from terrainav.terrainav_plugin.dataset.picture import read_picture
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.form.mission_form import FormError
+from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.panel.entries import WordsLine
 from terrainav.terrainav_plugin.sources import grid_of, open_for_capture
 
 from tests.core.imagery.raster.test_bands import NIR, SIDE, about, place, written
@@ -104,3 +109,22 @@ def test_sources_without_bands_refuse_them(options):
     for name in ("world", "qgis:project"):
         with pytest.raises((FormError, InvalidInput)):
             grid_of(Mission(about(), 60.0, source=name, **options))
+
+
+def test_the_panel_has_entries_for_bands_and_their_stretch(desk):
+    form = desk.dock.findChild(QLineEdit, "bands"), desk.dock.findChild(QLineEdit, "stretch")
+    assert [line.text() for line in form] == ["", "none"]
+    form[0].setText("4 1 2")
+    form[1].setText("0 32000")
+    assert WordsLine.words(form[0]) == ("4", "1", "2")
+    form[0].setText("red edge, nir")
+    assert form[0].words() == ("red edge", "nir")
+    form[0].enter(("red edge", "nir"))
+    assert form[0].text() == "red edge, nir"
+    form[0].enter(("4", "1"))
+    assert form[0].text() == "4 1"
+    state = desk.session.state()
+    assert (state.bands, state.stretch) == (("4", "1"), "0 32000")
+    desk.form.set_state(FormState.from_json(replace(state, bands=("2", "3")).to_json()))
+    assert form[0].text() == "2 3"
+    assert desk.session.state().bands == ("2", "3")

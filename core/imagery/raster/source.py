@@ -40,12 +40,12 @@ _ENLARGED_ZOOMS = 6
 _LEAST_OF_OVERVIEW_PX = 4.0
 #: Blocks of pixels that a pixel of the map is the mean of at least, along each side, where they are summed up first.
 _LEAST_OF_BLOCKS = 2.0
-#: Pixels of the raster that are read in one go.
-_STRIP_PX = 1 << 20
+#: Values of the raster that are read in one go: a million pixels of three bands and whether they are there.
+_STRIP_VALUES = 1 << 22
 #: Pixels of an overview that tell what values a raster has, at least and at most; of a larger one so many squares along
 #: each side are read.
 _SAMPLED_PX, _MOST_SAMPLED_PX = 1 << 18, 1 << 22
-_SAMPLES, _SAMPLE_SIDE_PX = 16, 64
+_SAMPLES, _SAMPLE_SIDE_PX, _USUAL_BANDS = 16, 64, 4
 #: Slivers of a pixel that are not worth reading it: the noise of positions, far below what `means` lets pass.
 _SLIVER_PX = 1e-5
 #: Tags that say whose a picture is, the best first.
@@ -287,8 +287,10 @@ class RasterSource:
         )
         width, height = self._sizes[level]
         boxes_read = [Box(0, 0, width, height)]
-        if width * height > _MOST_SAMPLED_PX:
-            side = min(_SAMPLE_SIDE_PX, width, height)
+        # Of many bands fewer pixels tell enough, and fit memory.
+        share = max(len(self.bands) / _USUAL_BANDS, 1.0)
+        if width * height * share > _MOST_SAMPLED_PX:
+            side = min(max(int(_SAMPLE_SIDE_PX / share), 1), width, height)
             boxes_read = [
                 Box(round(left), round(top), side, side)
                 for top in np.linspace(0, height - side, _SAMPLES)
@@ -362,7 +364,7 @@ class RasterSource:
     def _read(self, level: int, box: Box, x: int, y: int) -> Sums:
         """Sums of values over blocks of ``x`` by ``y`` px of a box, read strip by strip."""
         bottom = box.top + box.height
-        rows = max(_STRIP_PX // (box.width * y), 1) * y
+        rows = max(_STRIP_VALUES // (box.width * y * (len(self.bands) + 1)), 1) * y
         try:
             with self._pool.lent(level) as file:
                 strips = [
