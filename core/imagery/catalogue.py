@@ -12,8 +12,8 @@ from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
-from .entry import NAME, PIXELS, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
-from .opening import EntrySource, NamedSource, imported
+from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
+from .opening import EntrySource, NamedSource
 from .placeholder import Placeholder
 from .source import Source
 from .template import KEY_ENV, Template, environment_key
@@ -37,7 +37,7 @@ class CatalogueName(EntrySource):
         if not (self.is_local and self.options.crs):
             return super()._wanted
         self.entry.grid(self.options.tile_px)
-        grid: PixelGrid = imported(PIXELS["world"]).grid_in(self.options.crs)
+        grid: PixelGrid = self._pixels.grid_in(self.options.crs)
         return self.entry.date(self.options.date), grid
 
     def _find(self) -> CatalogueEntry:

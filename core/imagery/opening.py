@@ -121,7 +121,7 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
             text,
             remedy="name a file, a URL template or a name of the catalogue",
         )
-    of_kind: type[NamedSource] = getattr(imported(kind.module), kind.source)
+    of_kind: type[NamedSource] = getattr(_imported(kind.module), kind.source)
     if not of_kind.has_bands:
         check_colours(text, options.bands, options.stretch)
     return of_kind(text, options)
@@ -244,7 +244,7 @@ def kind_of(text: str) -> Kind:
     return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
-def imported(module: str) -> ModuleType:
+def _imported(module: str) -> ModuleType:
     """Module by its name, relative to this package."""
     # By the built-in import and not importlib's: that is where QGIS keeps book of what it forgets when a plugin goes.
     return __import__(resolve_name(module, __package__ or ""), fromlist=["*"])
@@ -363,6 +363,11 @@ class EntrySource(NamedSource):
         return self.entry
 
     @property
+    def _pixels(self) -> ModuleType:
+        """Module that makes sources of entries of its kind."""
+        return _imported(PIXELS[self.entry.kind])
+
+    @property
     def needs_key(self) -> bool:
         """Whether its entry names an environment variable with a key."""
         return self.entry.key_env is not None
@@ -397,8 +402,7 @@ class EntrySource(NamedSource):
             raise SourceError(
                 "{0}: needs an API key: set the environment variable {1}", entry.title, entry.key_env
             )
-        pixels = imported(PIXELS[entry.kind])
-        source: Source = pixels.open_entry(entry, date, key, options)
+        source: Source = self._pixels.open_entry(entry, date, key, options)
         return source
 
 

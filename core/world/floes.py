@@ -49,6 +49,9 @@ _SIZES = (
     _Size(14, 0.15, -25.0, 90.0, 0.03, 0.06, missing=True),
     _Size(17, 0.45, -1.5, 4.0, 0.01, 0.03, refrozen=True),
 )
+_INSIDE = 0.2
+"""How far inside its cell a point lies: so far that the nearest one is in the cell of a sample or in one around it."""
+
 _FEW_POINTS = 64
 """Up to so many floes are looked at one by one."""
 
@@ -115,8 +118,8 @@ def _nearest(
     i, j = window.indices()
     own = cell_hash(salt(scene.seed, 21), level, i, j)
     h = cell_hash(salt(scene.seed, 22), level, i, j)
-    x = (np.arange(columns)[None, :] + left + 0.14 + 0.72 * bits(h, 0, 12)).astype(np.float32)
-    y = (np.arange(rows)[:, None] + top + 0.14 + 0.72 * bits(h, 12, 12)).astype(np.float32)
+    x = (np.arange(columns)[None, :] + left + _INSIDE + (1 - 2 * _INSIDE) * bits(h, 0, 12)).astype(np.float32)
+    y = (np.arange(rows)[:, None] + top + _INSIDE + (1 - 2 * _INSIDE) * bits(h, 12, 12)).astype(np.float32)
     if x.size > _FEW_POINTS:
         near, far, at = _among_neighbours(fx, fy, left, top, x, y)
     else:

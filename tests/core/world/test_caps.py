@@ -13,7 +13,7 @@ from terrainav.core.imagery.opening import SourceOptions, named_source, open_sou
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.world import World, WorldSource
+from terrainav.core.world import World, WorldSource, floes
 
 STYLES = ("satellite", "roadmap", "terrain")
 NORTH, SOUTH = "EPSG:3413", "EPSG:3031"
@@ -226,3 +226,13 @@ def test_the_named_source_has_the_chart_s_grid_and_what_it_opens_too():
 def test_ground_beyond_the_chart_is_counted_as_without_imagery():
     far = Mission(Points(((-40.0, 45.0, 120.0),)), 120.0, source="world")
     assert plan(far, WorldSource(crs=NORTH).grid).imagery.outside == 1
+
+
+@pytest.mark.parametrize("zoom", [10, 12, 13, 15])
+def test_floes_are_found_among_few_as_among_many(zoom, monkeypatch):
+    x, y = tile_at(zoom, *PLACES["pack ice"][1:])
+    tiles = []
+    for few in (0, 10**6):
+        monkeypatch.setattr(floes, "_FEW_POINTS", few)
+        tiles.append(CAPS[NORTH].tile("satellite", zoom, x, y))
+    np.testing.assert_array_equal(*tiles)
