@@ -212,9 +212,13 @@ STAGES = """
 ## Where our time goes
 
 Processor milliseconds an image, one thread: {stages}. *Tiles* are read from the raster, 256 px each; *all else* is
-planning, putting them together, packing, entropy, journal and tables.
+planning, putting them together, packing, entropy, journal and tables. Cutting alone, as the others do it for images
+that are not compressed, takes them a few milliseconds.
 
 ## Memory
+
+GDAL keeps blocks of a raster up to 5 % of the machine's memory (`GDAL_CACHEMAX`), so that memory grows up to there and
+no further.
 
 | images | peak MB |
 | ---: | ---: |
@@ -332,7 +336,7 @@ def page(found: dict[str, Any]) -> str:
     from terrainav.core.report.machine import machine
 
     shown = HEAD.format(
-        machine=machine(),
+        machine=", ".join(f"{what} {value}" for what, value in machine()),
         load=os.getloadavg()[0],
         block=BLOCK_PX,
         **{**found, "memory": "", "rows": "", "stages": ""},
