@@ -28,6 +28,7 @@ _ENTERED = (
     "gsd",
     "layout",
     "stretch",
+    "crs",
     "format",
 )
 

@@ -24,6 +24,9 @@ Values = NDArray[Any]
 STRICT_JPEG = "GDAL_ERROR_ON_LIBJPEG_WARNING"
 #: GDAL's names of types by numpy's.
 _GDAL_TYPES = {"uint8": "GDT_Byte", "uint16": "GDT_UInt16", "int16": "GDT_Int16", "float32": "GDT_Float32"}
+#: GDAL's option for the memory in which it keeps blocks of rasters, and megabytes of it: a strip of blocks across a
+#: raster of 20,000 px. Without it that is 5 % of the machine's, and reading is no faster.
+_CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -265,7 +268,7 @@ def _refused() -> Iterator[None]:
     from rasterio.errors import RasterioError
 
     try:
-        with rasterio.Env(**{STRICT_JPEG: True}):
+        with rasterio.Env(**{STRICT_JPEG: True, _CACHE: _CACHE_MB}):
             yield
     except (RasterioError, OSError) as wrong:
         # What GDAL said first is the cause of what rasterio says.

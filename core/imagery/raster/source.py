@@ -411,17 +411,13 @@ def _extent(over: Boxes, width: int, height: int, x: int, y: int) -> Box | None:
     top, bottom = over.row_px - over.height_px / 2.0, over.row_px + over.height_px / 2.0
     # Comparisons with what is not finite say no.
     with np.errstate(invalid="ignore"):
-        reached = (
-            (right > _SLIVER_PX)
-            & (left < width - _SLIVER_PX)
-            & (bottom > _SLIVER_PX)
-            & (top < height - _SLIVER_PX)
-        )
-    if not reached.any():
+        across = (right > _SLIVER_PX) & (left < width - _SLIVER_PX)
+        down = (bottom > _SLIVER_PX) & (top < height - _SLIVER_PX)
+    if not over.are_upright:
+        across = down = across & down
+    if not (across.any() and down.any()):
         return None
-    left, right, top, bottom = (
-        np.broadcast_to(edge, reached.shape)[reached] for edge in (left, right, top, bottom)
-    )
+    left, right, top, bottom = left[across], right[across], top[down], bottom[down]
     first_x, first_y = (max(math.floor(edge.min() + _SLIVER_PX), 0) for edge in (left, top))
     first_x, first_y = first_x - first_x % x, first_y - first_y % y
     last_x, last_y = (math.ceil(edge.max() - _SLIVER_PX) for edge in (right, bottom))
