@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import replace
 
 import numpy as np
@@ -126,18 +127,21 @@ def test_a_raster_says_where_it_ends(tmp_path):
         transform=rasterio.Affine(1.0, 0.0, x - 500.0, 0.0, -1.0, y + 400.0),
     ) as file:
         file.write(np.full((3, 800, 1000), 90, np.uint8))
-    source = open_source(str(path))
-    try:
-        grid = source.grid
-    finally:
-        source.close()
     to_degrees = Transformer.from_crs(32616, 4326, always_xy=True).transform
     lon, lat = to_degrees([x - 500, x + 500, x + 500, x - 500], [y + 400, y + 400, y - 400, y - 400])
-    expected = np.stack(
+    on_map = np.stack(
         [np.array(lon) / 360.0 + 0.5, 0.5 - np.arcsinh(np.tan(np.radians(lat))) / (2.0 * np.pi)], axis=1
     )
-    # A centimetre of ground.
-    assert np.abs(np.array(grid.extent) - expected).max() < 2e-10
+    own = np.array([[0, 0], [1000, 0], [1000, 800], [0, 800]]) / 1024.0
+    # Of the map to a centimetre of ground; of its own pixels exactly.
+    for crs, expected, most in (("EPSG:3857", on_map, 2e-10), ("", own, 1e-12)):
+        with closing(open_source(str(path), crs=crs)) as source:
+            grid = source.grid
+        assert np.abs(np.array(grid.extent) - expected).max() < most
+        _says_what_is_beyond(grid)
+
+
+def _says_what_is_beyond(grid):
     summary = estimate(plan(Mission(Box(35.16, -89.90, 35.15, -89.885), 120.0), grid))
     assert 0.0 < summary.imagery_share < 1.0
     assert summary.images_outside > 0

@@ -256,6 +256,19 @@ def _other_zooms(case: Case) -> None:
         case.follow("add its layer with QGIS's Browser panel", layer.isValid)
 
 
+@remedy(
+    "sources.py",
+    "{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel",
+)
+def _tiles_of_another_crs(case: Case) -> None:
+    case.fixture("desk")
+    with wmts_service() as (running, layer):
+        plane = {"crs": "EPSG:25832", "west": 0.0, "north": 6e6, "width": 2.0**20, "height": 2.0**20}
+        add("named", {**described(f"{running.url}/tiles/{{z}}/{{x}}/{{y}}.png"), "plane": plane})
+        case.refused(lambda: tile_layer_uri("named", "satellite"))
+        case.follow("add its layer with QGIS's Browser panel", layer.isValid)
+
+
 @remedy("panel/source_dialogs.py", "“{name}” is taken; choose another name")
 def _name_is_taken(case: Case) -> None:
     case.fixture("desk")
