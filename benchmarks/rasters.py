@@ -198,7 +198,7 @@ Made by `python benchmarks/rasters.py` on {machine}, load average {load:.1f}. A 
 {side:,} x {side:,} px ({file_mb:,.0f} MB, deflate, blocks of {block} px) is cut into the {images:,} images of
 about 640 x 480 px that a plan with 25 % overlap has, straight down, as GeoTIFF into memory. All programs make the same
 pixels at the same place, which is checked; TerrAInav also notes each image in its journal, works out its entropy and
-writes tables. Each run is a process of its own, imports and planning included; medians of {repeats}, taken in turns.
+writes tables. Each run is a process of its own, imports and planning included; {runs}, taken in turns.
 “Not compressed” is deflate that only stores in TerrAInav's images.
 
 | output | program | threads | images/s | ours to it | wall s (least, most) | CPU s | peak MB | output MB |
@@ -217,8 +217,7 @@ that are not compressed, takes them a few milliseconds.
 
 ## Memory
 
-GDAL keeps blocks of a raster up to 5 % of the machine's memory (`GDAL_CACHEMAX`), so that memory grows up to there and
-no further.
+GDAL keeps blocks of a raster in 64 MB at most (`GDAL_CACHEMAX`; without that, in 5 % of the machine's memory).
 
 | images | peak MB |
 | ---: | ---: |
@@ -379,7 +378,8 @@ def main() -> None:
         found["memory"] = [] if asked.no_page else memory(str(file), Path(name))
     found["stages"] = stages(str(file), (8, 8, OVERLAP))
     print(found["stages"])
-    found.update(side=asked.side, repeats=asked.repeats, file_mb=file.stat().st_size / 1e6)
+    runs = "one run each" if asked.repeats == 1 else f"medians of {asked.repeats}"
+    found.update(side=asked.side, runs=runs, file_mb=file.stat().st_size / 1e6)
     if not asked.no_page:
         (ROOT / "docs" / "rasters.md").write_text(page(found), "utf-8")
 
