@@ -13,13 +13,12 @@ from pyproj import CRS
 
 from ..errors import InvalidInput
 from ..geodesy.footprint import exact
-from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.mercator import WebMercator, wrap_lon_deg
 from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 from .metadata import degrees, xml_text
 from .tiff import Kind, Tag
 
-WEB_MERCATOR = "EPSG:3857"
 #: What GeoTIFF says of a CRS that has no code.
 _USER_DEFINED = 32767
 #: WGS 84 and Web Mercator as WKT 1, which every GDAL reads; texts that do not depend on PROJ's version or database.
@@ -64,7 +63,7 @@ class Georeference:
     north_m: float
     width_px: int
     height_px: int
-    crs: str = WEB_MERCATOR
+    crs: str = WebMercator.crs
 
     def __post_init__(self) -> None:
         edges = (self.west_m, self.south_m, self.east_m, self.north_m)
@@ -97,7 +96,7 @@ class Georeference:
     def aux_xml(self, metadata: Mapping[str, str]) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
         return _pam_text(
-            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(_wkt_1(self.crs))}</SRS>\n'
+            f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(wkt_1(self.crs))}</SRS>\n'
             f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n",
             metadata,
         )
@@ -195,9 +194,9 @@ def _citation(crs: str) -> str:
 
 
 @lru_cache(maxsize=8)
-def _wkt_1(crs: str) -> str:
+def wkt_1(crs: str) -> str:
     """CRS as WKT 1, which every GDAL reads."""
-    return WEB_MERCATOR_WKT if crs == WEB_MERCATOR else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
+    return WEB_MERCATOR_WKT if crs == WebMercator.crs else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
 
 
 def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import InvalidInput, Message
+from ..geodesy.mercator import WebMercator
 from ..geodesy.planes import ProjectedPlane
 
 if TYPE_CHECKING:
     from pyproj import CRS
 
 #: The Web-Mercator map's.
-MAP = "EPSG:3857"
+MAP = WebMercator.crs
 #: Codes that name it, best first.
 MERCATOR_CODES = (MAP, "EPSG:900913", "EPSG:102100", "EPSG:102113", "EPSG:3785")
 #: How documents name a system: ``EPSG:2056``, ``urn:ogc:def:crs:EPSG::2056``, ``…/def/crs/EPSG/0/2056``.

@@ -218,11 +218,8 @@ class Plan:
     @cached_property
     def imagery(self) -> Imagery:
         """What the source has imagery of, as far as its grid says where that ends."""
-        found, own, extent = (
-            imagery_of(self.mission.area, self.windows, self.grid, self.zoom),
-            self.grid.own,
-            self.grid.extent,
-        )
+        own, extent = self.grid.own, self.grid.extent
+        found = imagery_of(self.mission.area, self.windows, self.grid, self.zoom)
         if own is None or extent is None or isinstance(self.mission.area, Points):
             return found
         return found._replace(share=share_on(self.mission.area, own, extent))

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput
-from ..geodesy.mercator import HALF_WORLD_M, PixelGrid
+from ..geodesy.mercator import HALF_WORLD_M, PixelGrid, WebMercator
 from ..geodesy.planes import ProjectedPlane
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
@@ -23,7 +23,6 @@ from .scene import Scene
 MAX_ZOOM = 22
 #: The pole in the middle of each chart beside the Web-Mercator map, see `lattice.on_chart`.
 _POLES = {"EPSG:3413": 1, "EPSG:3031": -1}
-_MERCATOR = "EPSG:3857"
 _ON_MAP: dict[str, styles.Painter] = {
     SATELLITE: styles.satellite,
     ROADMAP: styles.roadmap,
@@ -39,12 +38,12 @@ _KEPT_BYTES = 1 << 24
 
 def _chart(crs: str) -> str:
     """Return the CRS of a chart, as its code is written; the map's for none."""
-    code = crs.strip().upper() or _MERCATOR
-    if code != _MERCATOR and code not in _POLES:
+    code = crs.strip().upper() or WebMercator.crs
+    if code != WebMercator.crs and code not in _POLES:
         raise InvalidInput(
             "CRS {0!r}: the synthetic world has {1}",
             crs,
-            ", ".join((_MERCATOR, *_POLES)),
+            ", ".join((WebMercator.crs, *_POLES)),
             field="crs",
             remedy="choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or none elsewhere",
         )
@@ -200,7 +199,7 @@ class WorldSource:
 def grid_in(crs: str) -> PixelGrid:
     """Pixels of the chart that `World` has in a CRS; raises InvalidInput where it has none."""
     code = _chart(crs)
-    if code == _MERCATOR:
+    if code == WebMercator.crs:
         return WorldSource.grid
     side = 2.0 * HALF_WORLD_M
     plane = ProjectedPlane(code, -HALF_WORLD_M, HALF_WORLD_M, side, side)

@@ -19,7 +19,7 @@ import numpy as np
 from osgeo import gdal
 from pyproj import CRS
 
-from ...core.capture.georeference import WEB_MERCATOR, WEB_MERCATOR_WKT
+from ...core.capture.georeference import WEB_MERCATOR_WKT, wkt_1
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, Message, OutputError
@@ -196,11 +196,6 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         raise
 
 
-def wkt_of(crs: str) -> str:
-    """WKT 1, which every GDAL reads, of a code or of a WKT of any version."""
-    return WEB_MERCATOR_WKT if crs == WEB_MERCATOR else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
-
-
 def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
     """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
     found: list[Mosaic] = []
@@ -338,7 +333,7 @@ def _virtual_raster(
     yield f'<VRTDataset rasterXSize="{size[0]}" rasterYSize="{size[1]}">\n'
     # The axes are those of the geotransform, in whatever order the CRS itself has them.
     axes = "" if plan.grid.own is None else ' dataAxisToSRSAxisMapping="1,2"'
-    yield f"<SRS{axes}>{xml_text(wkt_of(plan.grid.plane.crs))}</SRS>\n"
+    yield f"<SRS{axes}>{xml_text(wkt_1(plan.grid.plane.crs))}</SRS>\n"
     yield f"<GeoTransform>{west!r}, {across!r}, 0.0, {north!r}, 0.0, {-down!r}</GeoTransform>\n"
     sources = list(_sources(plan, placed, shown.data_type, folder))
     channels = len(shown.bands)

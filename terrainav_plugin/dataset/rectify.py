@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from osgeo import gdal
 
+from ...core.capture.georeference import wkt_1
 from ...core.errors import OutputError
 from ...core.files import partial_file
 from ...core.geodesy.ellipsoid import sight_lines
@@ -20,7 +21,6 @@ from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
 from ...core.mission.layout.framing import ground_of
 from ...core.mission.outlines import footprint_ring, metres
 from ...core.picture.resampling import sample
-from .mosaic import wkt_of
 from .shown import open_shown
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
         x, y = (points[seen, 0] + 1.0) / 2.0 * width, (1.0 - points[seen, 1]) / 2.0 * height
         part[seen] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
     pixels[..., 3] = np.where(pixels[..., 3] > _OPAQUE // 2, _OPAQUE, 0)
-    _write(pixels, frame, target, wkt_of(plan.grid.plane.crs))
+    _write(pixels, frame, target, wkt_1(plan.grid.plane.crs))
 
 
 def _frame(plan: Plan) -> _Frame:

@@ -406,20 +406,24 @@ def imagery_of(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> Imag
     if grid.extent is None:
         return Imagery(whole, 0, 0)
     extent = np.array(grid.extent, np.float64)
-    extent = extent if _twice_area(extent) > 0.0 else extent[::-1]
+    extent = extent if twice_area(extent) > 0.0 else extent[::-1]
     outside, partly = _pictures_beyond(windows, extent, grid, zoom)
-    share = None if isinstance(area, Points) or grid.own else _share(_rings(area), extent)
+    share = None if isinstance(area, Points) or grid.own else _share(rings_of(area), extent)
     return Imagery(share, outside, partly)
 
 
-def _rings(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+def rings_of(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
+    """Longitudes and latitudes of the corners of an area's rings, the outer one first."""
     if isinstance(area, Polygon):
         return area.arrays()
     west, east, north, south = area.west_deg, area.continuous_east_deg, area.north_deg, area.south_deg
-    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
+    corners = [west, east, east, west], [north, north, south, south]
+    lon, lat = (np.array(angles, np.float64) for angles in corners)
+    return [(lon, lat)]
 
 
-def _twice_area(ring: Floats) -> float:
+def twice_area(ring: Floats) -> float:
+    """Twice the area of a ring (n, 2), negative where it runs the other way round."""
     following = np.roll(ring, -1, axis=0)
     return float(np.sum(ring[:, 0] * following[:, 1] - following[:, 0] * ring[:, 1]))
 

@@ -17,7 +17,18 @@ from ...geodesy.projections import NOISE_M, LocalPlane
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
-from .coverage import Coverage, Overlap, Rectangles, gaps, joined, overlap_of, shares, within
+from .coverage import (
+    Coverage,
+    Overlap,
+    Rectangles,
+    gaps,
+    joined,
+    overlap_of,
+    rings_of,
+    shares,
+    twice_area,
+    within,
+)
 from .rows import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
 
 Floats = NDArray[np.float64]
@@ -145,7 +156,7 @@ def lay_out_rotated(
 
 def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
     """Latitude and longitude of the middle of what an area spans on a plane: that of one about a pole is the pole."""
-    lon, lat = (np.concatenate(values) for values in zip(*_rings_of(area)))
+    lon, lat = (np.concatenate(values) for values in zip(*rings_of(area)))
     ends = np.linspace(0.0, 1.0, _MIDDLE_POINTS, endpoint=False)
     lon, lat = (
         (part[:, np.newaxis] + ends * (np.roll(part, -1) - part)[:, np.newaxis]).ravel()
@@ -284,22 +295,9 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid)
 
 def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> Shape:
     """An area in a plane, its sides cut into pieces that leave the true ones by no more than asked for."""
-    found = [_cut(lon, lat, plane, bend_m) for lon, lat in _rings_of(area)]
+    found = [_cut(lon, lat, plane, bend_m) for lon, lat in rings_of(area)]
     # Twice what is seen, for pieces that bend unevenly.
     return Shape(tuple((x, y) for x, y, _ in found), 2.0 * max(bend for _, _, bend in found))
-
-
-def _rings_of(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
-    """Longitudes and latitudes of the corners of an area's rings, the outer one first."""
-    if isinstance(area, Polygon):
-        return area.arrays()
-    west, east = area.west_deg, area.continuous_east_deg
-    return [
-        (
-            np.array([west, east, east, west], np.float64),
-            np.array([area.north_deg, area.north_deg, area.south_deg, area.south_deg], np.float64),
-        )
-    ]
 
 
 def _cut(lon_deg: Floats, lat_deg: Floats, plane: RowsPlane, bend_m: float) -> tuple[Floats, Floats, float]:
@@ -399,10 +397,7 @@ def _around(points: Floats) -> Floats:
 def _clipped_m2(shape: Shape, rectangle: Floats) -> list[float]:
     """Areas in the plane of a shape's rings inside a rectangle (4, 2), holes negative."""
     parts = [within(np.stack(ring, axis=1), rectangle) for ring in shape.rings]
-    areas = [
-        abs(float(np.sum(p[:, 0] * np.roll(p[:, 1], -1) - np.roll(p[:, 0], -1) * p[:, 1]))) / 2.0
-        for p in parts
-    ]
+    areas = [abs(twice_area(part)) / 2.0 for part in parts]
     return [area if number == 0 else -area for number, area in enumerate(areas)]
 
 

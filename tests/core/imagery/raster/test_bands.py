@@ -20,7 +20,6 @@ from terrainav.core.dataset.table import Table  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.imagery.opening import open_source  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
-from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.mission.area import Box, Points  # noqa: E402
@@ -44,15 +43,6 @@ GDAL_TYPES = {
 }
 #: USDA NAIP photographs of North Dakota, 5 m pixels, four bands, EPSG:26914; beside a checkout, never inside it.
 PHOTOGRAPH = Path(__file__).resolve().parents[5] / "shared" / "data" / "naip" / "20200831.tif"
-
-
-@pytest.fixture(params=["gdal", "rasterio"])
-def library(request, monkeypatch):
-    """Both libraries, one after the other."""
-    if request.param == "rasterio":
-        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
-    chosen = {"gdal": GdalFile, "rasterio": RasterioFile}[request.param]
-    monkeypatch.setattr(raster_source, "opener", lambda: chosen)
 
 
 def noise(data_type, bands=4, side=SIDE):

@@ -13,8 +13,6 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.dataset.table import Table  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
-from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
-from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
 from terrainav.core.mission.estimate import estimate  # noqa: E402
@@ -34,15 +32,6 @@ PLACES = {
     "US survey feet": (2263, 40.75, -73.98),
     "rows from the south": (32616, 35.15, -89.9),
 }
-
-
-@pytest.fixture(params=["gdal", "rasterio"])
-def library(request, monkeypatch):
-    """Both libraries, one after the other."""
-    if request.param == "rasterio":
-        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
-    chosen = {"gdal": GdalFile, "rasterio": RasterioFile}[request.param]
-    monkeypatch.setattr(raster_source, "opener", lambda: chosen)
 
 
 def noise(path, epsg, lat, lon, *, pixel=0.5, upright=True, side=SIDE):

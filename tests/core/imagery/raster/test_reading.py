@@ -45,16 +45,6 @@ NAMES = {
 }
 
 
-@pytest.fixture(params=["gdal", "rasterio"])
-def library(request, monkeypatch):
-    """Both libraries, one after the other."""
-    if request.param == "rasterio":
-        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
-    chosen = {"gdal": GdalFile, "rasterio": RasterioFile}[request.param]
-    monkeypatch.setattr(raster_source, "opener", lambda: chosen)
-    return request.param
-
-
 @pytest.fixture
 def values():
     return np.random.default_rng(4).integers(1, 255, (4, SIZE, SIZE), np.uint8)

@@ -16,10 +16,6 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
-from terrainav.core.imagery.raster.reading import (  # noqa: E402
-    GdalFile,
-    RasterioFile,
-)
 from terrainav.core.imagery.raster.source import open_raster as open_any  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
 from terrainav.core.mission.area import Box  # noqa: E402
@@ -39,16 +35,6 @@ INSIDE_PHOTOGRAPHS = Box(47.028, -99.174, 47.012, -99.136)
 UTM = (505_000.0, 2.0, 0.0, 5_317_000.0, 0.0, -2.0)
 UTM_EPSG = 32632
 SIZE = 600
-
-
-@pytest.fixture(params=["gdal", "rasterio"])
-def library(request, monkeypatch):
-    """Both libraries, one after the other."""
-    if request.param == "rasterio":
-        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
-    chosen = {"gdal": GdalFile, "rasterio": RasterioFile}[request.param]
-    monkeypatch.setattr(raster_source, "opener", lambda: chosen)
-    return request.param
 
 
 def on_map(epsg, x, y):

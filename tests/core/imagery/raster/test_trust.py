@@ -15,11 +15,6 @@ gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
 from terrainav.core.imagery.opening import open_source  # noqa: E402
-from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
-from terrainav.core.imagery.raster.reading import (  # noqa: E402
-    GdalFile,
-    RasterioFile,
-)
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.raster.trust import check_virtual, drivers_for  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
@@ -44,16 +39,6 @@ WMS = """<GDAL_WMS><Service name="TMS"><ServerUrl>{url}/${{z}}/${{x}}/${{y}}.png
 <LowerRightX>20037508.34</LowerRightX><LowerRightY>-20037508.34</LowerRightY><TileLevel>3</TileLevel>
 <TileCountX>1</TileCountX><TileCountY>1</TileCountY><YOrigin>top</YOrigin></DataWindow>
 <Projection>EPSG:3857</Projection><BandsCount>3</BandsCount></GDAL_WMS>"""
-
-
-@pytest.fixture(params=["gdal", "rasterio"])
-def library(request, monkeypatch):
-    """Both libraries, one after the other."""
-    if request.param == "rasterio":
-        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
-    chosen = {"gdal": GdalFile, "rasterio": RasterioFile}[request.param]
-    monkeypatch.setattr(raster_source, "opener", lambda: chosen)
-    return request.param
 
 
 @pytest.fixture(autouse=True)
