@@ -49,7 +49,7 @@ processor time) / cores. Measured in the same run:
 | bandwidth | {bandwidth:.0f} MB/s |
 | cores | {cores} |
 
-{pictures} pictures; medians of {repeats}, and the least and the most of them."""
+Medians of {repeats}, and the least and the most of them."""
 BESIDE = """\
 ## Beside others
 
@@ -73,7 +73,7 @@ def table(head: str, rows: list[list[str]]) -> str:
 def page(found: Row) -> str:
     """Text of docs/capture_rate.md."""
     terms: Terms = found["terms"]
-    latency_s, connect_s, few, many, limit_mb = found["job"]
+    latency_s, connect_s, few, limit_mb = found["job"]
     parts = [
         HEAD.format(
             machine=", ".join(f"{what} {value}" for what, value in machine()),
@@ -92,7 +92,6 @@ def page(found: Row) -> str:
             tif=terms.encode_s["tif"] * 1e3,
             bandwidth=terms.bandwidth_bytes_per_s / 1e6,
             cores=terms.cores,
-            pictures=many,
             repeats=found["repeats"],
         ),
         _floor_table(found["floor"]),
@@ -106,11 +105,12 @@ def page(found: Row) -> str:
 
 def _floor_table(rows: list[Row]) -> str:
     return table(
-        "format | connections | unique tiles | requests a tile | waits s | bandwidth s | processors s | floor s | "
+        "format | pictures | connections | unique tiles | requests a tile | waits s | bandwidth s | processors s | floor s | "
         "wall s | least, most s | of the floor",
         [
             [
                 row["image_format"],
+                f"{row['pictures']:.0f}",
                 str(row["connections_asked"]),
                 f"{row['unique']:.0f}",
                 f"{row['requests'] / row['unique']:.2f}",
@@ -169,7 +169,7 @@ def draw(found: Row, path: Path) -> None:
     mpl.use("Agg")
     from matplotlib import pyplot as plt
 
-    latency_s, _, few, many, _ = found["job"]
+    latency_s, _, few, _ = found["job"]
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.8), layout="constrained")
     rows = found["floor"]
     at = np.arange(len(rows))
@@ -177,9 +177,11 @@ def draw(found: Row, path: Path) -> None:
     left.barh(at + 0.2, [row["wall_s"] for row in rows], 0.38, color=BLUE, label="TerrAInav")
     for place, row in zip(at, rows):
         left.text(row["wall_s"], place + 0.2, f" {row['share']:.0%} of the floor", va="center", fontsize=9)
-    names = [f"{row['image_format']}, {row['connections_asked']} connections" for row in rows]
+    names = [
+        f"{row['pictures']:.0f} {row['image_format']}, {row['connections_asked']} connections" for row in rows
+    ]
     left.set(yticks=at, yticklabels=names, xlabel="wall time, s")
-    left.set_title(f"{many} pictures against the floor")
+    left.set_title("Missions of 196 and 1,024 pictures against the floor")
     left.margins(x=0.3)
     left.legend(loc="lower right")
     rows = sorted(found["compared"], key=lambda row: float(row["wall_s"]))
