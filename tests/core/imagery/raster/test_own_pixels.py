@@ -20,6 +20,7 @@ from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
 from terrainav.core.report import positions  # noqa: E402
 
+from tests.core.geodesy.reference import see  # noqa: E402
 from tests.support import rasters  # noqa: E402
 
 SIDE = 1500
@@ -305,3 +306,81 @@ def test_a_crs_without_a_code_is_written_whole(tmp_path):
         assert (x, y) == pytest.approx((left, top), abs=1e-6)
         assert "Transverse_Mercator" in image.GetProjection()
     source.close()
+
+
+def rational(lat, lon, x_px, y_px, width, height):
+    """GDAL's RPC metadata of a camera, from where it sees ground points, and the largest residual in px.
+
+    Cubics over cubics of latitude and longitude alone, as the ground is level.
+    """
+    terms = np.array([0, 1, 2, 4, 7, 8, 11, 12, 14, 15])  # of RPC00B's twenty, those without a height
+    offset = {"LAT": lat.mean(), "LONG": lon.mean(), "SAMP": (width - 1) / 2, "LINE": (height - 1) / 2}
+    scale = {"LAT": np.ptp(lat) / 2, "LONG": np.ptp(lon) / 2, "SAMP": width / 2, "LINE": height / 2}
+    y, x = (lat - offset["LAT"]) / scale["LAT"], (lon - offset["LONG"]) / scale["LONG"]
+    powers = np.stack([x**0, x, y, x * y, x * x, y * y, x**3, x * y * y, x * x * y, y**3], axis=1)
+    rpc, residual = {"HEIGHT_OFF": "0", "HEIGHT_SCALE": "1"}, 0.0
+    # RPCs count from the first pixel's centre.
+    for name, at in (("SAMP", x_px - 0.5), ("LINE", y_px - 0.5)):
+        wanted = (at - offset[name]) / scale[name]
+        system = np.concatenate([powers, -wanted[:, np.newaxis] * powers[:, 1:]], axis=1)
+        found = np.linalg.lstsq(system, wanted, rcond=None)[0]
+        for part, values in (("NUM", found[:10]), ("DEN", np.concatenate([[1.0], found[10:]]))):
+            every = np.zeros(20)
+            every[terms] = values
+            rpc[f"{name}_{part}_COEFF"] = " ".join(repr(float(value)) for value in every)
+        off = powers @ found[:10] / (1.0 + powers[:, 1:] @ found[10:]) - wanted
+        residual = max(residual, float(np.abs(off).max()) * scale[name])
+    for name in offset:
+        rpc[f"{name}_OFF"], rpc[f"{name}_SCALE"] = repr(float(offset[name])), repr(float(scale[name]))
+    return rpc, residual
+
+
+@pytest.mark.parametrize("place", ["UTM 16 N", "88° N", "89.9° S"])
+def test_gdalwarp_puts_a_tilted_picture_back_where_the_file_has_it(place, tmp_path):
+    """By rational functions of the 50-digit camera's rays: each pixel of the file tells its own column and row."""
+    epsg, lat, lon = PLACES[place]
+    agl = 70.0
+    west, across, _, north, _, down = noise(tmp_path / "noise.tif", epsg, lat, lon)[1]
+    index = np.arange(SIDE) + 0.5
+    values = np.stack(np.broadcast_arrays(index, index[:, np.newaxis])).astype(np.float32)
+    file = tmp_path / "positions.tif"
+    rasters.write(file, values, (west, across, 0, north, 0, down), epsg, data_type=gdal.GDT_Float32)
+    source = open_raster(file, as_stored=True)
+    mission = Mission(Points(((lat, lon, agl),)), agl, tilt_deg=45.0, yaw_deg=30.0, resampling="bilinear")
+    worked_out = plan(mission, source.grid)
+    capture(worked_out, source, tmp_path / "out")
+    (image,) = (tmp_path / "out").rglob("*.tif")
+    picture = gdal.Open(str(image))
+    width, height = picture.RasterXSize, picture.RasterYSize
+    camera = worked_out.mission.camera
+    attitude = [float(angle[0]) for angle in worked_out.poses.attitude]
+    x_px, y_px = (at.ravel() for at in np.meshgrid(np.linspace(0, width, 13), np.linspace(0, height, 13)))
+    seen = [
+        see(lat, agl, camera.fov_deg, camera.aspect_ratio, *attitude, x / width * 2 - 1, 1 - y / height * 2)
+        for x, y in zip(x_px.tolist(), y_px.tolist())
+    ]
+    ground = np.array([[float(at), lon + float(turn)] for at, turn in seen])
+    rpc, residual = rational(ground[:, 0], ground[:, 1], x_px, y_px, width, height)
+    shown = picture.ReadAsArray()
+    # Pixels of the file along a pixel of the picture, by which what is off becomes pixels of the picture.
+    along, down_it = (np.hypot(*np.gradient(shown, axis=axis)) for axis in (1, 2))
+    scale = np.full((height, width), -1e9)  # its edge, where gdalwarp has no neighbours
+    scale[2:-2, 2:-2] = np.minimum(along, down_it)[2:-2, 2:-2]
+    bare = gdal.GetDriverByName("MEM").Create("", width, height, 3, gdal.GDT_Float32)
+    for band, values_of in enumerate((*shown, scale), 1):
+        bare.GetRasterBand(band).WriteArray(values_of)
+    bare.SetMetadata(rpc, "RPC")
+    back = gdal.Warp(
+        "", bare, format="MEM", rpc=True, dstSRS=f"EPSG:{epsg}", errorThreshold=0, resampleAlg="bilinear",
+        outputBounds=(west, north + SIDE * down, west + SIDE * across, north), width=SIDE, height=SIDE,
+        transformerOptions=["RPC_HEIGHT=0"], warpOptions=["XSCALE=1", "YSCALE=1"], dstNodata=-1,
+    )  # fmt: skip
+    column, row, scale = back.ReadAsArray()
+    inside = scale > 0
+    off = np.hypot(column - values[0], row - values[1])[inside]
+    assert len(off) > 100_000
+    # Between pixels gdalwarp goes straight, and ours are means over a pixel where they see more of the ground.
+    curved = sum(np.hypot(*np.abs(np.diff(shown, 2, axis=axis))).max() for axis in (1, 2)) * (1 / 8 + 1 / 24)
+    bound = worked_out.view(0).bound_px + worked_out.accuracy.picture.method.bound_px + residual
+    assert (off <= bound * scale[inside] + curved).all()
+    assert np.median(off / scale[inside]) < 0.006
