@@ -106,9 +106,11 @@ def _plan(
 def _time(planned: Planned, _overtaken: Callable[[], bool]) -> str:
     """Time the methods of a plan, last of all. Runs on the planner's thread."""
     from ..core.picture.cost import timed_cost
+    from .sources import bands_of
 
     plan = planned.plan
     if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
         return tr("not timed, as the pictures are large")
     # A copy: what the plan keeps of its views belongs to whoever captures it.
-    return timed_cost(replace(plan)).text(len(plan) * len(planned.mission.imagery.map_types))
+    bands = bands_of(planned.mission)
+    return timed_cost(replace(plan), bands).text(len(plan) * len(planned.mission.imagery.map_types))

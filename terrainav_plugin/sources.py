@@ -20,6 +20,7 @@ from .qgis_source.source import LayerSource
 from .settings import Settings, credential_home
 
 if TYPE_CHECKING:
+    from ..core.bands import Bands
     from ..core.geodesy.mercator import PixelGrid
     from ..core.imagery.http.transport import Transport
     from ..core.imagery.opening import NamedSource, SourceOptions
@@ -54,6 +55,15 @@ def grid_of(mission: Mission) -> PixelGrid:
     except (InvalidInput, SourceError) as wrong:
         entry = wrong.field if wrong.field in ("date", "crs", "bands", "stretch") else "source"
         raise FormError({entry: translate(wrong)}) from wrong
+
+
+def bands_of(mission: Mission) -> Bands:
+    """Bands of the images of a mission whose source is known; what QGIS draws or brings is red, green and blue."""
+    from ..core.bands import RGB
+
+    if is_of_qgis(mission.imagery.source) or is_connection(mission.imagery.source):
+        return RGB
+    return _named(mission.imagery.source, _options(mission)).bands
 
 
 def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:

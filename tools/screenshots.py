@@ -18,14 +18,17 @@ import sqlite3
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import processing
 from osgeo import gdal
 from PIL import Image
 from qgis.core import (
     QgsApplication,
+    QgsCoordinateReferenceSystem,
     QgsFeature,
     QgsFillSymbol,
     QgsGeometry,
@@ -62,6 +65,8 @@ from stage import (
     wait,
     wait_until_drawn,
 )
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.imagery.source import Window
 from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 
@@ -77,6 +82,7 @@ PANEL_PX, LAYERS_PX = 400, 240
 MOST_BYTES = 98_000
 #: Of one with much text and little map, so that all together stay below the guide's limit.
 FEWER_BYTES = 62_000
+FEWEST_BYTES = 29_000
 WIDEST_PX = 1200
 QUALITIES = range(85, 20, -5)
 
@@ -85,6 +91,8 @@ AGRICENTER = "35.16_-89.90_35.115_-89.823"
 MIDLANDS = "52.412_-0.128_52.392_-0.090"
 #: Edges of an orthophoto there, metres of the British National Grid.
 ORTHOPHOTO_M = (527_800.0, 279_200.0, 529_800.0, 280_600.0)
+#: A mosaic about the South Pole: whole tiles of the embedded world.
+POLAR_CRS, POLAR_ZOOM, POLAR_PX = "EPSG:3031", 17, 2048
 LARGE = "35.35_-90.10_35.05_-89.70"
 #: Corners and a hole, in degrees.
 POLYGON = (
@@ -512,6 +520,46 @@ def orthophoto(stage: Stage) -> None:
     stage.dock.figures.fold.setChecked(False)
 
 
+def polar(stage: Stage) -> None:
+    """A mosaic about the South Pole, and the project in its CRS: a box around the pole, and its preview."""
+    stage.clear("pole")
+    path = FOLDER / "antarctica.tif"
+    polar_mosaic(path)
+    QgsProject.instance().setCrs(QgsCoordinateReferenceSystem(POLAR_CRS))
+    layer = QgsProject.instance().addMapLayer(QgsRasterLayer(str(path), "antarctica"))
+    stage.form.set_state(replace(stage.session.state(), source=f"qgis:layer/{layer.id()}", agl=700.0))
+    # The map is a little higher than wide.
+    stage.canvas.setExtent(layer.extent().scaled(0.88))
+    wait_until_drawn()
+    click(stage.form.draw_box)
+    end = at(0.75, 0.8)
+    press_map(at(0.25, 0.2), end)
+    release_map(end)
+    stage.plan()
+    stage.preview()
+    stage.shoot("polar.jpg", stage.part(stage.canvas), most_bytes=FEWEST_BYTES)
+
+
+def polar_mosaic(path: Path) -> None:
+    """Write the embedded world about the South Pole as a GeoTIFF."""
+    with closing(open_source("world", crs=POLAR_CRS)) as source:
+        middle, half = source.grid.world_px(POLAR_ZOOM) // 2, POLAR_PX // 2
+        corner = middle - half
+        pixels = np.zeros((POLAR_PX, POLAR_PX, 3), np.uint8)
+        for part in source.parts(Window(POLAR_ZOOM, corner, corner, POLAR_PX, POLAR_PX)):
+            tile = part.window
+            column, row = int(tile.left_px) - corner, int(tile.top_px) - corner
+            pixels[row : row + tile.height_px, column : column + tile.width_px] = source.fetch(
+                "satellite", tile
+            )
+        size_m, _ = source.grid.pixel_size(POLAR_ZOOM)
+    made = gdal.GetDriverByName("GTiff").Create(str(path), POLAR_PX, POLAR_PX, 3)
+    made.SetProjection(QgsCoordinateReferenceSystem(POLAR_CRS).toWkt())
+    made.SetGeoTransform((-half * size_m, size_m, 0.0, half * size_m, 0.0, -size_m))
+    made.WriteArray(np.moveaxis(pixels, -1, 0))
+    made.FlushCache()
+
+
 # --- scenes: around the panel
 
 
@@ -581,6 +629,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
         cleaning,
         failed,
         orthophoto,
+        polar,
         algorithms,
         options,
         dark,

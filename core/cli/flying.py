@@ -134,7 +134,7 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     costs = replace(costs, bytes_per_px={ending: size * share for ending, size in costs.bytes_per_px.items()})
     connections = policy.connections(values["connections"])
     summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
-    cost = timed_cost(worked_out)
+    cost = timed_cost(worked_out, source.bands)
     if as_json:
         about = {
             "source": source.title,

@@ -55,8 +55,7 @@ def pictures_m(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
         return
     if own is not None:
         for index in range(*part.indices(len(plan))):
-            lon, lat = footprint_ring(plan, index)
-            x, y = own.to_crs(lat, lon)
+            x, y = own.to_crs(*_ground_seen(plan, index)[::-1])
             reached = np.isfinite(x)
             yield [(x[reached], y[reached])] if reached.sum() > 2 else []
         return
@@ -87,7 +86,8 @@ def footprint_ring(plan: Plan, index: int) -> Ring:
     """Longitudes (continuous) and latitudes of a capture's footprint.
 
     Its corners; where it is so large that its edges are bent on a map, or the horizon or a pole is in the picture,
-    the outline of what is seen. Around a pole that goes once around the world and back along the pole's parallel.
+    the outline of what is seen. Around a pole that goes once around the world, from the antimeridian to itself, and
+    back along the pole's parallel, so that it is in one piece.
     """
     return _footprint(plan, index, straight=bool(_straight(plan, slice(index, index + 1))[0]))
 
@@ -152,13 +152,35 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
     if straight:
         # Corners come as north-west, north-east, south-east, south-west: clockwise.
         return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
+    pole = plan.outline(index).pole
+    lon, lat = _ground_seen(plan, index)
+    return _along_pole(lon, lat, pole) if pole else (lon, lat)
+
+
+def _ground_seen(plan: Plan, index: int) -> Ring:
+    """Outline of a footprint; around a pole, where a plane has no way to it and back, it ends a turn away."""
     seen = plan.outline(index)
-    lon, lat = seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
-    if seen.pole:
-        turn = 360.0 * seen.pole
-        lon = np.concatenate([lon, lon[:1] + turn, lon[:1] + turn, lon[:1]])
-        lat = np.concatenate([lat, lat[:1], [90.0 * seen.pole] * 2])
-    return lon, lat
+    return seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
+
+
+def _along_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
+    """Ring around a pole, from the antimeridian to the antimeridian and back along the pole.
+
+    A cut anywhere else would be an edge on the map. Eastward about the north pole and westward about the south one,
+    rings are counter-clockwise.
+    """
+    lon = np.append(lon_deg, lon_deg[0] + 360.0 * pole)
+    lat = np.append(lat_deg, lat_deg[0])
+    start = -180.0 * pole
+    # As many turns on that the ring begins before the antimeridian or on it, and ends beyond.
+    lon -= 360.0 * pole * np.ceil(pole * (lon[0] - start) / 360.0)
+    beyond = int(np.argmax(pole * (lon - start) > 0.0))
+    share = (start - lon[beyond - 1]) / (lon[beyond] - lon[beyond - 1])
+    at_start = lat[beyond - 1] + share * (lat[beyond] - lat[beyond - 1])
+    return (
+        np.concatenate([[start], lon[beyond:-1], lon[:beyond] + 360.0 * pole, [-start, -start, start]]),
+        np.concatenate([[at_start], lat[beyond:-1], lat[:beyond], [at_start], [90.0 * pole] * 2]),
+    )
 
 
 def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:

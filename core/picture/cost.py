@@ -8,9 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..bands import RGB, Bands
 from ..errors import Message
 from ..geodesy.footprint import ground_corners
-from ..imagery.source import Part, Window, tile_parts
+from ..imagery.source import Part, Pixels, Window, tile_parts
 from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 from ..timing import clock_step_s
@@ -47,8 +48,8 @@ def _time_text(seconds: float) -> Message:
     return Message("{0:.3g} {1}", seconds, "s")
 
 
-def timed_cost(plan: Plan) -> Cost:
-    """Time the chosen methods on captures of the plan: some ten pictures' worth of work."""
+def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
+    """Time the chosen methods on captures of the plan, with the bands of their source: some ten pictures' worth."""
     few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
     camera, ground = plan.mission.camera, ground_of(plan.mission)
     footprints_s = _own_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
@@ -58,19 +59,18 @@ def timed_cost(plan: Plan) -> Cost:
         parts = tile_parts(
             window._replace(left_px=round(window.left_px), top_px=round(window.top_px)), plan.grid
         )
-        blank = _blank(parts)
-        return Cost(footprints_s, _own_s(lambda: assemble(window, parts, blank)))
+        blank = _blank(parts, bands)
+        return Cost(footprints_s, _own_s(lambda: assemble(window, parts, blank, bands)))
     view, lon = plan.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
-    blank = _blank(parts)
-    return Cost(
-        footprints_s, _own_s(lambda: render(view, lon, parts, blank, plan.mission.accuracy.resampling))
-    )
+    blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
+    return Cost(footprints_s, _own_s(lambda: render(view, lon, parts, blank, resampling, bands)))
 
 
-def _blank(parts: list[Part]) -> dict[Window, np.ndarray[tuple[int, ...], np.dtype[np.uint8]]]:
+def _blank(parts: list[Part], bands: Bands) -> dict[Window, Pixels]:
+    windows = [part.window for part in parts]
     return {
-        part.window: np.zeros((part.window.height_px, part.window.width_px, 3), np.uint8) for part in parts
+        window: np.zeros((window.height_px, window.width_px, len(bands)), bands.dtype) for window in windows
     }
 
 

@@ -2701,6 +2701,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Zoom {native} has the source's own pixels, which show {size} of the ground each; those of each zoom below, down to {least}, show twice as much.</source>
+        <translation>El zoom {native} tiene los píxeles propios de la fuente, que muestran {size} de terreno cada uno; los de cada zoom inferior, hasta el {least}, muestran el doble.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>all, or those of colours</source>
         <translation>todas, o las de color</translation>
     </message>

@@ -24,6 +24,7 @@ from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, Message, OutputError
 from ...core.files import partial_file, write_whole
+from ...core.imagery.raster.place import named_crs
 from ..i18n import tr
 from .shown import Shown, how_shown, open_shown
 
@@ -102,8 +103,7 @@ class Mosaic(NamedTuple):
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
         found = _SRS.search(head)
         wkt = html.unescape(found[1]) if found else WEB_MERCATOR_WKT
-        code = CRS.from_wkt(wkt).to_epsg()
-        return f"EPSG:{code}" if code else wkt
+        return named_crs(CRS.from_wkt(wkt))
 
     def put_in_place(self) -> Mosaic:
         """Have what was made replace what was there; returns the mosaic that is there now.

@@ -33,12 +33,22 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-__all__ = ["around_pole", "flight_lines", "footprint_shapes", "metres", "placed", "ring_polygon"]
+__all__ = [
+    "around_pole",
+    "flight_lines",
+    "footprint_shapes",
+    "metres",
+    "placed",
+    "ring_polygon",
+    "seen_edges",
+]
 
 #: Corners up to which a ring in one piece cannot touch itself: those of a frame.
 _PLAIN_CORNERS = 4
 #: Corners of a ring so near to a pole are those that it goes around the pole by.
 _POLE_DEG = 90.0 - 1e-9
+#: Where footprints in degrees are cut, as in ``captured.qml`` and ``failed.qml``.
+_CUTS = QgsGeometry.fromWkt("LineString (-180 -90, 180 -90, 180 90, -180 90, -180 -90)")
 #: Places within a micrometre are the same.
 _SAME_M = 1e-6
 
@@ -83,6 +93,14 @@ def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeom
                 x, y = placed(plane, lon, lat)
                 lines.addGeometry(QgsLineString(x.tolist(), y.tolist()))
     return QgsGeometry(lines)
+
+
+def seen_edges(outline: QgsGeometry) -> QgsGeometry:
+    """Edges of a footprint in degrees without those of its cuts: along the antimeridian, and about a pole along it.
+
+    The layers of footprints are drawn so by their styles.
+    """
+    return QgsGeometry(outline.constGet().boundary()).difference(_CUTS)
 
 
 def _polygons(rings: list[Ring]) -> QgsGeometry:

@@ -120,6 +120,7 @@ class Planning(QObject):
     def _show_planned(self, planned: Planned) -> None:
         self.latest = planned
         self._show_figures(planned)
+        self._form.pixels.show_zooms(planned.plan, self._form.state().agl_unit)
         self.planned.emit(planned)
         act, self._when_planned = self._when_planned, None
         if act is not None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel
@@ -13,7 +13,7 @@ from ..form.camera import shown_gsd
 from ..form.fields import label_of
 from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
-from ..units import length_text
+from ..units import gsd_text, length_text
 from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, spin, tick
 from .entries import (
     Entries,
@@ -24,6 +24,9 @@ from .entries import (
     declared_tick,
     declared_widget,
 )
+
+if TYPE_CHECKING:
+    from ...core.mission.plan import Plan
 
 #: What the spin boxes let through; what is right is said in words.
 _HEIGHT, _GSD, _SIZE_PX = 1e9, 1e9, 1_000_000
@@ -155,8 +158,15 @@ class PixelsSection(Section):
             "Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which "
             "follows from the height and the image's longer side."
         )
-        self.add("resolution", tr("Source's pixels"), combo("resolution", ways, tip))
-        self._zoom = self.add_declared("zoom")
+        ways_chosen = combo("resolution", ways, tip)
+        ways_chosen.activated.connect(self._way_chosen)
+        self.add("resolution", tr("Source's pixels"), ways_chosen)
+        self._zoom_entry = declared_number("zoom")
+        self._zoom = self.add_declared("zoom", self._zoom_entry)
+        self._zooms = named(QLabel(), "zooms")
+        self._zooms.setWordWrap(True)
+        self._form.addRow(self._zooms)
+        self._plan: Plan | None = None
         self._gsd = self.add_declared("gsd_m_per_px")
         crs = declared_line("crs")
         crs.setPlaceholderText(tr("the source's own"))
@@ -182,10 +192,31 @@ class PixelsSection(Section):
         self.edited.connect(self._show_rows)
         self._show_rows()
 
+    def show_zooms(self, plan: Plan, unit: str) -> None:
+        """Say which zooms the source of a plan has, and what its pixels show of the ground; ``unit`` is m or ft."""
+        self._plan, grid = plan, plan.grid
+        text = tr(
+            "Zoom {native} has the source's own pixels, which show {size} of the ground each; those of each zoom "
+            "below, down to {least}, show twice as much."
+        )
+        size = gsd_text(plan.source_gsd_m_per_px, unit)
+        self._zooms.setText(text.format(native=grid.native_zoom, size=size, least=grid.min_zoom))
+        self._show_rows()
+
+    def _way_chosen(self) -> None:
+        """Start with the zoom that has been taken where the source has not the one that is entered."""
+        values, plan = self.values(), self._plan
+        if plan is None or values["resolution"] != "zoom":
+            return
+        highest = plan.grid.max_zoom if values["upsample"] else plan.grid.native_zoom
+        if not plan.grid.min_zoom <= values["zoom"] <= highest:
+            self._zoom_entry.setValue(plan.zoom)
+
     def _show_rows(self) -> None:
         """Show what is said by the choices made."""
         values = self.values()
         self.show_row(self._zoom, values["resolution"] == "zoom")
+        self._zooms.setVisible(values["resolution"] == "zoom" and self._plan is not None)
         self.show_row(self._gsd, values["resolution"] == "gsd")
         for field in (self._size, self._grey):
             self.show_row(field, values["resize"])

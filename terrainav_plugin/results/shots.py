@@ -110,7 +110,8 @@ class Finder:
         for these in footprints:
             for number in self._file(these).near(lat_deg, lon_deg):
                 shot = self._shot(these, number)
-                if shot.outline.contains(point):
+                # At the pole itself, a place is on the edge of what holds it.
+                if shot.outline.intersects(point):
                     found.append(shot)
                     if len(found) >= _MOST:
                         return found

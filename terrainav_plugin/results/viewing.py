@@ -9,10 +9,11 @@ from qgis.gui import QgisInterface, QgsRubberBand
 from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtGui import QColor
 
-from ..compat import POLYGON
+from ..compat import LINE
 from ..i18n import tr, translate
 from ..map.canvas import ClickTool, show_extent
 from ..map.mission_group import CAPTURED, ROLE
+from ..map.outlines import seen_edges
 from ..messages import Messages
 from ..paths import open_in_system
 from ..tasks import LatestWorker, reason_of
@@ -181,15 +182,14 @@ class Viewing(QObject):
 
     def _outline(self, shot: Shot) -> None:
         if self._band is None:
-            self._band = QgsRubberBand(self._canvas, POLYGON)
+            self._band = QgsRubberBand(self._canvas, LINE)
             self._band.setStrokeColor(_BAND_COLOUR)
-            self._band.setFillColor(QColor(0, 0, 0, 0))
             self._band.setWidth(_BAND_PX)
         try:
-            self._band.setToGeometry(shot.outline, QgsCoordinateReferenceSystem("EPSG:4326"))
+            self._band.setToGeometry(seen_edges(shot.outline), QgsCoordinateReferenceSystem("EPSG:4326"))
         except QgsCsException:
             # Nothing to be seen of it in this projection; the image is shown all the same.
-            self._band.reset(POLYGON)
+            self._band.reset(LINE)
 
     def _remove_band(self) -> None:
         if self._band is not None:

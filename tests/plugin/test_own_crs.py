@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import itertools
 from dataclasses import replace
 
 import numpy as np
@@ -16,12 +17,17 @@ from qgis.core import (
     QgsCoordinateTransform,
     QgsFeature,
     QgsGeometry,
+    QgsMapRendererParallelJob,
+    QgsMapSettings,
     QgsProject,
     QgsRasterLayer,
     QgsRectangle,
     QgsSingleBandGrayRenderer,
     QgsVectorLayer,
 )
+from qgis.PyQt.QtCore import QSize
+from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtWidgets import QComboBox, QLabel
 from terrainav.core.capture.runner import capture as run
 from terrainav.core.imagery.raster.source import open_raster
 from terrainav.core.imagery.source import Window
@@ -30,8 +36,10 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.area.outline import Outline, moved
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
+from terrainav.terrainav_plugin.map.outlines import seen_edges
 from terrainav.terrainav_plugin.qgis_source.snapshot import source_name, take_snapshot
 from terrainav.terrainav_plugin.qgis_source.source import LayerSource
+from terrainav.terrainav_plugin.results.shots import Finder, Footprints
 
 from tests.core.imagery.raster.test_own_pixels import about, noise
 from tests.plugin.test_capture import capture, images
@@ -369,6 +377,32 @@ def test_figures_say_what_the_pixels_are(desk, tmp_path):
     assert "px at zoom" in desk.dock.figures.details.text()
 
 
+def test_zoom_is_one_of_the_source_s_own(desk, tmp_path):
+    """What its zooms are stands below the entry, and choosing by zoom starts with one that it has."""
+    noise(tmp_path / "ortho.tif", *POLE)
+    set_source(desk, str(tmp_path / "ortho.tif"))
+    planned = draw(desk, POLE, 200.0).plan
+    native, pixels = planned.grid.native_zoom, desk.form.pixels
+    assert native < desk.session.state().zoom
+    pixels.unfold()
+    note = pixels.findChild(QLabel, "zooms")
+    assert not note.isVisibleTo(pixels)
+    by_hand = pixels.findChild(QComboBox, "resolution")
+    desk.choose(by_hand, "zoom")
+    by_hand.activated.emit(by_hand.currentIndex())
+    chosen = desk.wait_planned()
+    assert chosen.mission.pixels.zoom == chosen.plan.zoom == planned.zoom
+    assert note.isVisibleTo(pixels)
+    # The projection shows 0.5 m of its plane as 2.8 % more of the ground at the pole.
+    assert note.text().startswith(f"Zoom {native} has the source's own pixels, which show 51.4 cm of the")
+    # A zoom that it has stays.
+    desk.form.set_state(replace(desk.session.state(), zoom=native - 1, resolution="auto"))
+    desk.wait_planned()
+    desk.choose(by_hand, "zoom")
+    by_hand.activated.emit(by_hand.currentIndex())
+    assert desk.wait_planned().plan.zoom == native - 1
+
+
 @pytest.mark.parametrize("place", [UTM, POLE])
 def test_layer_far_away_is_the_mean_of_its_pixels(tmp_path, place):
     """As the file itself is; pixels that reach beyond the raster are missing."""
@@ -417,3 +451,46 @@ def test_algorithms_take_areas_about_the_pole(plugin, tmp_path):
         drawn = QgsGeometry.unaryUnion([one.geometry() for one in made["FOOTPRINTS"].getFeatures()])
         shape = feature.geometry() if m2 is None else QgsGeometry.fromRect(QgsRectangle(-200, -200, 200, 200))
         assert drawn.buffer(0.2, 1).contains(shape)
+
+
+def test_footprint_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
+    """On the polar map its edges are those of the picture, and a click at the very pole finds it."""
+    noise(tmp_path / "ortho.tif", *POLE)
+    set_source(desk, str(tmp_path / "ortho.tif"))
+    planned = draw(desk, POLE, 30.0).plan
+    capture(desk)
+    (held,) = (name for name, pole in zip(planned.names, planned.poles) if pole)
+    footprints = desk.layer("Captured images")
+    (feature,) = (feature for feature in footprints.getFeatures() if feature["name"] == held)
+    assert len(feature.geometry().asGeometryCollection()) == 1
+    there = QgsCoordinateTransform(
+        footprints.crs(), QgsCoordinateReferenceSystem("EPSG:3031"), QgsProject.instance()
+    )
+    edges = seen_edges(feature.geometry())
+    assert edges.transform(there) == 0
+    west, south, east, north = (float(edge[planned.names.index(held)]) for edge in planned.edges)
+    assert edges.length() == pytest.approx(2.0 * (east - west + north - south), rel=0.02)
+    assert min(west**2, south**2, east**2, north**2) > 100.0
+
+    # Drawn in its style, it is empty inside; the antimeridian goes down from the pole.
+    footprints.setSubsetString(f"name = '{held}'")
+    footprints.setLabelsEnabled(False)
+    settings = QgsMapSettings()
+    settings.setLayers([footprints])
+    settings.setDestinationCrs(QgsCoordinateReferenceSystem("EPSG:3031"))
+    settings.setExtent(QgsRectangle(west + 5.0, south + 5.0, east - 5.0, north - 5.0))
+    settings.setOutputSize(QSize(round(4.0 * (east - west - 10.0)), round(4.0 * (north - south - 10.0))))
+    settings.setBackgroundColor(QColor("white"))
+    for grown_m, is_empty in ((0.0, True), (20.0, False)):
+        settings.setExtent(settings.extent().buffered(grown_m))
+        job = QgsMapRendererParallelJob(settings)
+        job.start()
+        job.waitForFinished()
+        picture = job.renderedImage()
+        size = range(picture.width()), range(picture.height())
+        colours = {picture.pixelColor(x, y).name() for x, y in itertools.product(*size)}
+        assert (colours == {"#ffffff"}) == is_empty
+    footprints.setSubsetString("")
+
+    shots = Finder(lambda: False).shots_at([Footprints.of(footprints)], -90.0, 12.0)
+    assert held in {shot.name for shot in shots}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 
 import pytest
+from terrainav.core.bands import Bands
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
@@ -29,6 +30,14 @@ def test_waiting_for_others_costs_nothing(monkeypatch, part, changes):
     found = timed_cost(plan(MISSION.with_(**changes), PixelGrid()))
     assert 0.0 < found.picture_s < SLEEP_S
     assert found.footprints_s > 0.0
+
+
+@pytest.mark.parametrize(("part", "changes"), [("assemble", {}), ("render", {"tilt_deg": 30.0})])
+def test_pictures_that_are_timed_have_the_bands_of_their_source(monkeypatch, part, changes):
+    work, made = getattr(cost, part), []
+    monkeypatch.setattr(cost, part, lambda *arguments: made.append(work(*arguments)))
+    timed_cost(plan(MISSION.with_(**changes), PixelGrid()), Bands(("red", "green", "blue", "nir"), "uint16"))
+    assert {(picture.shape[2], picture.dtype.name) for picture in made} == {(4, "uint16")}
 
 
 def test_a_coarse_clock_is_given_work_enough(monkeypatch):
