@@ -154,11 +154,23 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
         return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
     seen = plan.outline(index)
     lon, lat = seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
-    if seen.pole:
-        turn = 360.0 * seen.pole
-        lon = np.concatenate([lon, lon[:1] + turn, lon[:1] + turn, lon[:1]])
-        lat = np.concatenate([lat, lat[:1], [90.0 * seen.pole] * 2])
-    return lon, lat
+    return _around_pole(lon, lat, seen.pole) if seen.pole else (lon, lat)
+
+
+def _around_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
+    """Outline around a pole as a ring: from ±180° once around to ±180°, where nothing is cut, and back along the pole."""
+    turn, count = 360.0 * pole, len(lon_deg)
+    lon, lat = np.concatenate([lon_deg, lon_deg + turn]), np.concatenate([lat_deg, lat_deg])
+    edge = pole * (360.0 * np.ceil((pole * lon[0] + 180.0) / 360.0) - 180.0)
+    after = int(np.argmax(pole * (lon - edge) > 0.0))
+    share = (edge - lon[after - 1]) / (lon[after] - lon[after - 1])
+    at_edge = lat[after - 1] + share * (lat[after] - lat[after - 1])
+    lon, lat = lon[after : after + count], lat[after : after + count]
+    inside = pole * (edge + turn - lon) > 0.0
+    return (
+        np.concatenate([[edge], lon[inside], [edge + turn, edge + turn, edge]]),
+        np.concatenate([[at_edge], lat[inside], [at_edge], [90.0 * pole] * 2]),
+    )
 
 
 def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:

@@ -8,14 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from qgis.core import (
+    Qgis,
     QgsApplication,
     QgsBilinearRasterResampler,
     QgsCoordinateReferenceSystem,
+    QgsGeometryGeneratorSymbolLayer,
+    QgsLineSymbol,
     QgsMapLayer,
     QgsRasterLayer,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import QThread
+from qgis.PyQt.QtCore import Qt, QThread
 
 from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
@@ -35,6 +38,11 @@ FAILED_FILE = "failed.geojson"
 #: Bytes of a file read in one go: a thread that reads little at a time holds up all others.
 _CHUNK_BYTES = 1 << 20
 _FAILED_MARK = f'"{FAILED}"'.encode()
+_HALF_TURN_DEG = 180.0
+_WITHOUT_ANTIMERIDIAN = (
+    "difference(boundary($geometry), collect_geometries("
+    "make_line(make_point(180, -90), make_point(180, 90)), make_line(make_point(-180, -90), make_point(-180, 90))))"
+)
 _NAME = re.compile(rb'"name": "([^"]*)"')
 
 
@@ -80,6 +88,26 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
     layer.extent()
     return layer
+
+
+def hide_antimeridian(layer: QgsVectorLayer) -> None:
+    """Draw no outlines along ±180°, where files cut footprints: on a map about a pole they would be lines across it.
+
+    Only where a layer reaches both, as drawing by an expression is slower.
+    """
+    extent = layer.extent()
+    if extent.xMinimum() > -_HALF_TURN_DEG or extent.xMaximum() < _HALF_TURN_DEG:
+        return
+    symbol = layer.renderer().symbol()
+    outline = symbol.symbolLayer(0)
+    line = QgsLineSymbol.createSimple({"joinstyle": "miter"})
+    line.setColor(outline.strokeColor())
+    line.setWidth(outline.strokeWidth())
+    drawn = QgsGeometryGeneratorSymbolLayer.create({"geometryModifier": _WITHOUT_ANTIMERIDIAN})
+    drawn.setSymbolType(Qgis.SymbolType.Line)
+    drawn.setSubSymbol(line)
+    outline.setStrokeStyle(Qt.PenStyle.NoPen)
+    symbol.appendSymbolLayer(drawn)
 
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:

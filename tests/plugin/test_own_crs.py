@@ -34,7 +34,7 @@ from terrainav.terrainav_plugin.qgis_source.snapshot import source_name, take_sn
 from terrainav.terrainav_plugin.qgis_source.source import LayerSource
 
 from tests.core.imagery.raster.test_own_pixels import about, noise
-from tests.plugin.test_capture import capture, images
+from tests.plugin.test_capture import capture, drawn, images
 from tests.support import rasters
 
 #: Orthophotos of 750 m about a place: EPSG code, latitude and longitude.
@@ -352,6 +352,29 @@ def test_area_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
     # Degrees would make another area of it; what is in the panel and in files is the one that was drawn.
     assert moved(area, 0.01, 30.0) == area
     assert desk.session.planned.mission == Mission.from_json(desk.session.planned.mission.to_json())
+
+
+def test_captured_images_about_the_pole_are_drawn_as_rectangles(desk, tmp_path):
+    """Their file cuts them at ±180°; on the map no line goes there, from the pole or through an image."""
+    noise(tmp_path / "ortho.tif", *POLE)
+    set_source(desk, str(tmp_path / "ortho.tif"))
+    draw(desk, POLE, 200.0)
+    capture(desk)
+    edges = np.array(list(captured_edges(desk)[0].values()))
+    crs = QgsCoordinateReferenceSystem("EPSG:3031")
+    layer = desk.layer("Captured images")
+    layer.setLabelsEnabled(False)
+    shown = drawn(desk, layer, QgsRectangle(*rectangle(POLE, 250.0)), 1000, 1000, crs)
+    rows, columns = np.nonzero((shown < 255).any(axis=2))
+    assert len(rows) > 1000
+    x, y = (columns + 0.5) * 0.5 - 250.0, 250.0 - (rows + 0.5) * 0.5
+    on_edge = np.zeros(len(x), bool)
+    for west, south, east, north in edges:
+        away_x = np.minimum(np.abs(x - west), np.abs(x - east))
+        away_y = np.minimum(np.abs(y - south), np.abs(y - north))
+        across, along = (x > west - 3) & (x < east + 3), (y > south - 3) & (y < north + 3)
+        on_edge |= (across & (away_y < 3.0)) | (along & (away_x < 3.0))
+    assert on_edge.all()
 
 
 def test_figures_say_what_the_pixels_are(desk, tmp_path):
