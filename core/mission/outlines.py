@@ -158,7 +158,7 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
 
 
 def _around_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
-    """Outline around a pole as a ring: from ±180° once around to ±180°, where nothing is cut, and back along the pole."""
+    """Outline around a pole as a ring that nothing cuts: from ±180° once around, and back along the pole."""
     turn, count = 360.0 * pole, len(lon_deg)
     lon, lat = np.concatenate([lon_deg, lon_deg + turn]), np.concatenate([lat_deg, lat_deg])
     edge = pole * (360.0 * np.ceil((pole * lon[0] + 180.0) / 360.0) - 180.0)
