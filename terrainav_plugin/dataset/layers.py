@@ -40,8 +40,7 @@ _CHUNK_BYTES = 1 << 20
 _FAILED_MARK = f'"{FAILED}"'.encode()
 _HALF_TURN_DEG = 180.0
 _WITHOUT_ANTIMERIDIAN = (
-    "difference(boundary($geometry), collect_geometries("
-    "make_line(make_point(180, -90), make_point(180, 90)), make_line(make_point(-180, -90), make_point(-180, 90))))"
+    "difference(boundary($geometry), geom_from_wkt('LINESTRING(-180 -90,180 -90,180 90,-180 90,-180 -90)'))"
 )
 _NAME = re.compile(rb'"name": "([^"]*)"')
 
@@ -91,7 +90,7 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
 
 
 def hide_antimeridian(layer: QgsVectorLayer) -> None:
-    """Draw no outlines along ±180°, where files cut footprints: on a map about a pole they would be lines across it.
+    """Draw no outlines along ±180° and the poles, where files cut footprints: about a pole they would be lines across.
 
     Only where a layer reaches both, as drawing by an expression is slower.
     """
