@@ -105,8 +105,8 @@ def page(found: Row) -> str:
 
 def _floor_table(rows: list[Row]) -> str:
     return table(
-        "format | pictures | connections | unique tiles | requests a tile | waits s | bandwidth s | processors s | floor s | "
-        "wall s | least, most s | of the floor",
+        "format | pictures | connections | unique tiles | requests a tile | waits s | bandwidth s | processors s | "
+        "floor s | wall s | least, most s | of the floor",
         [
             [
                 row["image_format"],

@@ -149,7 +149,8 @@ def against_floor(server: LoopbackServer, terms: Terms, folder: Path, repeats: i
             row.update(image_format=image_format, connections_asked=connections)
             row["walls_s"] = sorted(found["wall_s"] for found in runs)
             print(
-                f"{row['pictures']:.0f} {image_format}, {connections} connections: {row['wall_s']:.2f} s, floor {row['floor_s']:.2f} s, "
+                f"{row['pictures']:.0f} {image_format}, {connections} connections: {row['wall_s']:.2f} s, "
+                f"floor {row['floor_s']:.2f} s, "
                 f"{row['share']:.1%}",
                 flush=True,
             )

@@ -154,7 +154,7 @@ def _footprint(plan: Plan, index: int, *, straight: bool) -> Ring:
         return plan.corners.lon_deg[index, ::-1], plan.corners.lat_deg[index, ::-1]
     pole = plan.outline(index).pole
     lon, lat = _ground_seen(plan, index)
-    return _along_pole(lon, lat, pole) if pole else (lon, lat)
+    return _around_pole(lon, lat, pole) if pole else (lon, lat)
 
 
 def _ground_seen(plan: Plan, index: int) -> Ring:
@@ -163,23 +163,19 @@ def _ground_seen(plan: Plan, index: int) -> Ring:
     return seen.dlon_deg + plan.lon_deg[index], seen.lat_deg
 
 
-def _along_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
-    """Ring around a pole, from the antimeridian to the antimeridian and back along the pole.
-
-    A cut anywhere else would be an edge on the map. Eastward about the north pole and westward about the south one,
-    rings are counter-clockwise.
-    """
-    lon = np.append(lon_deg, lon_deg[0] + 360.0 * pole)
-    lat = np.append(lat_deg, lat_deg[0])
-    start = -180.0 * pole
-    # As many turns on that the ring begins before the antimeridian or on it, and ends beyond.
-    lon -= 360.0 * pole * np.ceil(pole * (lon[0] - start) / 360.0)
-    beyond = int(np.argmax(pole * (lon - start) > 0.0))
-    share = (start - lon[beyond - 1]) / (lon[beyond] - lon[beyond - 1])
-    at_start = lat[beyond - 1] + share * (lat[beyond] - lat[beyond - 1])
+def _around_pole(lon_deg: Floats, lat_deg: Floats, pole: int) -> Ring:
+    """Outline around a pole as a ring that nothing cuts: from ±180° once around, and back along the pole."""
+    turn, count = 360.0 * pole, len(lon_deg)
+    lon, lat = np.concatenate([lon_deg, lon_deg + turn]), np.concatenate([lat_deg, lat_deg])
+    edge = pole * (360.0 * np.ceil((pole * lon[0] + 180.0) / 360.0) - 180.0)
+    after = int(np.argmax(pole * (lon - edge) > 0.0))
+    share = (edge - lon[after - 1]) / (lon[after] - lon[after - 1])
+    at_edge = lat[after - 1] + share * (lat[after] - lat[after - 1])
+    lon, lat = lon[after : after + count], lat[after : after + count]
+    inside = pole * (edge + turn - lon) > 0.0
     return (
-        np.concatenate([[start], lon[beyond:-1], lon[:beyond] + 360.0 * pole, [-start, -start, start]]),
-        np.concatenate([[at_start], lat[beyond:-1], lat[:beyond], [at_start], [90.0 * pole] * 2]),
+        np.concatenate([[edge], lon[inside], [edge + turn, edge + turn, edge]]),
+        np.concatenate([[at_edge], lat[inside], [at_edge], [90.0 * pole] * 2]),
     )
 
 

@@ -5955,6 +5955,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
+        <source>its coordinate reference system, {0}, is not one of maps: say which, as by gdal_edit.py -a_srs EPSG:32632</source>
+        <translation>su sistema de referencia de coordenadas, {0}, no es de mapas: decir cuál, como con gdal_edit.py -a_srs EPSG:32632</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/place.py"/>
         <source>its coordinate reference system: {0}</source>
         <translation>su sistema de referencia de coordenadas: {0}</translation>
     </message>

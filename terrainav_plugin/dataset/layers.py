@@ -8,14 +8,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from qgis.core import (
+    Qgis,
     QgsApplication,
     QgsBilinearRasterResampler,
     QgsCoordinateReferenceSystem,
+    QgsGeometryGeneratorSymbolLayer,
+    QgsLineSymbol,
     QgsMapLayer,
     QgsRasterLayer,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import QThread
+from qgis.PyQt.QtCore import Qt, QThread
 
 from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
@@ -23,6 +26,7 @@ from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
+from ..map.outlines import CUTS_WKT
 from ..tasks import CRS_IDS, crs_named, held_crs
 from .footprints import feature_lines, feature_of
 from .mosaic import Mosaic
@@ -35,6 +39,8 @@ FAILED_FILE = "failed.geojson"
 #: Bytes of a file read in one go: a thread that reads little at a time holds up all others.
 _CHUNK_BYTES = 1 << 20
 _FAILED_MARK = f'"{FAILED}"'.encode()
+_HALF_TURN_DEG = 180.0
+_WITHOUT_CUTS = f"difference(boundary($geometry), geom_from_wkt('{CUTS_WKT}'))"
 _NAME = re.compile(rb'"name": "([^"]*)"')
 
 
@@ -80,6 +86,26 @@ def open_footprints(path: Path, title: str) -> QgsVectorLayer:
     # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
     layer.extent()
     return layer
+
+
+def hide_antimeridian(layer: QgsVectorLayer) -> None:
+    """Draw no outlines along ±180° and the poles, where files cut footprints: about a pole they would be lines across.
+
+    Only where a layer reaches both, as drawing by an expression is slower.
+    """
+    extent = layer.extent()
+    if extent.xMinimum() > -_HALF_TURN_DEG or extent.xMaximum() < _HALF_TURN_DEG:
+        return
+    symbol = layer.renderer().symbol()
+    outline = symbol.symbolLayer(0)
+    line = QgsLineSymbol.createSimple({"joinstyle": "miter"})
+    line.setColor(outline.strokeColor())
+    line.setWidth(outline.strokeWidth())
+    drawn = QgsGeometryGeneratorSymbolLayer.create({"geometryModifier": _WITHOUT_CUTS})
+    drawn.setSymbolType(Qgis.SymbolType.Line)
+    drawn.setSubSymbol(line)
+    outline.setStrokeStyle(Qt.PenStyle.NoPen)
+    symbol.appendSymbolLayer(drawn)
 
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:

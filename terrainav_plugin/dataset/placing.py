@@ -23,7 +23,7 @@ from ..i18n import tr
 from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from ..paths import place_of, style
 from ..plain import escaped_field
-from .layers import OpenedResults, open_raster
+from .layers import OpenedResults, hide_antimeridian, open_raster
 from .mosaic import Mosaic
 
 if TYPE_CHECKING:
@@ -83,6 +83,7 @@ def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
         group.remove(FAILED)
         return
     layer.loadNamedStyle(style("failed"))
+    hide_antimeridian(layer)
     name, map_type, reason = (escaped_field(one) for one in ("name", "map_type", "reason"))
     layer.setMapTipTemplate(f"<b>{name}</b> ({map_type})<br/>{reason}")
     layer.setDisplayExpression('"name" || \': \' || "reason"')
@@ -162,6 +163,7 @@ def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
         layer.triggerRepaint()
         return layer
     opened.footprints.loadNamedStyle(style("captured"))
+    hide_antimeridian(opened.footprints)
     _name_pictures(opened.footprints, opened.mission)
     if layer is not None:
         group.replace(layer, opened.footprints, CAPTURED)

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 __all__ = [
+    "CUTS_WKT",
     "around_pole",
     "flight_lines",
     "footprint_shapes",
@@ -47,8 +48,8 @@ __all__ = [
 _PLAIN_CORNERS = 4
 #: Corners of a ring so near to a pole are those that it goes around the pole by.
 _POLE_DEG = 90.0 - 1e-9
-#: Where footprints in degrees are cut, as in ``captured.qml`` and ``failed.qml``.
-_CUTS = QgsGeometry.fromWkt("LineString (-180 -90, 180 -90, 180 90, -180 90, -180 -90)")
+#: Where footprints in degrees are cut: along the antimeridian and the poles.
+CUTS_WKT = "LineString (-180 -90, 180 -90, 180 90, -180 90, -180 -90)"
 #: Places within a micrometre are the same.
 _SAME_M = 1e-6
 
@@ -98,9 +99,9 @@ def flight_lines(plane: Plane, runs: Iterable[tuple[Floats, Floats]]) -> QgsGeom
 def seen_edges(outline: QgsGeometry) -> QgsGeometry:
     """Edges of a footprint in degrees without those of its cuts: along the antimeridian, and about a pole along it.
 
-    The layers of footprints are drawn so by their styles.
+    Layers of footprints are drawn so, too, see `dataset.layers`.
     """
-    return QgsGeometry(outline.constGet().boundary()).difference(_CUTS)
+    return QgsGeometry(outline.constGet().boundary()).difference(QgsGeometry.fromWkt(CUTS_WKT))
 
 
 def _polygons(rings: list[Ring]) -> QgsGeometry:

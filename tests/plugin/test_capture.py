@@ -110,11 +110,11 @@ def test_mosaic_shows_the_pixels_of_the_files(prepared, server):
         assert np.array_equal(rows[:, 0], (top + np.arange(file.RasterYSize)) % 4096)
 
 
-def drawn(desk, layer, extent, width, height):
-    """What QGIS draws of one layer, (height, width, 3)."""
+def drawn(desk, layer, extent, width, height, crs=None):
+    """What QGIS draws of one layer, in its own CRS or another, (height, width, 3)."""
     settings = QgsMapSettings()
     settings.setLayers([layer])
-    settings.setDestinationCrs(layer.crs())
+    settings.setDestinationCrs(crs or layer.crs())
     settings.setOutputSize(QSize(width, height))
     settings.setExtent(extent)
     job = QgsMapRendererParallelJob(settings)

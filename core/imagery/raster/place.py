@@ -64,6 +64,12 @@ class Place:
             raise InvalidInput("its geotransform {0} places no pixel", facts.geotransform)
         self._width, self._height = facts.sizes[0]
         self._crs = _horizontal(facts.crs_wkt)
+        if self._crs.is_geocentric or self._crs.is_engineering:
+            raise InvalidInput(
+                "its coordinate reference system, {0}, is not one of maps: say which, as by "
+                "gdal_edit.py -a_srs EPSG:32632",
+                self._crs.name,
+            )
         try:
             self._to_map: Transformer | None = Transformer.from_crs(self._crs, _MAP, always_xy=True)
         except ProjError as wrong:

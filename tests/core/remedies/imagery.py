@@ -279,7 +279,19 @@ def _no_rasterio(case: Case) -> None:
     "it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632",
 )
 def _no_crs(case: Case) -> None:
-    path = raster(case, epsg=None, geotransform=(505_000.0, 2.0, 0.0, 5_317_000.0, 0.0, -2.0))
+    _place_by_crs(case, None)
+
+
+@remedy(
+    "imagery/raster/place.py",
+    "its coordinate reference system, {}, is not one of maps: say which, as by gdal_edit.py -a_srs EPSG:32632",
+)
+def _no_map(case: Case) -> None:
+    _place_by_crs(case, 4978)
+
+
+def _place_by_crs(case: Case, epsg: int | None) -> None:
+    path = raster(case, epsg=epsg, geotransform=(505_000.0, 2.0, 0.0, 5_317_000.0, 0.0, -2.0))
     case.refused(lambda: read(path))
     from osgeo import gdal
 
