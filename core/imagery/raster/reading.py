@@ -273,12 +273,13 @@ def _array(values: bytes | None, said: list[str], shape: tuple[int, ...], data_t
 def _refused(options: Options) -> Iterator[None]:
     """Errors of rasterio as ReadError; a JPEG that is broken off is one."""
     import rasterio
+    from rasterio._err import CPLE_BaseError
     from rasterio.errors import RasterioError
 
     try:
         with rasterio.Env(**{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
             yield
-    except (RasterioError, OSError) as wrong:
+    except (RasterioError, CPLE_BaseError, OSError) as wrong:
         # What GDAL said first is the cause of what rasterio says.
         root: BaseException = wrong
         while root.__cause__ is not None:
