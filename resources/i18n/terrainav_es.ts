@@ -5997,8 +5997,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/remote.py"/>
-        <source>download it, and name the file</source>
-        <translation>descárguelo y nombre el archivo</translation>
+        <source>name a copy of it on this machine</source>
+        <translation>nombre una copia de él en este equipo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/remote.py"/>

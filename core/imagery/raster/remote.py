@@ -168,7 +168,7 @@ class Remote:
         return InvalidInput(
             "{0}: its server sends whole files only, and a raster is read in parts (HTTP Range)",
             self._title,
-            remedy="download it, and name the file",
+            remedy="name a copy of it on this machine",
         )
 
 

@@ -153,7 +153,7 @@ def test_a_server_that_sends_whole_files_only_is_not_asked_for_one(server, url, 
     began_s = time.monotonic()
     with pytest.raises(InvalidInput, match="sends whole files only") as raised:
         open_raster(url)
-    assert "; download it" in str(raised.value)
+    assert "; name a copy of it on this machine" in str(raised.value)
     assert [method for method, _, _ in server.asked] == ["GET"]
     assert time.monotonic() - began_s < 30.0
 
