@@ -19,7 +19,8 @@ from ..geodesy.mercator import PixelGrid
 from .entry import NAME, PIXELS, CatalogueEntry
 from .placeholder import Placeholder
 from .policy import Policy
-from .raster.trust import file_of_part
+from .raster.trust import ADDRESS as RASTER_ADDRESS
+from .raster.trust import FETCHED, file_of_part
 from .source import Source
 from .systems import MAP
 from .systems import refused as refused_crs
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
 
 _ADDRESS = re.compile(r"://|\{")
 _SERVICE = re.compile(r"wm(ts|s):.*://", re.IGNORECASE | re.DOTALL)
-#: Virtual file systems by which GDAL reads files of other machines.
-_FETCHED = re.compile("/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)")
 #: What stands in templates of tiles, and not in paths of dated files.
 _TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
 
@@ -216,7 +215,7 @@ def _is_path(text: str) -> bool:
 
 
 def _is_within_file(text: str) -> bool:
-    return text.startswith("/vsi") or bool(file_of_part(text))
+    return text.startswith("/vsi") or bool(RASTER_ADDRESS.fullmatch(text) or file_of_part(text))
 
 
 def _is_any_file(text: str) -> bool:
@@ -442,7 +441,7 @@ class FileSource(NamedSource):
     @property
     def is_local(self) -> bool:
         """Whether its pixels are on this machine: not where GDAL is to fetch them."""
-        return _FETCHED.search(self.text) is None
+        return FETCHED.search(self.text) is None
 
     @property
     def stated_policy(self) -> Policy:

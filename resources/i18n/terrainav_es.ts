@@ -6006,6 +6006,34 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: cerrado</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/raster/remote.py"/>
+        <source>name a copy of it on this machine</source>
+        <translation>nombre una copia de él en este equipo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/remote.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>start anew</source>
+        <translation>empezar de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/remote.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: has changed since it was opened</source>
+        <translation>{0}: ha cambiado desde que se abrió</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/remote.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <source>{0}: is gone</source>
+        <translation>{0}: ya no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/remote.py"/>
+        <source>{0}: its server sends whole files only, and a raster is read in parts (HTTP Range)</source>
+        <translation>{0}: su servidor solo envía archivos enteros, y un ráster se lee por partes (HTTP Range)</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>date {0!r}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
         <translation>fecha {0!r}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
@@ -6037,11 +6065,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>start anew</source>
-        <translation>empezar de nuevo</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
         <source>there is none of {0}</source>
         <translation>no hay ninguna de {0}</translation>
     </message>
@@ -6067,18 +6090,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: has changed since it was opened</source>
-        <translation>{0}: ha cambiado desde que se abrió</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: is a folder</source>
         <translation>{0}: es una carpeta</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/source.py"/>
-        <source>{0}: is gone</source>
-        <translation>{0}: ya no existe</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>

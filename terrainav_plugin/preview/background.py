@@ -20,6 +20,7 @@ from ...core.errors import Cancelled, InvalidInput, OutputError, TerrAInavError
 from ...core.files import make_folder, partial_file
 from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
 from ...core.imagery.opening import kind_of, open_source
+from ...core.imagery.raster.trust import name_for_gdal
 from ...core.imagery.source import Window
 from ...core.mission.area import Box
 from ..form import mission_form
@@ -193,7 +194,7 @@ class Background:
 
     def show_file(self, path: str, title: str) -> QgsRasterLayer:
         """Show a raster or MBTiles file; raises InvalidInput where QGIS cannot open it."""
-        return self._show(path, "gdal", title, path)
+        return self._show(name_for_gdal(path), "gdal", title, path)
 
     def zoom_to(self, box: Box | None) -> None:
         """Zoom to a box, or to everything; raises InvalidInput where the project's CRS has no such place."""

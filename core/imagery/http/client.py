@@ -159,7 +159,9 @@ class Client:
         headers: Mapping[str, str] | None = None,
         allow: Callable[[str], object] | None = None,
     ) -> Response:
-        """Answer with status 200; or 304, where ``headers`` are conditions. Redirects are followed.
+        """Answer with status 200; 304 where ``headers`` are conditions, 206 where they ask for a part of a file.
+
+        Redirects are followed.
 
         Parameters
         ----------
@@ -202,8 +204,10 @@ class Client:
             else:
                 self._away.clear()
                 self._silent_until_s, self._late_parts = 0.0, 0
-                if response.status == HTTPStatus.OK or (
-                    response.status == HTTPStatus.NOT_MODIFIED and _is_conditional(headers)
+                if (
+                    response.status == HTTPStatus.OK
+                    or (response.status == HTTPStatus.NOT_MODIFIED and _is_conditional(headers))
+                    or (response.status == HTTPStatus.PARTIAL_CONTENT and "Range" in (headers or {}))
                 ):
                     return self._without_secrets(response)
                 request.reason, request.status = self._judge(response, what), response.status

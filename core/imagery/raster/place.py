@@ -28,6 +28,8 @@ TILE_PX = 256
 _SAME_PX = 1e-3
 #: Rounding of coordinates that are taken to degrees and back.
 _SAME_SHARE = 1e-9
+#: Steps between pixels, in units of the last place of the raster's coordinates, that are lost in these.
+_LEAST_STEP = 16.0
 #: Points along each side of a raster where systems are compared.
 _COMPARED = 5
 
@@ -60,6 +62,9 @@ class Place:
         # Absurd steps overflow, and are refused for where they lead.
         with np.errstate(over="ignore", invalid="ignore"):
             places = np.isfinite(facts.geotransform).all() and np.linalg.det(self._steps) != 0.0
+            # Steps that are lost in the digits of the coordinates lead from no pixel to the next.
+            finest = _LEAST_STEP * np.spacing(np.abs(self._origin).max())
+            places = places and bool((np.abs(self._steps).max(axis=0) > finest).all())
         if not places:
             raise InvalidInput("its geotransform {0} places no pixel", facts.geotransform)
         self._width, self._height = facts.sizes[0]

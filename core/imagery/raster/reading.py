@@ -9,12 +9,14 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import Cancelled, InvalidInput, Message
+from .remote import Remote
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
 
 Bytes = NDArray[np.uint8]
@@ -27,6 +29,9 @@ _GDAL_TYPES = {"uint8": "GDT_Byte", "uint16": "GDT_UInt16", "int16": "GDT_Int16"
 #: GDAL's option for the memory in which it keeps blocks of rasters, and megabytes of it: a strip of blocks across a
 #: raster of 20,000 px. Without it that is 5 % of the machine's, and reading is no faster.
 _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
+#: GDAL's options by name, for one raster.
+Options = Mapping[str, str]
+NO_OPTIONS: Options = MappingProxyType({})
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -153,7 +158,7 @@ def opener() -> Opener:
 
 
 @contextmanager
-def _heard() -> Iterator[list[str]]:
+def _heard(options: Options) -> Iterator[list[str]]:
     """Errors of GDAL in this thread: collected instead of printed, and raised where the bindings are told to.
 
     Whether the bindings raise is a choice of the whole process (of QGIS, of another plugin), so both ways are met.
@@ -162,8 +167,8 @@ def _heard() -> Iterator[list[str]]:
     from osgeo import gdal
 
     # Bindings of older versions cannot set options of a thread, and those of the process are not ours.
-    can_be_strict = hasattr(gdal, "SetThreadLocalConfigOption")
-    before = gdal.GetThreadLocalConfigOption(STRICT_JPEG) if can_be_strict else None
+    wanted = {STRICT_JPEG: "YES", **options} if hasattr(gdal, "SetThreadLocalConfigOption") else {}
+    before = {name: gdal.GetThreadLocalConfigOption(name) for name in wanted}
     said: list[str] = []
 
     def hear(severity: int, _number: int, words: str) -> None:
@@ -171,36 +176,39 @@ def _heard() -> Iterator[list[str]]:
             said.append(words)
 
     gdal.PushErrorHandler(hear)
-    if can_be_strict:
-        gdal.SetThreadLocalConfigOption(STRICT_JPEG, "YES")
+    for name, value in wanted.items():
+        gdal.SetThreadLocalConfigOption(name, value)
     try:
         yield said
     except RuntimeError as wrong:
         raise ReadError(said[0] if said else wrong) from wrong
     finally:
-        if can_be_strict:
-            gdal.SetThreadLocalConfigOption(STRICT_JPEG, before)
+        for name, value in before.items():
+            gdal.SetThreadLocalConfigOption(name, value)
         gdal.PopErrorHandler()
 
 
 class GdalFile:
     """A raster, or an overview, that is open in GDAL."""
 
-    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS) -> None:
+    def __init__(
+        self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS
+    ) -> None:
         from osgeo import gdal
 
         self._gdal: Any = gdal
-        options = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
-        with _heard() as said:
+        self._options = options
+        overview = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
+        with _heard(options) as said:
             self._dataset = gdal.OpenEx(
-                path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=options
+                path, gdal.OF_RASTER, allowed_drivers=list(drivers), open_options=overview
             )
         if self._dataset is None:
             raise ReadError(said[0] if said else Message("no format that GDAL knows"))
 
     def facts(self) -> Facts:
         """Read what the file says of itself."""
-        with _heard():
+        with _heard(self._options):
             dataset = self._dataset
             if dataset.GetMetadataItem(OVERVIEW_FILE, OVERVIEW_DOMAIN):
                 raise ReadError(NAMES_OVERVIEWS)
@@ -239,13 +247,13 @@ class GdalFile:
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
         kind = getattr(self._gdal, _GDAL_TYPES[data_type])
-        with _heard() as said:
+        with _heard(self._options) as said:
             values = self._dataset.ReadRaster(*box, buf_type=kind, band_list=list(bands))
         return _array(values, said, (len(bands), box.height, box.width), data_type)
 
     def read_mask(self, band: int, box: Box) -> Bytes:
         """Mask of a band."""
-        with _heard() as said:
+        with _heard(self._options) as said:
             mask = self._dataset.GetRasterBand(band).GetMaskBand()
             values = mask.ReadRaster(*box, buf_type=self._gdal.GDT_Byte)
         return _array(values, said, (box.height, box.width))
@@ -262,14 +270,14 @@ def _array(values: bytes | None, said: list[str], shape: tuple[int, ...], data_t
 
 
 @contextmanager
-def _refused() -> Iterator[None]:
+def _refused(options: Options) -> Iterator[None]:
     """Errors of rasterio as ReadError; a JPEG that is broken off is one."""
     import rasterio
     from rasterio._err import CPLE_BaseError
     from rasterio.errors import RasterioError
 
     try:
-        with rasterio.Env(**{STRICT_JPEG: True, _CACHE: _CACHE_MB}):
+        with rasterio.Env(**{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
             yield
     except (RasterioError, CPLE_BaseError, OSError) as wrong:
         # What GDAL said first is the cause of what rasterio says.
@@ -285,21 +293,23 @@ class RasterioFile:
     # Python's filters of warnings belong to the process: two threads must not put them back in the wrong order.
     _opening = threading.Lock()
 
-    def __init__(self, path: str, level: int, drivers: Sequence[str] = DRIVERS) -> None:
+    def __init__(
+        self, path: str, level: int, drivers: Sequence[str] = DRIVERS, options: Options = NO_OPTIONS
+    ) -> None:
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning
 
-        options = {"overview_level": level - 1} if level else {}
-        with _refused(), self._opening, warnings.catch_warnings():
+        overview = {"overview_level": level - 1} if level else {}
+        with _refused(options), self._opening, warnings.catch_warnings():
             # Said in words of our own.
             warnings.simplefilter("ignore", NotGeoreferencedWarning)
             # As rasterio.open does, which takes one driver only.
-            self._dataset: Any = rasterio.DatasetReader(path, driver=list(drivers), **options)
-        self._path, self._drivers = path, drivers
+            self._dataset: Any = rasterio.DatasetReader(path, driver=list(drivers), **overview)
+        self._path, self._drivers, self._options = path, drivers, options
 
     def facts(self) -> Facts:
         """Read what the file says of itself."""
-        with _refused():
+        with _refused(self._options):
             dataset = self._dataset
             if any(name.upper() == OVERVIEW_FILE for name in dataset.tags(ns=OVERVIEW_DOMAIN)):
                 raise ReadError(NAMES_OVERVIEWS)
@@ -316,7 +326,7 @@ class RasterioFile:
 
     def _overview_sizes(self) -> Iterator[tuple[int, int]]:
         for level in range(len(self._dataset.overviews(1)) if self._dataset.count else 0):
-            overview = RasterioFile(self._path, 1 + level, self._drivers)
+            overview = RasterioFile(self._path, 1 + level, self._drivers, self._options)
             yield overview._dataset.width, overview._dataset.height
             overview.close()
 
@@ -340,12 +350,12 @@ class RasterioFile:
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
-        with _refused():
+        with _refused(self._options):
             return np.asarray(self._dataset.read(list(bands), window=_window(box)), data_type)
 
     def read_mask(self, band: int, box: Box) -> Bytes:
         """Mask of a band."""
-        with _refused():
+        with _refused(self._options):
             return np.asarray(self._dataset.read_masks(band, window=_window(box)), np.uint8)
 
     def close(self) -> None:
@@ -366,10 +376,12 @@ class Pool:
     ----------
     open_file : callable
     path : str
+    remote : Remote or None
+        Of a raster on another machine; closed with the pool.
     """
 
-    def __init__(self, open_file: Opener, path: str) -> None:
-        self._open, self._path = open_file, path
+    def __init__(self, open_file: Opener, path: str, remote: Remote | None = None) -> None:
+        self._open, self._path, self.remote = open_file, path, remote
         self._free: dict[int, list[RasterFile]] = {}
         self._closed = False
         self._lock = threading.Lock()
@@ -390,7 +402,7 @@ class Pool:
                 raise Cancelled("{0}: closed", self._path)
             free = self._free.setdefault(level, [])
             known = free.pop() if free else None
-        file = known or self._open(self._path, level)
+        file = known or self._opened(level)
         try:
             yield file
         except BaseException:
@@ -398,6 +410,14 @@ class Pool:
             raise
         if not self._taken_back(level, file):
             file.close()
+
+    def _opened(self, level: int) -> RasterFile:
+        if self.remote is None:
+            return self._open(self._path, level)
+        try:
+            return self._open(self.remote.path, level, options=self.remote.options)
+        except ReadError as wrong:
+            raise ReadError(str(wrong).replace(self.remote.path, self._path)) from wrong
 
     def _taken_back(self, level: int, file: RasterFile) -> bool:
         with self._lock:
@@ -411,5 +431,7 @@ class Pool:
             self._closed = True
             files = [file for free in self._free.values() for file in free]
             self._free.clear()
+        if self.remote is not None:
+            self.remote.close()
         for file in files:
             file.close()

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
 from ...geodesy.planes import ProjectedPlane
 from ...limits import MAX_METADATA_CHARACTERS
 from ...text import printable
+from ..http.transport import Transport
 from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts
@@ -28,8 +30,9 @@ from ..systems import MAP
 from .colours import Colours, colours_of
 from .place import TILE_PX, Place
 from .reading import Box, Facts, Pool, ReadError, Values, opener
+from .remote import Remote
 from .resampling import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
-from .trust import check_virtual, drivers_for, file_of_part
+from .trust import FETCHED, check_virtual, drivers_for, file_of_part, name_for_gdal
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
 _MAX_ZOOM = 22
@@ -73,6 +76,7 @@ class RasterFile(FileSource):
             bands=options.bands,
             stretch=options.stretch,
             as_stored=options.as_stored,
+            transport=options.transport,
         )
 
 
@@ -84,6 +88,7 @@ def open_raster(
     bands: Sequence[str] = (),
     stretch: str = NO_STRETCH,
     as_stored: bool = False,
+    transport: Transport | None = None,
 ) -> RasterSource:
     """Open a raster file as a source of imagery.
 
@@ -95,7 +100,7 @@ def open_raster(
     ----------
     path : path
         Or a path with ``{date}``, which stands for the date in whatever form the files' names have it; or one of
-        GDAL's virtual file systems, ``/vsi…``.
+        GDAL's virtual file systems, ``/vsi…``; or the address of a file, ``https://…/x.tif``, which is read in parts.
     date : str
         Of the imagery, YYYY-MM-DD, YYYY-MM or YYYY; empty for what the file states, if anything.
     own_pixels : bool
@@ -109,6 +114,8 @@ def open_raster(
     as_stored : bool
         Pixels have any number of bands, and values of the file's own type where they are not stretched. Otherwise they
         are red, green and blue of 8 bits.
+    transport : Transport or None
+        For what is asked of a server beside GDAL's requests; None for one of its own. It stays open.
 
     Raises
     ------
@@ -116,8 +123,11 @@ def open_raster(
         There is no such file, it is no raster, has no place on the map, no such bands, or other values than of 8 bits
         where it has to have those; no file of the date; no library that reads raster files; it describes data
         elsewhere.
+    SourceError
+        Its server is out of reach, or refuses.
     """
-    name = os.fspath(path)
+    given = os.fspath(path)
+    name = name_for_gdal(given)
     if name.startswith("/vsi"):
         check_virtual(name)
     file, date = file_of(name, date)
@@ -126,12 +136,13 @@ def open_raster(
         drivers = drivers_for(file)
     except InvalidInput as wrong:
         raise InvalidInput("{0}: {1}", file, wrong) from wrong
-    pool = Pool(partial(opener(), drivers=drivers), file)
+    library = partial(opener(), drivers=drivers)
+    pool = Pool(library, file, Remote(file, _title(file), transport) if FETCHED.search(file) else None)
     try:
         with pool.lent(0) as raster:
             facts = raster.facts()
         return RasterSource(
-            name,
+            given,
             file,
             date or date_of_tags(facts.tags),
             facts,
@@ -188,7 +199,7 @@ class RasterSource:
             inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
             raise InvalidInput("is no raster itself", remedy=inside)
         self.name = name
-        self.title = Path(path).name
+        self.title = _title(path)
         self.date = date
         credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
         self.attribution = " ".join(printable(credit[:MAX_METADATA_CHARACTERS]).split()) or self.title
@@ -239,11 +250,7 @@ class RasterSource:
             The source is closed.
         """
         check_zoom(part.zoom, self.grid, self.title)
-        if _state(self._path) != self._state:
-            gone = self._state is not None and _state(self._path) is None
-            if gone:
-                raise SourceError("{0}: is gone", self._path)
-            raise SourceError("{0}: has changed since it was opened", self._path, remedy="start anew")
+        self._check_same()
         picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
         if self._is_stretched:
             picture = self._stretched(picture)
@@ -261,6 +268,16 @@ class RasterSource:
         if self.bands.data_type == "uint8":
             return ((0.0, 255.0),) * len(self.bands)
         return self._file_percentiles()
+
+    def _check_same(self, *, anew: bool = False) -> None:
+        """Refuse a file that is gone or another one by now; of a remote one its server is asked now and then."""
+        if self._pool.remote is not None:
+            self._pool.remote.check(anew=anew)
+        state = _state(self._path)
+        if state != self._state:
+            if state is None:
+                raise SourceError("{0}: is gone", self._path)
+            raise SourceError("{0}: has changed since it was opened", self._path, remedy="start anew")
 
     def _stretched(self, picture: Values) -> Pixels:
         count = len(self.bands)
@@ -300,6 +317,7 @@ class RasterSource:
             with self._pool.lent(level) as file:
                 read = [self._colours.read(file, box).reshape(-1, len(self.bands) + 1) for box in boxes_read]
         except ReadError as wrong:
+            self._check_same(anew=True)
             raise SourceError("{0}: cannot be read: {1}", self.title, wrong) from wrong
         values = np.concatenate(read)
         there: Values = values[values[:, -1] != 0, :-1]
@@ -375,8 +393,17 @@ class RasterSource:
                     )
                 ]
         except ReadError as wrong:
+            # A file that is another one by now can be read nowhere.
+            self._check_same(anew=True)
             raise PartError("{0}: cannot be read here: {1}", self.title, wrong) from wrong
         return strips[0] if len(strips) == 1 else np.concatenate(strips)
+
+
+def _title(path: str) -> str:
+    """Name of a file, of whichever kind its path is."""
+    if FETCHED.search(path):
+        path = unquote(re.split(r"[?&]url=", path)[-1]).partition("?")[0]
+    return Path(path).name
 
 
 def _check_there(path: str) -> None:

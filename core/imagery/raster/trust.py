@@ -66,6 +66,13 @@ _TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
 _TIFF_ENTRIES = 4096
 #: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
 _DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
+#: GDAL's virtual file systems, and what of them is on other machines.
+VIRTUAL, CURL = "/vsi", "/vsicurl/"
+FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
+#: Address of a raster file, and of no tiles.
+ADDRESS = re.compile(
+    r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\})*)?", re.IGNORECASE | re.DOTALL
+)
 #: Files beside a raster that GDAL opens with it.
 _COMPANIONS = (".ovr", ".msk")
 
@@ -79,6 +86,11 @@ def file_of_part(name: str) -> str:
     # The longest first: a path may hold colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
     return next((path for path in paths if path and is_there(path)), "")
+
+
+def name_for_gdal(name: str) -> str:
+    """Name by which GDAL opens what a user has named: an address becomes ``/vsicurl/address``."""
+    return CURL + name if ADDRESS.fullmatch(name) else name
 
 
 def check_virtual(path: str) -> None:

@@ -25,6 +25,7 @@ from terrainav.core.imagery.template import check_address
 from terrainav.core.imagery.xyz import XYZSource
 
 from tests.core.remedies.files import extra_brings
+from tests.support.ranges import RangeServer
 from tests.support.remedies import Case, remedy
 from tests.support.services import ServiceServer, matrix, matrix_set, wmts_document, wmts_layer
 
@@ -499,3 +500,27 @@ def _no_such_chart(case: Case) -> None:
     case.follow("choose EPSG:3413 about the North Pole", lambda: opened("world", crs="EPSG:3413"))
     case.follow("EPSG:3031 about the South Pole", lambda: opened("world", crs="EPSG:3031"))
     case.follow("none elsewhere", lambda: opened("world", crs=""))
+
+
+@remedy("imagery/raster/remote.py", "{}: has changed since it was opened; start anew")
+def _remote_changed(case: Case) -> None:
+    body = raster(case).read_bytes()
+    with RangeServer() as server:
+        server.files["/r.tif"] = body, '"one"'
+        with closing(open_raster(f"{server.url}/r.tif", own_pixels=False)) as source:
+            server.files["/r.tif"] = body + b"more", '"two"'
+            case.refused(lambda: source._pool.remote.check(anew=True))
+        case.follow("start anew", lambda: read(f"{server.url}/r.tif"))
+
+
+@remedy(
+    "imagery/raster/remote.py",
+    "{}: its server sends whole files only, and a raster is read in parts (HTTP Range); "
+    "name a copy of it on this machine",
+)
+def _whole_files_only(case: Case) -> None:
+    path = raster(case)
+    with RangeServer() as server:
+        server.files["/r.tif"], server.sends_parts = (path.read_bytes(), '"one"'), False
+        case.refused(lambda: read(f"{server.url}/r.tif"))
+    case.follow("name a copy of it on this machine", lambda: read(path))
