@@ -219,6 +219,7 @@ def _options(mission: Mission, **how: Any) -> SourceOptions:
         seed=mission.imagery.seed,
         date=mission.imagery.date or None,
         crs=mission.imagery.crs,
+        area_deg=mission.area.bounds.edges_deg,
         connections=Settings().connections,
         bands=mission.imagery.bands,
         stretch=mission.imagery.stretch,
@@ -274,11 +275,7 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     )
     if can_agree:
         return quoted, True
-    bounds = mission.area.bounds
-    east_deg = bounds.east_deg + (360.0 if bounds.east_deg < bounds.west_deg else 0.0)
-    others = alternatives(
-        mission.imagery.map_types, (bounds.west_deg, bounds.south_deg, east_deg, bounds.north_deg)
-    )
+    others = alternatives(mission.imagery.map_types, mission.area.bounds.edges_deg)
     instead = ", ".join(map(translate, others))
     return quoted + html.escape(tr("Sources that allow it: {names}.").format(names=instead)), False
 

@@ -90,7 +90,15 @@ def _source_of(
     mission: Mission, values: dict[str, Any], cache: TileCache | None = None, *, as_stored: bool = False
 ) -> NamedSource:
     imagery = mission.imagery
-    return named(imagery, values, cache, bands=imagery.bands, stretch=imagery.stretch, as_stored=as_stored)
+    return named(
+        imagery,
+        values,
+        cache,
+        area_deg=mission.area.bounds.edges_deg,
+        bands=imagery.bands,
+        stretch=imagery.stretch,
+        as_stored=as_stored,
+    )
 
 
 def _as_written(mission: Mission) -> bool:

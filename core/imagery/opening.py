@@ -22,7 +22,7 @@ from .policy import Policy
 from .raster.trust import ADDRESS as RASTER_ADDRESS
 from .raster.trust import FETCHED, file_of_part
 from .source import Source
-from .systems import MAP
+from .systems import MAP, Bounds
 from .systems import refused as refused_crs
 
 if TYPE_CHECKING:
@@ -51,6 +51,9 @@ class SourceOptions:
     crs : str
         Coordinate reference system in which pictures are made, one that the source has pixels in: ``EPSG:code``, and
         EPSG:3857 for those of the Web-Mercator map. Empty for the source's own, and the map's of a service that has it.
+    area_deg : tuple of float, or None
+        West, south, east and north of the ground that pictures are made of, where that is known: of several systems of
+        a service the one that suits it best is taken.
     tile_px : int or None
         Size of tiles; None for the source's own, 256 for a template.
     max_zoom : int or None
@@ -81,6 +84,7 @@ class SourceOptions:
     secret: str | None = None
     date: str | None = None
     crs: str = ""
+    area_deg: Bounds | None = None
     tile_px: int | None = None
     max_zoom: int | None = None
     connections: int = 8

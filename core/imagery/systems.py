@@ -17,6 +17,8 @@ from ..geodesy.planes import ProjectedPlane
 if TYPE_CHECKING:
     from pyproj import CRS
 
+#: West, south, east and north of a box in degrees; the east may lie below the west across the antimeridian.
+Bounds = tuple[float, float, float, float]
 #: The Web-Mercator map's.
 MAP = WebMercator.crs
 #: Codes that name it, best first.
@@ -32,6 +34,8 @@ _AXES = 2
 _LOOKED_AT = (97, 25)
 #: West, south, east and north of the whole Earth.
 WORLD_DEG = (-180.0, -90.0, 180.0, 90.0)
+#: Degrees around what is looked at.
+_PLACE_DEG = 1e-3
 #: Systems whose facts are kept: documents list hundreds.
 _KEPT = 1024
 #: Degrees from the middle of an area to a place whose northing is not its easting.
@@ -74,22 +78,24 @@ def unit_m(code: str) -> float:
     return ProjectedPlane(code, 0.0, 0.0, 1.0, 1.0).unit_m
 
 
-def area_deg(code: str) -> tuple[float, float, float, float]:
+def area_deg(code: str) -> Bounds:
     """West, south, east and north of a usable system's area of use; of the world where it states none."""
     area = getattr(_system(code), "area_of_use", None)
     return WORLD_DEG if area is None else (area.west, area.south, area.east, area.north)
 
 
-def likeness(code: str, bounds_deg: tuple[float, float, float, float]) -> float:
+def likeness(code: str, bounds_deg: Bounds) -> float:
     """How well a usable system's area of use suits a box: what they share, over what they cover together.
 
     Parameters
     ----------
     code : str
-    bounds_deg : tuple of float
-        West, south, east, north; the east may lie below the west across the antimeridian.
+    bounds_deg : Bounds
     """
-    one, other = (_unrolled(*box) for box in (bounds_deg, area_deg(code)))
+    west, south, east, north = _unrolled(*bounds_deg)
+    # A place has no extent to share.
+    one = west - _PLACE_DEG, south - _PLACE_DEG, east + _PLACE_DEG, north + _PLACE_DEG
+    other = _unrolled(*area_deg(code))
     turns = (-360.0, 0.0, 360.0)
     width = sum(max(min(one[2], other[2] + turn) - max(one[0], other[0] + turn), 0.0) for turn in turns)
     shared = min(width, 360.0) * max(_height(max(one[1], other[1]), min(one[3], other[3])), 0.0)
@@ -97,9 +103,9 @@ def likeness(code: str, bounds_deg: tuple[float, float, float, float]) -> float:
     return shared / both if both > 0.0 else 0.0
 
 
-def best_of(codes: Iterable[str], bounds_deg: tuple[float, float, float, float]) -> str:
-    """Return the system that suits a box best, the first of those that do equally."""
-    return max(codes, key=lambda code: likeness(code, bounds_deg))
+def best_of(codes: Iterable[str], *boxes_deg: Bounds) -> str:
+    """Return the system that suits the first box best; of those that do equally the next one, and then the first."""
+    return max(codes, key=lambda code: [likeness(code, box) for box in boxes_deg])
 
 
 def box_on(

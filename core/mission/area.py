@@ -76,6 +76,11 @@ class Box:
         return self.west_deg + self.span_deg
 
     @property
+    def edges_deg(self) -> tuple[float, float, float, float]:
+        """West, south, east and north, the east never less than the west."""
+        return self.west_deg, self.south_deg, self.continuous_east_deg, self.north_deg
+
+    @property
     def bounds(self) -> Box:
         """The box itself."""
         return self

@@ -252,8 +252,7 @@ class PairPlan:
     @property
     def bounds_deg(self) -> tuple[float, float, float, float]:
         """West, south, east, north of the places."""
-        bounds = Points(tuple((place.lat_deg, place.lon_deg, 1.0) for place in self.places)).bounds
-        return bounds.west_deg, bounds.south_deg, bounds.east_deg, bounds.north_deg
+        return Points(tuple((place.lat_deg, place.lon_deg, 1.0) for place in self.places)).bounds.edges_deg
 
     @property
     def counts(self) -> dict[str, int]:

@@ -287,9 +287,7 @@ def middle_of(area: Area) -> tuple[float, float]:
 def _degrees(area: Box | Polygon) -> QgsGeometry:
     """Area as a geometry of continuous longitudes and latitudes."""
     if isinstance(area, Box):
-        return QgsGeometry.fromRect(
-            QgsRectangle(area.west_deg, area.south_deg, area.continuous_east_deg, area.north_deg)
-        )
+        return QgsGeometry.fromRect(QgsRectangle(*area.edges_deg))
     return QgsGeometry.fromPolygonXY(
         [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
     )

@@ -89,7 +89,7 @@ def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[
 def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsRectangle:
     """Rectangle of the canvas around a box; raises InvalidInput where the CRS has no such place."""
     transform = to_lon_lat(crs, project)
-    rectangle = QgsRectangle(box.west_deg, box.south_deg, box.continuous_east_deg, box.north_deg)
+    rectangle = QgsRectangle(*box.edges_deg)
     try:
         return transform.transformBoundingBox(rectangle, Qgis.TransformDirection.Reverse)
     except QgsCsException as wrong:

@@ -153,11 +153,10 @@ def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bo
     """Raise SourceError where the source's terms do not let a run pass."""
     from ...core.imagery.catalogue import check_policy
 
-    box = worked_out.mission.area.bounds
     check_policy(
         source,
         requests,
         accept_terms=accepted,
         map_types=worked_out.mission.imagery.map_types,
-        bounds_deg=(box.west_deg, box.south_deg, box.continuous_east_deg, box.north_deg),
+        bounds_deg=worked_out.mission.area.bounds.edges_deg,
     )

@@ -21,6 +21,7 @@ from ...text import one_line
 from ..systems import (
     MAP,
     WORLD_DEG,
+    Bounds,
     best_of,
     box_on,
     code_of,
@@ -78,7 +79,9 @@ class LayerTiles:
         return float(highest) if self.plane is None else self.tile_px * 2.0**highest / self.plane.width
 
 
-def chosen_tiles(document: Document, service: Any, layer: Any, crs: str) -> LayerTiles:
+def chosen_tiles(
+    document: Document, service: Any, layer: Any, crs: str, area_deg: Bounds | None = None
+) -> LayerTiles:
     """Tiles to ask for.
 
     Parameters
@@ -117,7 +120,8 @@ def chosen_tiles(document: Document, service: Any, layer: Any, crs: str) -> Laye
     if wanted is not None:
         chosen = found[chosen_one(document, "tilematrixset", wanted, {name: name for name in found})]
     else:
-        system = crs or (MAP if MAP in there else best_of(there, bounds_of([layer])))
+        boxes = filter(None, (area_deg, bounds_of([layer])))
+        system = crs or (MAP if MAP in there else best_of(there, *boxes))
         chosen = max(
             (tiles for tiles in found.values() if tiles.crs == system),
             key=lambda tiles: (tiles.finest, -tiles.tile_px),

@@ -30,7 +30,7 @@ from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
 from ..opening import EntrySource
 from ..policy import Policy
-from ..systems import MAP, MERCATOR_CODES, best_of, is_usable, northing_first, refused
+from ..systems import MAP, MERCATOR_CODES, Bounds, best_of, is_usable, northing_first, refused
 from ..template import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX, environment_key
 from .capabilities import (
     NAMED,
@@ -102,12 +102,12 @@ class ServiceLayer(EntrySource):
         SourceError
             OWSLib is missing, or the capabilities cannot be had or read, or offer no tiles that can be used.
         """
-        document = self._document()
+        document, options = self._document(), self.options
         with reading(document):
             if self.service.kind == "wmts":
-                entry = _wmts_entry(self.text, document, self.options.crs)
+                entry = _wmts_entry(self.text, document, options.crs, options.area_deg)
             else:
-                entry = _wms_entry(self.text, document, self.options.tile_px or 256, self.options.crs)
+                entry = _wms_entry(self.text, document, options.tile_px or 256, options.crs, options.area_deg)
         return under_provider(entry)
 
     def _document(self) -> Document:
@@ -153,13 +153,13 @@ def _wmts_layers(document: Document) -> list[Offered]:
     return [Offered(name, one_line(layer.title)) for name, layer in _wmts(document).contents.items()]
 
 
-def _wmts_entry(name: str, document: Document, crs: str) -> CatalogueEntry:
+def _wmts_entry(name: str, document: Document, crs: str, area_deg: Bounds | None) -> CatalogueEntry:
     """Entry of a layer; raises InvalidInput and SourceError as `ogc.ServiceLayer` does."""
     service = _wmts(document)
     choices = document.service.choices
     contents = {key: layer.title for key, layer in service.contents.items()}
     layer = service.contents[chosen_one(document, "layer", choices.get("layer"), contents)]
-    chosen = chosen_tiles(document, service, layer, crs)
+    chosen = chosen_tiles(document, service, layer, crs, area_deg)
     kind = chosen_format(document, _formats(layer))
     style = choices.get("style")
     if style is None:
@@ -273,7 +273,9 @@ def _wms_layers(document: Document) -> list[Offered]:
     return [Offered(name, one_line(layer.title)) for name, layer in service.contents.items()]
 
 
-def _wms_entry(name: str, document: Document, tile_px: int, wanted_crs: str) -> CatalogueEntry:
+def _wms_entry(
+    name: str, document: Document, tile_px: int, wanted_crs: str, area_deg: Bounds | None
+) -> CatalogueEntry:
     """Entry of one layer or several above each other; raises as `ogc.ServiceLayer` does."""
     version, service = _wms(document)
     choices = document.service.choices
@@ -288,7 +290,7 @@ def _wms_entry(name: str, document: Document, tile_px: int, wanted_crs: str) -> 
     get_map = service.getOperationByName("GetMap")
     kind = chosen_format(document, list(get_map.formatOptions))
     dates = _dates(layers)
-    crs = _crs(document, layers, wanted_crs)
+    crs = _crs(document, layers, wanted_crs, area_deg)
     plane = None if crs in MERCATOR_CODES else _own_plane(crs, tile_px)
     by_northing = plane is not None and version == "1.3.0" and northing_first(crs)
     box = BBOX if plane is None else OWN_BBOX_YX if by_northing else OWN_BBOX
@@ -331,7 +333,7 @@ def _wms(document: Document) -> tuple[str, Any]:
     return version, read(document.service.address, version=version, xml=written(document.root))
 
 
-def _crs(document: Document, layers: Sequence[Any], wanted: str) -> str:
+def _crs(document: Document, layers: Sequence[Any], wanted: str, area_deg: Bounds | None) -> str:
     """Coordinate reference system to ask for, as the service names it: by name, Web Mercator, or the best suited."""
     offered = set.intersection(*({crs.upper() for crs in layer.crsOptions} for layer in layers))
     mercator = next((crs for crs in MERCATOR_CODES if crs in offered), None)
@@ -347,7 +349,7 @@ def _crs(document: Document, layers: Sequence[Any], wanted: str) -> str:
         )
     usable = [crs for crs in projected[:_MOST_SYSTEMS] if is_usable(crs)]
     if usable:
-        return best_of(usable, bounds_of(layers))
+        return best_of(usable, *filter(None, (area_deg, bounds_of(layers))))
     names = ", ".join(sorted(offered)[:NAMED]) or Message("none")
     raise InvalidInput(
         "layer {0!r} of {1}: is offered in {2}; needs {3} or another projected system of EPSG",

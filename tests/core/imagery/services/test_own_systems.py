@@ -21,7 +21,7 @@ from terrainav.core.imagery.catalogue import add
 from terrainav.core.imagery.opening import DescribedSource, SourceOptions, named_source, open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.systems import code_of
-from terrainav.core.mission.area import Points, Polygon
+from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
@@ -248,6 +248,26 @@ def test_without_web_mercator_the_system_that_suits_the_layer_is_taken(server):
         ((-180.0, -90.0, 180.0, -65.0), "EPSG:3031"),
     ):
         assert crs_of(serve(server, ANTARCTIC, DUTCH, EUROPEAN, bounds=bounds)) == best
+
+
+@pytest.mark.parametrize(
+    ("area", "best"),
+    [
+        (Box(81.0, -70.0, 80.0, -60.0), "EPSG:3413"),
+        (Polygon((((-180.0, -90.0), (180.0, -90.0), (180.0, -89.9), (-180.0, -89.9)),)), "EPSG:3031"),
+        (Points(((52.09, 5.12, 120.0),)), "EPSG:28992"),
+        (Box(46.01, 7.0, 46.0, 7.01), "EPSG:3035"),
+        (Box(-16.5, 179.995, -16.505, -179.995), "EPSG:28992"),
+    ],
+)
+def test_of_systems_of_a_whole_world_the_one_that_suits_the_mission_is_taken(server, area, best):
+    """Where none suits it, the layer decides."""
+    name = serve(server, DUTCH, ARCTIC, ANTARCTIC, EUROPEAN, bounds=(3.2, 50.7, 7.3, 53.6))
+    assert crs_of(name, area_deg=area.bounds.edges_deg) == best
+    serve_wms(
+        server, wms_layer(server, "EPSG:28992", "EPSG:3413", "EPSG:3031", "EPSG:3035", box=(3, 50, 7, 53))
+    )
+    assert crs_of(f"wms:{server.url}/ows#layers=ortho", area_deg=area.bounds.edges_deg) == best
 
 
 def test_of_two_sets_of_a_system_the_finer_is_taken(server):
