@@ -13,6 +13,7 @@ from ..form.camera import shown_gsd
 from ..form.fields import label_of
 from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
+from ..plain import plain_label
 from ..units import gsd_text, length_text
 from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, spin, tick
 from .entries import (
@@ -163,7 +164,7 @@ class PixelsSection(Section):
         self.add("resolution", tr("Source's pixels"), ways_chosen)
         self._zoom_entry = declared_number("zoom")
         self._zoom = self.add_declared("zoom", self._zoom_entry)
-        self._zooms = named(QLabel(), "zooms")
+        self._zooms = named(plain_label(), "zooms")
         self._zooms.setWordWrap(True)
         self._form.addRow(self._zooms)
         self._plan: Plan | None = None
