@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 #: 1e-14 relative, so no interval needs to be divided.
 _QUADRATURE_NODES = 16
 _QUARTER_DEG = 90.0
+#: Turns to a point's foot: each leaves a part in h·e²/R, at 1,000 km a thousandth.
+_TURNS_TO_FOOT = 5
 
 
 @cache
@@ -401,6 +403,46 @@ def above_tangent_plane_m(
     outward, polar = c * up - s * north, c * north + s * up
     height: Floats = -cos_lat * (cos_dlon * outward + sin_dlon * east) - sin_lat * polar
     return height
+
+
+def positions(
+    lat_deg: Floats, height_m: Floats, offsets_enu: Floats, ground: Ellipsoid = WGS84
+) -> tuple[Floats, Floats, Floats]:
+    """Latitude, longitude from the camera's, and height, of points in the camera's east, north and up.
+
+    The height comes of the surface's equation at the point, the latitude of the point's foot on the surface, which is
+    found by going down the normal there: each turn leaves a part in h·e²/R of what it was off by.
+
+    Parameters
+    ----------
+    lat_deg, height_m : array
+        Cameras, as in `trace`.
+    offsets_enu : array (..., 3)
+        From them, metres; of points less than the Earth's radius below the surface.
+
+    Returns
+    -------
+    lat_deg, dlon_deg, height_m : array (...)
+    """
+    place = _Station.of(lat_deg, height_m, ground)
+    offsets = np.asarray(offsets_enu, np.float64)
+    east, north, up = offsets[..., 0], offsets[..., 1], offsets[..., 2] + place.agl_m
+    polar = place.polar(north, up)
+    excess = (
+        east * east + north * north + up * up + place.e2_prime * polar * polar + 2.0 * place.normal_m * up
+    )
+    lat, dlon = place.geodetic(east, north, up)
+    for _ in range(_TURNS_TO_FOOT):
+        (sine, cosine), (sin_dlon, cos_dlon) = sin_cos(lat), sin_cos(dlon)
+        normal = ground.a_m / np.sqrt(1.0 - ground.e2 * sine * sine)
+        stretch = 1.0 + place.e2_prime * sine * sine
+        height = excess / (normal + np.sqrt(normal * normal + excess * stretch))
+        lat, dlon = place.geodetic(
+            east - height * cosine * sin_dlon,
+            north - height * (sine * place.cos - cosine * place.sin * cos_dlon),
+            up - height * (sine * place.sin + cosine * place.cos * cos_dlon),
+        )
+    return lat, dlon, height
 
 
 def sin_cos(angle_deg: Floats | float) -> tuple[Floats, Floats]:

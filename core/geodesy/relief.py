@@ -1,0 +1,613 @@
+"""The relief as one surface: its heights, and the first point of it that each ray of a camera meets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .ellipsoid import sight_lines
+from .mercator import PixelGrid
+from .paths import Paths, along, fitted
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+#: Sides of the bundles of pixels that are followed together, px: the larger ones lead the smaller ones near the ground.
+_BUNDLES_PX = (64, 16, 4)
+#: Points along each side of an image through which paths are fitted, and how much farther than rays are followed.
+_FITTED, _MARGIN = 6, 1.05
+#: Rows of an image that are worked on in one go: what they need fits a processor's cache.
+_ROWS = 32
+#: Levels of blocks in which rays may fall to the ground, and turns of Newton's method that find where.
+_STEEP_LEVELS, _TURNS = 8, 3
+#: Steps along a ray at most: rays that graze a surface without end are given up, which is said.
+_MOST_STEPS = 1 << 14
+#: Cells gone through one by one before blocks are tried again.
+_STEPS_AT_ONCE = 8
+#: What rounding leaves rays below a surface that they meet: deeper ones have come in from beneath, beyond its edge.
+_TOUCHING_M = 1e-6
+#: Factor on what is found at the corners of a bundle for what lies between them.
+_ROUNDING = 1.001
+#: Factor on the speed of rays for what it grows by within a step, and the least that is divided by, pixels.
+_SPEEDING, _SLOWEST = 1.01, 1e-12
+
+
+class Hits(NamedTuple):
+    """First points of a surface that rays meet, (n,) each.
+
+    Attributes
+    ----------
+    t : array
+        Along the ray; NaN where it meets none.
+    column, row : array
+        On the surface, in pixels from its first pixel's centre; NaN likewise.
+    """
+
+    t: Floats
+    column: Floats
+    row: Floats
+
+
+class PixelRays(NamedTuple):
+    """Rays of an image: ``origin + x·per_x + y·per_y`` at x, y px from its upper left corner, y down."""
+
+    origin: Floats
+    per_x: Floats
+    per_y: Floats
+    width: int
+    height: int
+
+    def at(self, x_px: Floats, y_px: Floats) -> Floats:
+        """Rays (n, 3) of image points (n,)."""
+        rays: Floats = self.origin + x_px[:, np.newaxis] * self.per_x + y_px[:, np.newaxis] * self.per_y
+        return rays
+
+    def forms(self, paths: Paths) -> list[Floats]:
+        """Coefficients of paths as polynomials in x and y: of tᵏ an array (c, k + 1, k + 1), of powers of y and x."""
+        found = []
+        for degree in range(1, paths.degree + 1):
+            x, y = (np.linspace(0.0, side, degree + 1) for side in (self.width, self.height))
+            across, down = np.meshgrid(x, y)
+            values = paths.coefficients(self.at(across.ravel(), down.ravel()))[degree - 1]
+            grid = values.reshape(-1, degree + 1, degree + 1)
+            inverse_x, inverse_y = (np.linalg.inv(np.vander(at, increasing=True)) for at in (x, y))
+            found.append(inverse_y @ grid @ inverse_x.T)
+        return found
+
+
+def _on_grid(forms: list[Floats], x_px: Floats, y_px: Floats) -> Floats:
+    """Coefficients (degree, c, rows, columns) at all x and y, of `PixelRays.forms`."""
+    return np.stack(
+        [
+            np.vander(y_px, len(form[0]), increasing=True)
+            @ form
+            @ np.vander(x_px, len(form[0]), increasing=True).T
+            for form in forms
+        ]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Heights over the ellipsoid, bilinear between the centres of pixels of a grid.
+
+    Parameters
+    ----------
+    grid : PixelGrid
+    zoom : int
+        Whose pixels have the heights.
+    left_px, top_px : int
+        The first pixel.
+    heights_m : array (rows, columns)
+        NaN where there is no ground: neither in the four cells about it.
+    """
+
+    grid: PixelGrid
+    zoom: int
+    left_px: int
+    top_px: int
+    heights_m: Floats
+
+    @property
+    def cells(self) -> tuple[int, int]:
+        """Rows and columns of the cells between pixels' centres."""
+        rows, columns = self.heights_m.shape
+        return rows - 1, columns - 1
+
+    def position(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+        """Columns and rows from the first pixel's centre (any shape)."""
+        u, v = self.grid.plane.forward(lat_deg, lon_deg)
+        world = self.grid.world_px(self.zoom)
+        return u * world - (self.left_px + 0.5), v * world - (self.top_px + 0.5)
+
+    @cached_property
+    def corners_m(self) -> Floats:
+        """Heights of cells' upper left corners, and how they rise along rows, along columns, and twist: (cells, 4)."""
+        h = np.asarray(self.heights_m, np.float64)
+        a, b, c, d = h[:-1, :-1], h[:-1, 1:], h[1:, :-1], h[1:, 1:]
+        corners: Floats = np.stack([a, b - a, c - a, (d - c) - (b - a)], axis=-1).reshape(-1, 4)
+        return corners
+
+    @cached_property
+    def lowest_m(self) -> float:
+        """Least height."""
+        return float(np.nanmin(self.heights_m))
+
+    @cached_property
+    def _tops(self) -> _Pyramid:
+        h = np.where(np.isnan(self.heights_m), -np.inf, self.heights_m)
+        return _Pyramid.of(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
+
+    @cached_property
+    def _slopes(self) -> tuple[_Pyramid, _Pyramid]:
+        """Greatest slopes along rows and along columns, metres per pixel, up or down."""
+        h = np.asarray(self.heights_m, np.float64)
+        across, down = np.abs(np.diff(h, axis=1)), np.abs(np.diff(h, axis=0))
+        # Where a cell has no ground nothing is steep enough.
+        first, second = (
+            _Pyramid.of(np.where(np.isnan(steep), np.inf, steep))
+            for steep in (np.maximum(across[:-1], across[1:]), np.maximum(down[:, :-1], down[:, 1:]))
+        )
+        return first, second
+
+    def heights(self, column: Floats, row: Floats) -> Floats:
+        """Heights at columns and rows (n,); NaN where there is no ground."""
+        rows, columns = self.cells
+        inside = (column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)
+        i = np.clip(np.where(inside, row, 0.0).astype(np.int64), 0, rows - 1)
+        j = np.clip(np.where(inside, column, 0.0).astype(np.int64), 0, columns - 1)
+        x, y = column - j, row - i
+        a, b, c, d = self.corners_m[i * columns + j].T
+        return np.where(inside, a + b * x + c * y + d * x * y, np.nan)
+
+    def first_hits(self, paths: Paths, rays_enu: Floats, after: Floats, farthest: Floats) -> Hits:
+        """First points that rays meet.
+
+        Parameters
+        ----------
+        paths : Paths
+            Of column, row and height.
+        rays_enu : array (n, 3)
+        after, farthest : array (n,)
+            t between which points count.
+        """
+        coefficients = paths.coefficients(rays_enu)
+        t, _ = self.clear(paths.start, coefficients, after, farthest, None, 0)
+        return self._exact(paths.start, coefficients, t, farthest)
+
+    def paths(
+        self, lat_deg: float, lon_deg: float, height_m: float, rays: PixelRays, tolerance_px: float
+    ) -> tuple[Paths, float, float]:
+        """Ways of an image's rays over the surface.
+
+        Parameters
+        ----------
+        lat_deg, lon_deg, height_m : float
+            Of the camera, the height over the ellipsoid.
+        tolerance_px : float
+            What they may be off by, in pixels of the image.
+
+        Returns
+        -------
+        Paths
+            Of column, row and height.
+        farthest : float
+            t beyond which no ray meets anything.
+        off_px : float
+            What they are off by.
+        """
+        x, y = (
+            at.ravel()
+            for at in np.meshgrid(*(np.linspace(0.0, side, _FITTED) for side in (rays.width, rays.height)))
+        )
+        directions = rays.at(x, y)
+        rows, columns = self.cells
+        corner_lat, corner_lon = self._places(
+            np.array([0.0, columns, 0.0, columns]), np.array([0.0, 0.0, rows, rows])
+        )
+        corners = sight_lines(np.array(lat_deg), np.array(height_m), corner_lat, corner_lon - lon_deg)
+        away = float(np.hypot(corners[:, 0], corners[:, 1]).max())
+        with np.errstate(divide="ignore"):
+            down = np.where(directions[:, 2] < 0.0, (height_m - self.lowest_m) / -directions[:, 2], np.inf)
+        farthest = _MARGIN * np.minimum(down, away / np.maximum(np.hypot(*directions[:, :2].T), _SLOWEST))
+        pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
+        cell = float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), self.zoom))
+        tolerances = tolerance_px * pixel / np.array([cell, cell, 1.0]) / 3.0
+
+        def coordinates(lat: Floats, dlon: Floats, height: Floats) -> Floats:
+            return np.stack([*self.position(lat, lon_deg + dlon), height], axis=1)
+
+        found, off = fitted(lat_deg, height_m, directions, farthest, coordinates, tolerances)
+        return found, float(farthest.max()), tolerance_px * float((off / tolerances).sum()) / 3.0
+
+    def _places(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """Latitudes and longitudes of columns and rows."""
+        world = self.grid.world_px(self.zoom)
+        return self.grid.plane.inverse(
+            (column + self.left_px + 0.5) / world, (row + self.top_px + 0.5) / world
+        )
+
+    def image_hits(
+        self, paths: Paths, rays: PixelRays, after: float, farthest: float, tolerance_px: float
+    ) -> Hits:
+        """First points that the rays of the pixels' centres of an image meet, (height, width) each.
+
+        Pixels are followed in bundles, each from where the larger one that holds it has surely met nothing. Where rays
+        fall more steeply than the ground around them does, there is one point to be found, by Newton's method;
+        elsewhere each ray goes on from cell to cell.
+
+        Parameters
+        ----------
+        paths : Paths
+            Of column, row and height.
+        after, farthest : float
+            t between which points count.
+        tolerance_px : float
+            What points may be off by, along the ray, in pixels of the image.
+        """
+        forms = rays.forms(paths)
+        t = np.full((1, 1), after)
+        for side in _BUNDLES_PX:
+            x, y = (_edges(length, side) for length in (rays.width, rays.height))
+            middle = _on_grid(forms, (x[:-1] + x[1:]) / 2.0, (y[:-1] + y[1:]) / 2.0)
+            corners = _on_grid(forms, x, y)
+            spread = np.max(
+                [
+                    np.abs(corner - middle)
+                    for corner in (
+                        corners[..., :-1, :-1], corners[..., :-1, 1:], corners[..., 1:, :-1], corners[..., 1:, 1:]
+                    )
+                ],
+                axis=0,
+            )  # fmt: skip
+            spread = _ROUNDING * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
+            flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
+            begin = _finer(t, middle.shape[2:]).ravel()
+            ends = np.full(len(begin), farthest)
+            clear, there = self.clear(
+                paths.start, middle.reshape(flat), begin, ends, spread.reshape(pairs), 0
+            )
+            t = np.where(there, clear, np.inf).reshape(middle.shape[2:])
+        falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
+        falling = [one.reshape(t.shape) for one in falls]
+        return self._pixels(paths.start, forms, rays, t, falling, farthest, tolerance_px)
+
+    def _falling(
+        self, start: Floats, middle: Floats, spread: Floats, after: Floats, farthest: float
+    ) -> tuple[Floats, Floats]:
+        """How fast bundles come nearer to the ground at least, in metres for t, or 0; and t by which they meet it.
+
+        As far as no slope around is as steep as they are they meet it once, and soon enough to be still there.
+        """
+        rate, reach = np.zeros(len(after)), np.zeros(len(after))
+        t = np.where(np.isfinite(after), after, 1.0)
+        x, y, h = along(start, middle, t)
+        per_x, per_y = (np.abs(_slope(middle[:, axis], t)) + _slope(spread[:, 0], t) for axis in (0, 1))
+        fall = -_slope(middle[:, 2], t) - _slope(spread[:, 1], t)
+        wide, deep = (_polynomial(spread[:, axis], t) for axis in (0, 1))
+        rows, columns = self.cells
+        near = self.heights(np.clip(x, 0.0, columns), np.clip(y, 0.0, rows))
+        across, down = self._slopes
+        for level in range(min(_STEEP_LEVELS, across.levels)):
+            steep_x, steep_y = (pyramid.around(level, x, y) for pyramid in (across, down))
+            steep_x, steep_y = np.maximum(steep_x, 0.0), np.maximum(steep_y, 0.0)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                found = (fall - steep_x * per_x - steep_y * per_y) / _SPEEDING
+                rest = (h - near + deep + (steep_x + steep_y) * wide) / found
+                stays = wide + _SPEEDING * np.maximum(per_x, per_y) * rest <= 2.0**level
+                good = (found > 0.0) & stays & (t + rest <= farthest)
+            reach = np.where((rate == 0.0) & good, t + rest, reach)
+            rate = np.where((rate == 0.0) & good, found, rate)
+        return rate, reach
+
+    def _pixels(
+        self,
+        start: Floats,
+        forms: list[Floats],
+        rays: PixelRays,
+        t: Floats,
+        falling: list[Floats],
+        farthest: float,
+        tolerance_px: float,
+    ) -> Hits:
+        """First points of pixels, of bundles that are clear up to t; infinite where they meet nothing."""
+        side = _BUNDLES_PX[-1]
+        found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
+        pixel = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
+        x_px = np.arange(rays.width) + 0.5
+        for top in range(0, rays.height, _ROWS):
+            bottom = min(top + _ROWS, rays.height)
+            part = slice(top // side, -(-bottom // side))
+            lines = (bottom - top, rays.width)
+            coefficients = _on_grid(forms, x_px, np.arange(top, bottom) + 0.5)
+            first, falls, reach = (
+                values[part].repeat(side, axis=0).repeat(side, axis=1)[: lines[0], : lines[1]]
+                for values in (t, *falling)
+            )
+            open_ = np.isfinite(first)
+            at, off = self._newton(start, coefficients, np.where(open_ & (falls > 0.0), first, 1.0))
+            column, row = along(start[:2, np.newaxis], coefficients[:, :2], at)
+            rows, columns = self.cells
+            good = open_ & (np.abs(off) <= pixel * falls * at)
+            good &= (column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows) & (at <= reach)
+            for values, new in zip(found, (at, column, row)):
+                np.copyto(values[top:bottom], new, where=good)
+            rest = np.flatnonzero(open_ & ~good)
+            if len(rest):
+                own = coefficients.reshape(len(forms), 3, -1)[:, :, rest]
+                exact = self._exact(start, own, first.ravel()[rest], np.full(len(rest), farthest))
+                for values, new in zip(found, exact):
+                    values[top:bottom].ravel()[rest] = new
+        return found
+
+    def _newton(self, start: Floats, coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
+        """Values of t (rows, columns) where rays meet the cells below them, and metres by which they are off."""
+        rows, columns = self.cells
+        off = t
+        for turn in range(_TURNS + 1):
+            x, y, h = along(start[:, np.newaxis], coefficients, t)
+            j = np.minimum(np.maximum(x, 0.0), columns - 1.0).astype(np.int32)
+            i = np.minimum(np.maximum(y, 0.0), rows - 1.0).astype(np.int32)
+            corners = self.corners_m[i * np.int32(columns) + j]
+            x -= j
+            y -= i
+            across = corners[..., 1] + corners[..., 3] * y
+            off = h - (corners[..., 0] + across * x + corners[..., 2] * y)
+            if turn == _TURNS:
+                break
+            down = corners[..., 2] + corners[..., 3] * x
+            per_x, per_y, per_h = (_slope(coefficients[:, axis], t) for axis in range(3))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                step = off / (per_h - across * per_x - down * per_y)
+            # Holes, and rays along the ground, lead nowhere.
+            t = np.where(np.abs(step) <= t, t - step, t)
+        return t, off
+
+    def clear(
+        self,
+        start: Floats,
+        coefficients: Floats,
+        after: Floats,
+        farthest: Floats,
+        spread: Floats | None,
+        least_level: int,
+    ) -> tuple[Floats, Bools]:
+        """How far rays, or bundles of them, surely meet nothing.
+
+        Parameters
+        ----------
+        start, coefficients
+            Of column, row and height, as `along` takes them, of the middle rays.
+        after, farthest : array (n,)
+            t from which they are followed, and up to which.
+        spread : array (degree, 2, n), or None
+            How far other rays of a bundle are from the middle one at t: factors of t, t², … of pixels, and of metres.
+        least_level : int
+            Level of the pyramid below which it is not worth going.
+
+        Returns
+        -------
+        t : array (n,)
+        there : array (n,) of bool
+            Whether it may meet something from there on: False where it surely does not.
+        """
+        tops = self._tops
+        t_found, there = np.array(after, np.float64), np.zeros(len(after), bool)
+        index = np.flatnonzero(after <= farthest)
+        t, end, c = t_found[index], farthest[index], coefficients[:, :, index]
+        s = None if spread is None else spread[:, :, index]
+        level = np.full(len(index), tops.levels - 1)
+        for _ in range(_MOST_STEPS):
+            if not len(index):
+                break
+            x, y, h = along(start, c, t)
+            per_x, per_y = _speed(c, t)
+            # Within the width of a block, in whatever direction, no ray leaves the blocks around.
+            size = np.ldexp(1.0, level)
+            per_t = np.maximum(np.abs(per_x), np.abs(per_y))
+            wide, deep = np.zeros(1), np.zeros(1)
+            if s is not None:
+                wide, per_t = _polynomial(s[:, 0], t), per_t + _slope(s[:, 0], t)
+            # Blocks that are not much wider than the bundle hold it back at every step.
+            roomy = wide <= 0.5 * size
+            step = np.where(roomy, size - wide, 0.0) / (_SPEEDING * np.maximum(per_t, _SLOWEST))
+            ahead = np.minimum(t + step, end)
+            if s is not None:
+                deep = _polynomial(s[:, 1], ahead)
+            sag = _bulge(c) * (ahead - t) ** 2
+            top = tops.around(level, x, y)
+            over, fall = h - deep - sag - top, h - along(start[2:], c[:, 2:], ahead)[0]
+            free = roomy & (over > np.maximum(fall, 0.0))
+            partly = roomy & ~free & (over > 0.0)
+            reach = t + np.where(partly, over / np.where(partly, fall, 1.0), 0.0) * (ahead - t)
+            stuck = ~free & ((level <= least_level) | ~roomy)
+            gone = ~stuck & (
+                (ahead >= end) & free
+                | self._leaves(x, y, per_x, per_y, wide)
+                | (h + deep < self.lowest_m - _TOUCHING_M)
+            )
+            t = np.where(free, ahead, np.where(partly, reach, t))
+            level = np.where(free, np.minimum(level + 1, tops.levels - 1), np.maximum(level - 1, least_level))
+            done = stuck | gone
+            if done.any():
+                t_found[index[done]], there[index[done]] = t[done], stuck[done]
+                keep = ~done
+                index, t, end, level, c = index[keep], t[keep], end[keep], level[keep], c[:, :, keep]
+                s = None if s is None else s[:, :, keep]
+        t_found[index], there[index] = t, True
+        return t_found, there
+
+    def _leaves(self, x: Floats, y: Floats, per_x: Floats, per_y: Floats, wide: Floats | float) -> Bools:
+        """Which bundles are beside the surface and go away from it."""
+        rows, columns = self.cells
+        beside: Bools = (
+            ((x + wide < 0.0) & (per_x <= 0.0))
+            | ((x - wide > columns) & (per_x >= 0.0))
+            | ((y + wide < 0.0) & (per_y <= 0.0))
+            | ((y - wide > rows) & (per_y >= 0.0))
+        )
+        return beside
+
+    def _exact(self, start: Floats, coefficients: Floats, after: Floats, farthest: Floats) -> Hits:
+        """First points from where `clear` has left rays, cell by cell."""
+        n = len(after)
+        found = Hits(*(np.full(n, np.nan) for _ in range(3)))
+        rows, columns = self.cells
+        index, t, end, c = np.arange(n), np.asarray(after, np.float64), farthest, coefficients
+        for count in range(_MOST_STEPS):
+            if count % _STEPS_AT_ONCE == _STEPS_AT_ONCE - 1:
+                t, there = self.clear(start, c, t, end, None, 0)
+                index, t, end, c = index[there], t[there], end[there], c[:, :, there]
+                fresh = True
+            else:
+                fresh = count == 0
+            if not len(index):
+                break
+            if fresh:
+                x, y, h = along(start, c, t)
+                per_x, per_y = _speed(c, t)
+                j, i = (
+                    np.floor(at).astype(np.int64) - ((at == np.floor(at)) & (per < 0.0))
+                    for at, per in ((x, per_x), (y, per_y))
+                )
+            else:
+                per_x, per_y = _speed(c, t)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                to_x = np.where(per_x != 0.0, (j + (per_x > 0.0) - x) / per_x, np.inf)
+                to_y = np.where(per_y != 0.0, (i + (per_y > 0.0) - y) / per_y, np.inf)
+            across = to_x <= to_y
+            t_next = np.minimum(t + np.maximum(np.where(across, to_x, to_y), 0.0), end)
+            x_next, y_next, h_next = along(start, c, t_next)
+            inside = (j >= 0) & (j < columns) & (i >= 0) & (i < rows)
+            cell = np.where(inside, i * columns + j, 0)
+            u, v, u_next, v_next = (np.clip(at, 0.0, 1.0) for at in (x - j, y - i, x_next - j, y_next - i))
+            share = _first_share(self.corners_m[cell], u, v, h, u_next, v_next, h_next)
+            hit, under = inside & (share <= 1.0), inside & np.isnan(share)
+            if hit.any():
+                part = share[hit]
+                found.t[index[hit]] = t[hit] + part * (t_next - t)[hit]
+                found.column[index[hit]] = np.clip(x[hit] + part * (x_next - x)[hit], j[hit], j[hit] + 1)
+                found.row[index[hit]] = np.clip(y[hit] + part * (y_next - y)[hit], i[hit], i[hit] + 1)
+            keep = ~hit & ~under & (t_next < end) & ~self._leaves(x, y, per_x, per_y, 0.0)
+            j = np.where(across, j + np.sign(per_x).astype(np.int64), j)[keep]
+            i = np.where(across, i, i + np.sign(per_y).astype(np.int64))[keep]
+            index, t, end, c = index[keep], t_next[keep], end[keep], c[:, :, keep]
+            x, y, h = x_next[keep], y_next[keep], h_next[keep]
+        return found
+
+
+def _first_share(
+    corners: Floats, x: Floats, y: Floats, h: Floats, x_next: Floats, y_next: Floats, h_next: Floats
+) -> Floats:
+    """Share of chords through cells after which they are below the surface, (n,).
+
+    Infinite where they stay above, NaN where they are below from the start.
+    """
+    a, b, c, d = corners.T
+    dx, dy = x_next - x, y_next - y
+    above = h - (a + b * x + c * y + d * x * y)
+    rising = b * dx + c * dy + d * (x * dy + y * dx) - (h_next - h)
+    bend = d * dx * dy
+    # bend s² + rising s - above = 0
+    square = rising * rising + 4.0 * bend * above
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(square)
+        share = np.where(
+            (rising >= 0.0) | (bend <= 0.0), 2.0 * above / (rising + root), (root - rising) / (2.0 * bend)
+        )
+        share = np.where(share >= 0.0, share, np.inf)
+        # Where a cell has no ground nothing is below it.
+        return np.where(above < -_TOUCHING_M, np.nan, np.where(above <= 0.0, 0.0, share))
+
+
+def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
+    """Derivatives of the first two coordinates by t."""
+    return _slope(coefficients[:, 0], t), _slope(coefficients[:, 1], t)
+
+
+def _bulge(coefficients: Floats) -> Floats | float:
+    """What heights between the ends of a step may be below both, per squared step: half the second derivative."""
+    return np.abs(coefficients[1, 2]) if len(coefficients) > 1 else 0.0
+
+
+def _edges(length: int, side: int) -> Floats:
+    """Edges of bundles along an image's side; the last one is cut off with it."""
+    return np.append(np.arange(0, length, side), length).astype(np.float64)
+
+
+def _finer(values: Floats, shape: tuple[int, ...]) -> Floats:
+    """Values of larger bundles for each of the smaller ones in them."""
+    if values.size == 1:
+        return np.broadcast_to(values, shape)
+    step = _BUNDLES_PX[0] // _BUNDLES_PX[1]
+    return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
+
+
+def _polynomial(factors: Floats, t: Floats) -> Floats:
+    """Sum of t, t², … times factors (degree, n)."""
+    total: Floats = factors[-1] * t
+    for factor in factors[-2::-1]:
+        total = (total + factor) * t
+    return total
+
+
+def _slope(factors: Floats, t: Floats) -> Floats:
+    """Derivative of `_polynomial` by t."""
+    total: Floats = len(factors) * factors[-1]
+    for power in range(len(factors) - 1, 0, -1):
+        total = total * t + power * factors[power - 1]
+    return total
+
+
+class _Pyramid(NamedTuple):
+    """Greatest values of cells, of blocks of 2 x 2, of 4 x 4, …, each over its neighbours as well.
+
+    ``flat`` has the levels one after the other, each with a margin of one block; level i begins at ``first[i]`` and has
+    ``high[i]`` rows and ``wide[i]`` columns without it.
+    """
+
+    flat: Floats
+    first: Numbers
+    high: Numbers
+    wide: Numbers
+
+    @classmethod
+    def of(cls, cells: Floats) -> _Pyramid:
+        """Of values of cells (rows, columns); beyond them there is nothing."""
+        block, parts, shapes = cells, [], []
+        while True:
+            shapes.append(block.shape)
+            wider = np.pad(block, 2, constant_values=-np.inf)
+            tall = np.maximum(np.maximum(wider[:-2], wider[1:-1]), wider[2:])
+            parts.append(np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:]).ravel())
+            if max(block.shape) == 1:
+                break
+            even = np.pad(block, [(0, size % 2) for size in block.shape], constant_values=-np.inf)
+            block = np.maximum(
+                np.maximum(even[::2, ::2], even[::2, 1::2]), np.maximum(even[1::2, ::2], even[1::2, 1::2])
+            )
+        first = np.cumsum([0, *(len(part) for part in parts[:-1])])
+        return cls(np.concatenate(parts), first, *np.array(shapes, np.int64).T)
+
+    @property
+    def levels(self) -> int:
+        """Number of levels."""
+        return len(self.first)
+
+    def block(self, level: Numbers | int, x: Floats, y: Floats) -> Numbers:
+        """Where the blocks at levels and points (n,) are."""
+        high, wide = self.high[level], self.wide[level]
+        scale = np.ldexp(1.0, -np.asarray(level))
+        j = np.minimum(np.maximum(np.floor(x * scale), -1.0), wide)
+        i = np.minimum(np.maximum(np.floor(y * scale), -1.0), high)
+        block: Numbers = (self.first[level] + (i + 1.0) * (wide + 2) + (j + 1.0)).astype(np.int64)
+        return block
+
+    def around(self, level: Numbers | int, x: Floats, y: Floats) -> Floats:
+        """Greatest values within a block's width of points (n,), at levels (n,)."""
+        return self.flat[self.block(level, x, y)]

@@ -1,0 +1,245 @@
+"""First points of a surface that rays meet, against marches in steps too small to pass by anything."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyproj
+import pytest
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.paths import Paths, along, fitted
+from terrainav.core.geodesy.planes import ProjectedPlane
+from terrainav.core.geodesy.relief import PixelRays, Surface
+
+CAMERA = Camera(78.8, 4 / 3)
+#: Pixels of the images, cells of the surfaces, and metres of a cell.
+WIDTH, HEIGHT, SIDE, CELL = 160, 120, 240, 1.0
+MARCHED = 40_000
+
+
+def wall(z):
+    z[:, z.shape[1] // 2] = 20.0
+
+
+def spikes(z):
+    rng = np.random.default_rng(1)
+    z[rng.integers(0, z.shape[0], 6), rng.integers(0, z.shape[1], 6)] = 25.0
+
+
+def checkerboard(z):
+    z += 5.0 * (np.indices(z.shape).sum(axis=0) % 2)
+
+
+def cliff(z):
+    z[:, z.shape[1] // 2 :] = 30.0
+
+
+def noise(z):
+    z += np.random.default_rng(2).normal(0.0, 3.0, z.shape)
+
+
+def hills(z):
+    y, x = np.indices(z.shape) / 9.0
+    z += 2.0 * np.sin(x) * np.cos(1.3 * y) + 0.5 * np.sin(3.1 * x + y)
+
+
+def hole(z):
+    hills(z)
+    z[z.shape[0] // 3 : z.shape[0] // 2, z.shape[1] // 3 : z.shape[1] // 2] = np.nan
+
+
+KINDS = {kind.__name__: kind for kind in (wall, spikes, checkerboard, cliff, noise, hills, hole)}
+
+
+def heights(kind, rows, columns):
+    z = np.zeros((rows, columns))
+    KINDS[kind](z)
+    return z
+
+
+def bilinear(z, x, y):
+    """Heights at columns and rows; NaN beyond the surface."""
+    rows, columns = z.shape
+    inside = (x >= 0) & (x <= columns - 1) & (y >= 0) & (y <= rows - 1)
+    j, i = (
+        np.clip(np.where(inside, at, 0).astype(int), 0, most - 2) for at, most in ((x, columns), (y, rows))
+    )
+    u, v = x - j, y - i
+    mean = (z[i, j] * (1 - u) + z[i, j + 1] * u) * (1 - v) + (z[i + 1, j] * (1 - u) + z[i + 1, j + 1] * u) * v
+    return np.where(inside, mean, np.nan)
+
+
+def marched(z, t, x, y, h):
+    """First t (n, steps) at which rays are below the surface and were above it a step before; NaN for none.
+
+    Rays that come in from beneath, through the side of the model, see nothing.
+    """
+    over = h - bilinear(z, x, y)
+    below = over <= 0.0
+    first = np.argmax(below, axis=1)
+    row = np.arange(len(t))
+    # Too near to its edge, where they come in, to say from which side of it.
+    entry = over[row, np.argmax(np.isfinite(over), axis=1)]
+    beneath = (below.any(axis=1) & ~np.isfinite(over[row, np.maximum(first - 1, 0)])) | (entry < 0.05)
+    return np.where(below.any(axis=1) & ~beneath, t[row, first], np.nan), beneath
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(1, 40))]
+)
+def test_rays_meet_the_surface_first_where_a_march_does(kind, seed):
+    """Straight rays in the surface's own pixels, from anywhere to anywhere; none passes a wall or a spike."""
+    rng = np.random.default_rng(seed)
+    rows, columns = rng.integers(2, 60, 2)
+    z = heights(kind, rows, columns)
+    surface = Surface(PixelGrid(), 0, 0, 0, z)
+    highest = np.nanmax(z)
+    start = np.array([*rng.uniform(-30, 80, 2), highest + rng.uniform(0.1, 60)])
+    ends = np.stack(
+        [rng.uniform(0, side - 1, 60) for side in (columns, rows)] + [rng.uniform(-1, highest + 1, 60)]
+    )
+    rays, farthest = ends.T - start, np.full(60, 5.0)
+    hits = surface.first_hits(Paths(start, (np.eye(3),)), rays, np.zeros(60), farthest)
+    t = np.broadcast_to(np.linspace(0.0, 5.0, MARCHED), (60, MARCHED))
+    wanted, from_beneath = marched(z, t, *(start[i] + t * rays[:, i, np.newaxis] for i in range(3)))
+    step = 5.0 / MARCHED
+    # The march may miss what is thinner than its step; then the point lies on the surface all the same.
+    clear = ~from_beneath
+    assert not (np.isnan(hits.t) & np.isfinite(wanted))[clear].any()
+    assert not (hits.t > wanted + 1e-9)[clear].any()
+    early = np.isfinite(hits.t) & ~(hits.t > wanted - 1.5 * step)
+    assert early[clear].mean() < 0.05
+    there = np.isfinite(hits.t)
+    on_ray = start[2] + hits.t[there] * rays[there, 2]
+    assert bilinear(z, hits.column[there], hits.row[there]) == pytest.approx(on_ray, abs=1e-9)
+
+
+def grid_about(crs, lat, lon):
+    if crs == "EPSG:3857":
+        return PixelGrid(), 17
+    x, y = ProjectedPlane(crs, 0.0, 0.0, 1.0, 1.0).to_crs(np.array(lat), np.array(lon))
+    size = CELL * 2**15
+    return PixelGrid(
+        256, 0, 7, 7, plane=ProjectedPlane(crs, float(x) - size / 2, float(y) + size / 2, size, size)
+    ), 7
+
+
+def surface_about(crs, lat, lon, z):
+    grid, zoom = grid_about(crs, lat, lon)
+    u, v = grid.plane.forward(np.array(lat), np.array(lon))
+    world = grid.world_px(zoom)
+    left, top = (int(float(at) * world) - side // 2 for at, side in ((u, z.shape[1]), (v, z.shape[0])))
+    return Surface(grid, zoom, left, top, z)
+
+
+def image_rays(yaw, tilt, roll, width=WIDTH, height=HEIGHT):
+    corner, right, below = CAMERA.rays_enu(((-1.0, 1.0), (1.0, 1.0), (-1.0, -1.0)), yaw, tilt, roll)
+    return PixelRays(corner, (right - corner) / width, (below - corner) / height, width, height)
+
+
+def centres(rays):
+    x, y = (at.ravel() for at in np.meshgrid(np.arange(rays.width) + 0.5, np.arange(rays.height) + 0.5))
+    return rays.at(x, y)
+
+
+def on_earth(surface, lat, lon, height, points):
+    """Columns, rows and heights of points in a camera's east, north and up, by PROJ's own geocentric coordinates."""
+    to_space = pyproj.Transformer.from_crs("EPSG:4979", "EPSG:4978", always_xy=True)
+    phi, lam = np.radians(lat), np.radians(lon)
+    east = [-np.sin(lam), np.cos(lam), 0.0]
+    north = [-np.sin(phi) * np.cos(lam), -np.sin(phi) * np.sin(lam), np.cos(phi)]
+    up = [np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)]
+    in_space = np.array(to_space.transform(lon, lat, height)) + points @ np.array([east, north, up])
+    lons, lats, heights_m = to_space.transform(*np.moveaxis(in_space, -1, 0), direction="INVERSE")
+    return *surface.position(np.array(lats), np.array(lons)), np.array(heights_m)
+
+
+PLACES = [
+    ("EPSG:32616", 35.1, -89.9),
+    ("EPSG:3031", -90.0, 0.0),
+    ("EPSG:3857", 47.5, 8.5),
+    ("EPSG:2263", 40.7, -74.0),
+]
+
+
+@pytest.mark.parametrize(("crs", "lat", "lon"), PLACES)
+@pytest.mark.parametrize("kind", ["hills", "spikes", "noise"])
+@pytest.mark.parametrize(
+    ("agl", "attitude"),
+    [
+        (60.0, (0.0, 0.0, 0.0)),
+        (120.0, (33.0, 45.0, 5.0)),
+        (30.0, (200.0, 80.0, 0.0)),
+        (3000.0, (90.0, 2.0, 0.0)),
+    ],
+)
+def test_images_over_the_earth_meet_the_relief_where_a_march_through_space_does(
+    crs, lat, lon, kind, agl, attitude
+):
+    z = 500.0 + heights(kind, SIDE, SIDE)
+    surface = surface_about(crs, lat, lon, z)
+    height = float(np.nanmax(z)) + agl
+    rays = image_rays(*attitude)
+    paths, farthest, off_px = surface.paths(lat, lon, height, rays, 1e-3)
+    assert off_px <= 1e-3
+    hits = surface.image_hits(paths, rays, 0.0, farthest, 1e-3)
+    some = np.random.default_rng(3).integers(0, WIDTH * HEIGHT, 50)
+    directions = centres(rays)[some]
+    found = hits.t.ravel()[some]
+    # Where a point is met, it lies on the surface, as PROJ has it ...
+    there = np.isfinite(found)
+    pixel = float(np.linalg.norm(rays.per_x))
+    x, y, h = on_earth(surface, lat, lon, height, found[there, np.newaxis] * directions[there])
+    steep = 1.0 + np.abs(np.diff(z)).max()
+    assert (np.abs(bilinear(z, x, y) - h) <= 3e-3 * pixel * found[there] * steep + 1e-6).all()
+    # ... and nothing is in the way before it.
+    reach = np.where(there, found * (1.0 - 1e-6), farthest)
+    t = np.linspace(0.0, 1.0, 4000) * reach[:, np.newaxis]
+    x, y, h = on_earth(surface, lat, lon, height, t[..., np.newaxis] * directions[:, np.newaxis])
+    over = h - bilinear(z, x, y)
+    from_above = np.isfinite(over[:, :-1]) & (over[:, :-1] > 0.01) & (over[:, 1:] < -0.01)
+    assert not from_above.any()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("tilt", [0.0, 30.0, 60.0, 80.0])
+def test_bundles_find_what_single_rays_do(kind, tilt):
+    z = heights(kind, SIDE, SIDE + 7)
+    surface = surface_about("EPSG:32616", 35.1, -89.9, z)
+    rays = image_rays(20.0, tilt, 3.0, 173, 131)
+    paths, farthest, _ = surface.paths(35.1, -89.9, 90.0, rays, 1e-3)
+    hits = surface.image_hits(paths, rays, 0.0, farthest, 1e-3)
+    n = rays.width * rays.height
+    single = surface.first_hits(paths, centres(rays), np.zeros(n), np.full(n, farthest))
+    found = hits.t.ravel()
+    assert np.array_equal(np.isnan(found), np.isnan(single.t))
+    assert np.isfinite(found).mean() > 0.02
+    there = np.isfinite(found)
+    assert (np.abs(found - single.t)[there] <= 2e-3 * found[there]).all()
+    assert np.median(np.abs(found - single.t)[there]) < 1e-6
+
+
+@pytest.mark.parametrize(("crs", "lat", "lon"), PLACES)
+@pytest.mark.parametrize("far", [200.0, 5e3, 40e3])
+def test_paths_are_as_exact_as_they_say(crs, lat, lon, far):
+    surface = surface_about(crs, lat, lon, np.zeros((2, 2)))
+    corners = image_rays(70.0, 80.0, 0.0)
+    x, y = (at.ravel() for at in np.meshgrid(np.linspace(0, WIDTH, 6), np.linspace(0, HEIGHT, 6)))
+    directions = corners.at(x, y)
+    directions /= np.linalg.norm(directions, axis=1)[:, np.newaxis]
+
+    def coordinates(lat_deg, dlon, height):
+        return np.stack([*surface.position(lat_deg, lon + dlon), height], axis=1)
+
+    tolerances = np.array([1e-6, 1e-6, 1e-6])
+    paths, off = fitted(lat, 300.0, directions, np.full(len(directions), far), coordinates, tolerances)
+    rng = np.random.default_rng(4)
+    inside = corners.at(rng.uniform(0, WIDTH, 200), rng.uniform(0, HEIGHT, 200))
+    inside /= np.linalg.norm(inside, axis=1)[:, np.newaxis]
+    t = rng.uniform(0.0, far, 200)
+    true = np.stack(on_earth(surface, lat, lon, 300.0, t[:, np.newaxis] * inside))
+    told = along(paths.start, paths.coefficients(inside), t)
+    assert (off <= tolerances).all()
+    # Heights by PROJ are off by 3e-6 m at a pole.
+    assert (np.abs(told - true) <= off[:, np.newaxis] * t + 1e-5).all()
