@@ -50,7 +50,7 @@ def values():
     return np.random.default_rng(15).integers(0, 256, (3, SIDE, SIDE), np.uint8)
 
 
-@pytest.fixture(scope="module", params=["NONE", "DEFLATE"])
+@pytest.fixture(scope="module", params=["DEFLATE", pytest.param("NONE", marks=pytest.mark.thorough)])
 def body(request, values, tmp_path_factory):
     path = tmp_path_factory.mktemp("remote") / "ortho.tif"
     options = (*OPTIONS, f"COMPRESS={request.param}")
