@@ -39,11 +39,11 @@ test-core: setup  ## only the tests that run without Qt and QGIS
 test-core-%:
 	$(TEST_CORE) --splits $(words $(PARTS)) --group $*
 
-# What holds must hold on processors without wide instructions, whose sines are others, and with the newest numpy.
-NARROW = NPY_DISABLE_CPU_FEATURES="$$($(PYTHON) -c 'from tests.support.libraries import WIDE; print(WIDE)')"
+# What holds must hold on processors that have less than this one, whose sines are others, and with the newest numpy.
+NARROW = NPY_DISABLE_CPU_FEATURES="$$($(PYTHON) -c 'from tests.support.libraries import chosen_instructions as all; print(*all())')"
 NUMERIC_TESTS := tests/core/geodesy tests/core/mission tests/core/report
 
-test-narrow: setup  ## the tests of geodesy, mission and report, with the processor's wide instructions off
+test-narrow: setup  ## the tests of geodesy, mission and report, with what numpy takes of this processor alone off
 	$(NARROW) $(PYTHON) -m pytest $(NUMERIC_TESTS)
 
 test-newest: setup  ## the same with the newest numpy and Pillow, in an environment of their own

@@ -1,7 +1,7 @@
 """Mathematical libraries that are not this machine's: the core with sines and the like that are off.
 
 Processors with AVX-512 give numpy 1 sines up to 4 units in the last place off, others give it better ones. What holds
-for any of them is tried with `inexact`, on whatever processor; `WIDE` are the instructions a process can do without.
+for any of them is tried with `inexact`, on whatever processor; a process can do without its `chosen_instructions`.
 """
 
 from __future__ import annotations
@@ -32,20 +32,13 @@ _GOLDEN, _MIX, _MIX_AGAIN = (
     np.uint64(number) for number in (0x9E3779B97F4A7C15, 0xBF58476D1CE4E5B9, 0x94D049BB133111EB)
 )
 
-#: What ``NPY_DISABLE_CPU_FEATURES`` names for a process whose numpy is to do without wide instructions.
-WIDE = (
-    "X86_V4 AVX512_ICL AVX512_SPR"
-    if tuple(map(int, np.__version__.split(".")[:2])) >= (2, 4)
-    else "AVX512F AVX512CD AVX512_SKX AVX512_CLX AVX512_CNL AVX512_ICL"
-)
 
-
-def wide_instructions() -> list[str]:
-    """Those of the features in `WIDE` that this processor has and numpy uses in this process."""
+def chosen_instructions() -> list[str]:
+    """What numpy chooses at run time because this processor has it, as ``NPY_DISABLE_CPU_FEATURES`` names it."""
     umath = importlib.import_module(
         "numpy.core._multiarray_umath" if np.__version__ < "2" else "numpy._core._multiarray_umath"
     )
-    return [name for name in WIDE.split() if umath.__cpu_features__.get(name)]
+    return [name for name in umath.__cpu_dispatch__ if umath.__cpu_features__[name]]
 
 
 def _scattered(seed: int, *arguments: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.support.libraries import wide_instructions
+from tests.support.libraries import chosen_instructions
 
 ROOT = Path(__file__).resolve().parents[3]
 IMAGES = (".tif", ".jpg", ".png")
@@ -54,7 +54,7 @@ def here(tmp_path_factory):
             marks=[
                 pytest.mark.thorough,
                 pytest.mark.skipif(
-                    not wide_instructions(), reason="numpy uses no wide instructions on this processor"
+                    not chosen_instructions(), reason="numpy uses no instructions of this processor's own"
                 ),
             ],
         ),
@@ -64,7 +64,7 @@ def here(tmp_path_factory):
 def elsewhere(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("elsewhere")
     if request.param == "narrow":
-        return captured(folder, without=" ".join(wide_instructions()))
+        return captured(folder, without=" ".join(chosen_instructions()))
     return captured(folder, "7")
 
 
