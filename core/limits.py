@@ -47,6 +47,8 @@ MAX_PICTURE_BYTES = 8 * MAX_PICTURE_PX
 MAX_PICTURE_SIDE_PX = 20_000
 #: Bands of a picture: imaging spectrometers have some 250.
 MAX_BANDS = 1_000
+#: Sources of heights that fill each other.
+MAX_HEIGHT_SOURCES = 16
 #: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
 MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 

@@ -30,6 +30,10 @@ _ENTERED = (
     "stretch",
     "crs",
     "format",
+    "elevation",
+    "height_unit",
+    "height_offset",
+    "clearance",
 )
 
 

@@ -96,10 +96,9 @@ def _plan(
 ) -> Planned | None:
     """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
-    from ..core.mission.plan import plan
-    from .sources import costs_of
+    from .sources import costs_of, worked_out
 
-    steps = plan(mission, find_grid())
+    steps = worked_out(mission, find_grid)
     return None if overtaken() else Planned(mission, steps, estimate(steps, costs_of(mission.imagery.source)))
 
 

@@ -28,9 +28,12 @@ if TYPE_CHECKING:
     from ..core.imagery.source import Source
     from ..core.mission.estimate import Costs
     from ..core.mission.mission import Mission
+    from ..core.mission.plan import Plan
     from .network.transport import QgisTransport
 
 WORLD = "world"
+#: Public tiles of heights.
+TERRARIUM = "terrarium"
 
 
 def grid_of(mission: Mission) -> PixelGrid:
@@ -80,6 +83,33 @@ def grid_finder(mission: Mission) -> Callable[[], PixelGrid]:
 
         return refuse
     return lambda: grid
+
+
+def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
+    """Plan of a mission, over its relief where it has one; on any thread.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        As `plan` does, and where its heights cannot be had.
+    """
+    from ..core.imagery.opening import SourceOptions
+    from ..core.mission.plan import plan
+    from ..core.picture.heights import heights_of
+
+    grid = find_grid()
+    sources = (*mission.terrain.elevation, *mission.terrain.surface)
+    if not sources:
+        return plan(mission, grid)
+    is_fetched = any("://" in text or text == TERRARIUM for text in sources)
+    options = SourceOptions(
+        seed=mission.imagery.seed,
+        crs=mission.imagery.crs,
+        connections=Settings().connections,
+        transport=transport_for("") if is_fetched else None,
+        cache=Settings().tile_cache(),
+    )
+    return plan(mission, grid, heights_of(mission, options))
 
 
 def costs_of(name: str) -> Costs:

@@ -41,6 +41,7 @@ _PARTS = {
     "imagery": "Imagery",
     "pixels": "Pixels",
     "accuracy": "Accuracy",
+    "terrain": "Relief",
     "output": "Output",
 }
 #: Options whose names do not follow from one field each.

@@ -24,7 +24,7 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     Returns
     -------
     Path
-        The folder, with ``mission.json`` and a folder for each map type in it.
+        The folder, with ``mission.json`` and a folder for each map type and product in it.
 
     Raises
     ------
@@ -34,10 +34,11 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     """
     path = Path(folder)
     make_folder(path)
+    folders = (*mission.imagery.map_types, *mission.output.products)
     wanted = mission.to_json().encode("utf-8")
     found = _mark_of(path)
     if found is None:
-        _refuse_foreign(path, mission.imagery.map_types)
+        _refuse_foreign(path, folders)
         # Of two runs that find the folder empty at the same time, one makes it its own and the other finds it so.
         with open_locked(path / JOURNAL_FILE):
             found = _mark_of(path)
@@ -52,8 +53,8 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
             folder,
             remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
         )
-    for map_type in mission.imagery.map_types:
-        make_folder(path / map_type)
+    for name in folders:
+        make_folder(path / name)
     return path
 
 
@@ -102,8 +103,8 @@ def _mark_of(path: Path) -> bytes | None:
         raise OutputError("folder {0}: cannot read {1} ({2})", path, MISSION_FILE, wrong.strerror) from wrong
 
 
-def _refuse_foreign(path: Path, map_types: Iterable[str]) -> None:
-    for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, *map_types):
+def _refuse_foreign(path: Path, folders: Iterable[str]) -> None:
+    for name in (JOURNAL_FILE, PLAN_FILE, FOOTPRINTS_FILE, *folders):
         found = path / name
         # A run that was killed as it began leaves an empty journal.
         if not found.exists() or (name == JOURNAL_FILE and found.is_file() and found.stat().st_size == 0):

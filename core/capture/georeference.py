@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from pyproj import CRS
 
 from ..errors import InvalidInput
-from ..geodesy.footprint import exact
-from ..geodesy.mercator import WebMercator, wrap_lon_deg
-from ..mission.layout.framing import ground_of
+from ..geodesy.mercator import WebMercator
 from ..mission.plan import Plan
 from .metadata import degrees, xml_text
 from .tiff import Kind, Tag
@@ -141,9 +139,6 @@ class ControlPoints:
         width_px, height_px : int
             Of the picture as written.
         """
-        pose = plan.poses.take(np.array([index]))
-        pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
-        mission = plan.mission
         across, down = (_LONG_SIDE, _SHORT_SIDE) if width_px >= height_px else (_SHORT_SIDE, _LONG_SIDE)
         found = np.empty((0, 5))
         for doubling in range(_DOUBLINGS + 1):
@@ -154,7 +149,7 @@ class ControlPoints:
                     np.linspace(1.0, -1.0, (down << doubling) + 1),
                 )
             )
-            seen = exact(mission.camera, pose, tuple(zip(x.tolist(), y.tolist())), ground_of(mission))
+            seen, heights = plan.seen(index, tuple(zip(x.tolist(), y.tolist())))
             hit = seen.hit[0]
             lon, lat = ([degrees(angle) for angle in angles[0]] for angles in (seen.lon_deg, seen.lat_deg))
             columns = (
@@ -162,7 +157,7 @@ class ControlPoints:
                 (1.0 - y) / 2.0 * height_px,
                 np.array(lon),
                 np.array(lat),
-                np.full(len(x), mission.flight.ground_height_m),
+                heights[0],
             )
             found = np.stack(columns, axis=1)[hit]
             if len(found) >= _FEWEST:

@@ -43,6 +43,8 @@ class Outcome:
         Shares of its pixels that see no ground, and ground that no Web-Mercator source has.
     size_bytes : int
         Of all its files together; 0 where it is not known.
+    facade_share : float
+        Share of its pixels that see faces which no map shows.
     repeated : tuple of str
         Digests of files it was made of that came for other places far away, too; see `Repeats`.
     """
@@ -53,6 +55,7 @@ class Outcome:
     reason: str = ""
     sky_share: float = 0.0
     unmapped_share: float = 0.0
+    facade_share: float = 0.0
     size_bytes: int = 0
     repeated: tuple[str, ...] = ()
 
@@ -72,6 +75,8 @@ class Outcome:
         }
         if self.sky_share or self.unmapped_share:
             fields.update(sky_share=self.sky_share, unmapped_share=self.unmapped_share)
+        if self.facade_share:
+            fields.update(facade_share=self.facade_share)
         if self.size_bytes:
             fields.update(size_bytes=self.size_bytes)
         if self.repeated:
@@ -83,9 +88,11 @@ class Outcome:
         """Outcome of a line, or None where the line is torn."""
         try:
             fields = parse_json(line)
-            sky, unmapped = (float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped"))
+            sky, unmapped, facades = (
+                float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade")
+            )
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
-            if not all(map(math.isfinite, (sky, unmapped, entropy or 0.0))):
+            if not all(map(math.isfinite, (sky, unmapped, facades, entropy or 0.0))):
                 return None
             return cls(
                 str(fields["map_type"]),
@@ -94,6 +101,7 @@ class Outcome:
                 str(fields["reason"]),
                 sky,
                 unmapped,
+                facades,
                 int(fields.get("size_bytes", 0)),
                 tuple(map(str, fields.get("repeated", ()))),
             )

@@ -62,7 +62,7 @@ def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:
             [
                 wrap_lon_deg(np.round(poses.lon_deg, DECIMALS_OF_DEGREES)),
                 poses.lat_deg,
-                plan.mission.flight.ground_height_m + poses.agl_m,
+                plan.height_m[at[rows]],
                 *poses.attitude,
                 *accuracies,
             ],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +20,7 @@ from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures
+from ..picture.products import BANDS, products
 from ..picture.shot import Shot, draw, shot_of
 from .georeference import ControlPoints, Georeference
 from .journal import Outcome
@@ -49,6 +50,8 @@ class PictureJob:
         Of the source.
     ranges : tuple of (low, high)
         Values of each band that are shown darkest and brightest.
+    products : (Plan, Path) or None
+        What they are worked out from, and the folder in which each has one of its own.
     """
 
     index: int
@@ -61,17 +64,20 @@ class PictureJob:
     description: Description
     bands: Bands = RGB
     ranges: tuple[Range, ...] = ()
+    products: tuple[Plan, Path] | None = None
 
 
 class Made(NamedTuple):
     """What is known of a picture once it is made.
 
-    Bits of entropy, the shares without ground or without a map, and the bytes of its files together.
+    Bits of entropy, the shares without ground, without a map and of faces that no map shows, and the bytes of its files
+    together.
     """
 
     entropy: float
     sky_share: float = 0.0
     unmapped_share: float = 0.0
+    facade_share: float = 0.0
     size_bytes: int = 0
 
 
@@ -85,19 +91,31 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         Where it cannot be written.
     """
-    picture, sky_share, unmapped_share = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
+    picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
     picture = resized(picture, job.img_size, job.bands)
+    description = job.description
+    if isinstance(job.shot, Shot):
+        description = replace(description, more=_camera_metadata(job.shot))
+    if job.products is not None:
+        plan, folder = job.products
+        for name, values in products(plan, job.index, (picture.shape[1], picture.shape[0]), job.shot):
+            limits = [_range_of(values[..., band]) for band in range(len(BANDS[name]))]
+            write_picture(folder / name, "tif", values, job.place, description, BANDS[name], limits)
     if job.bands == RGB:
-        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, job.description)
+        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description)
         bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
-        return Made(bits, sky_share, unmapped_share, size_bytes)
+        return Made(bits, sky, unmapped, facades, size_bytes)
     bands, ranges = _written(job)
     picture = picture.reshape(*picture.shape[:2], -1)
-    size_bytes = write_picture(
-        job.folder, job.image_format, picture, job.place, job.description, bands, ranges
-    )
+    size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description, bands, ranges)
     bits = entropy(shown_in_8_bits(picture, bands, ranges))
-    return Made(bits, sky_share, unmapped_share, size_bytes)
+    return Made(bits, sky, unmapped, facades, size_bytes)
+
+
+def _range_of(values: NDArray[Any]) -> Range:
+    """Least and greatest of values; 0 to 1 where there are none."""
+    known = values[np.isfinite(values)]
+    return (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
 
 
 def _written(job: PictureJob) -> tuple[Bands, tuple[Range, ...]]:
@@ -117,9 +135,15 @@ def exposures_of(plan: Plan) -> Exposures | None:
 
 
 def job_of(
-    plan: Plan, index: int, source: Source, map_type: str, folder: Path, exposures: Exposures | None = None
+    plan: Plan,
+    index: int,
+    source: Source,
+    map_type: str,
+    folder: Path,
+    exposures: Exposures | None = None,
+    products_in: Path | None = None,
 ) -> PictureJob:
-    """Job of one capture; with ``exposures`` its picture is tagged as a drone's."""
+    """Job of one capture; with ``exposures`` its picture is tagged as a drone's. Products go to folders of a folder."""
     mission = plan.mission
     width, height = int(plan.width_px[index]), int(plan.height_px[index])
     if mission.output.img_size:
@@ -131,7 +155,7 @@ def job_of(
         place = Georeference(west, south, east, north, width, height, plan.grid.plane.crs)
     else:
         place = ControlPoints.of(plan, index, width, height)
-    pose = {name: float(values[index]) for name, values in zip(plan.poses._fields, plan.poses)}
+    pose: dict[str, Any] = {n: float(values[index]) for n, values in zip(plan.poses._fields, plan.poses)}
     return PictureJob(
         index,
         folder,
@@ -149,12 +173,12 @@ def job_of(
             zoom=plan.zoom,
             imagery_date=source.date,
             effective_gsd_m_per_px=_effective_gsd_m(plan, index),
-            more=_camera_metadata(plan, shot),
             exposure=None if exposures is None else exposures.at(index),
             **pose,
         ),
         bands_of(source),
         ranges_of(source),
+        None if products_in is None else (plan, products_in),
     )
 
 
@@ -173,19 +197,18 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
     return max(own, float(grid.ground_m_per_px(lat, lon, min(zoom, grid.native_zoom))))
 
 
-def _camera_metadata(plan: Plan, shot: Window | Shot) -> tuple[tuple[str, str], ...]:
+def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
     """What a camera frame's metadata says beyond a map frame's."""
-    if not isinstance(shot, Shot):
-        return ()
-    camera = plan.mission.camera
+    plan, camera = shot.plan, shot.plan.mission.camera
     return (
         ("FRAME", "camera"),
         ("FOV_DEG", repr(degrees(camera.fov_deg))),
         ("ASPECT_RATIO", repr(figure(camera.aspect_ratio))),
-        ("GROUND_HEIGHT_M", repr(figure(plan.mission.flight.ground_height_m))),
+        ("GROUND_HEIGHT_M", repr(figure(float(plan.ground_m[shot.index])))),
         ("RESAMPLING", shot.kernel),
         ("SKY_SHARE", repr(figure(shot.view.sky_share))),
         ("ERROR_BOUND_PX", repr(figure(plan.accuracy.bound_px))),
+        *((("HEIGHTS", plan.relief.attribution),) if plan.relief is not None else ()),
     )
 
 
@@ -213,6 +236,9 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         image_width, image_height = (
             np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]
         )
+    if plan.relief is not None:
+        camera.update(height_m=plan.height_m[at])
+        camera.update(facade_share=np.array([row.facade_share for row in rows], np.float64))
     own = plan.grid.own
     if own is not None:
         pixel = (np.full(len(at), size) for size in plan.grid.pixel_size(plan.zoom))

@@ -7,6 +7,7 @@ import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -24,9 +25,16 @@ from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
 from ..mission.export import write_plan
 from ..mission.plan import Plan
+from ..picture.camera_frame import parts_of_tiles
 from ..picture.map_frame import check_size
-from ..picture.shot import parts_of
-from .folder import captured_mission, check_captured, complete_pictures, open_folder, remove_picture
+from ..picture.shot import parts_of, tiles_of
+from .folder import (
+    captured_mission,
+    check_captured,
+    complete_pictures,
+    open_folder,
+    remove_picture,
+)
 from .journal import FAILED, Journal, Outcome
 from .odm import write_odm_files
 from .pipeline import Pipeline, sweep
@@ -37,6 +45,8 @@ __all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture"]
 Numbers = NDArray[np.int64]
 #: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
 DEFAULT_CONNECTIONS = 8
+#: Pictures that are traced ahead of each other before it is asked whether to go on.
+_TRACED_AT_ONCE = 64
 #: Shortest time between two reports of progress, seconds.
 _REPORT_S = 0.1
 
@@ -334,6 +344,8 @@ class _Run:
         self._done = self._requests = self._unique_parts = 0
         self._failures: list[tuple[int, int, Failure]] = []
         self._repeated: list[Repeat] = []
+        #: Zooms, columns and rows of the tiles that captures over relief see, which take long to tell.
+        self._tiles: dict[int, NDArray[np.int32]] = {}
         self._endings = file_endings(plan.mission.output.image_format, on_map=plan.size_px is None)
         self._outcomes = self._known_outcomes()
         self._drop_placeholders()
@@ -388,7 +400,7 @@ class _Run:
         folder = self._folder / map_type
         try:
             order = sweep(self._plan.windows, self._pending[map_type]).tolist()
-            users = self._users(map_type, order)
+            users = self._users(map_type, order, workers)
             if users is None:
                 return False
             self._unique_parts += len(users)
@@ -401,9 +413,12 @@ class _Run:
                 workers=workers,
                 at_once=max(MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // self._largest_bytes(), 1),
             )
-            exposures = exposures_of(self._plan)
+            exposures, products_in = exposures_of(self._plan), self._products_in(map_type)
             jobs = (
-                (job_of(self._plan, index, self._source, map_type, folder, exposures), self._parts(index))
+                (
+                    job_of(self._plan, index, self._source, map_type, folder, exposures, products_in),
+                    self._parts(index),
+                )
                 for index in order
             )
             earlier = self._requests
@@ -439,13 +454,22 @@ class _Run:
             ]
             write_odm_files(folder, self._plan, np.array(there, np.int64))
 
-    def _users(self, map_type: str, order: list[int]) -> Counter[Window] | None:
+    def _products_in(self, map_type: str) -> Path | None:
+        """Folder of products, which are those of all map types and made with the first one's pictures."""
+        is_first = map_type == self._map_types[0]
+        return self._folder if is_first and self._plan.mission.output.products else None
+
+    def _users(self, map_type: str, order: list[int], workers: int) -> Counter[Window] | None:
         """How many of the pictures to be made need each part; None where cancelled meanwhile."""
         users: Counter[Window] = Counter()
-        for index in order:
-            users.update({part.window for part in self._parts(index)})
-            if not self._go_on(map_type):
-                return None
+        with ThreadPoolExecutor(workers, "terrainav-trace") as threads:
+            # Over relief every picture is traced to tell, so all processors do.
+            ahead = threads.map if self._plan.relief is not None else map
+            for start in range(0, len(order), _TRACED_AT_ONCE):
+                for parts in ahead(self._parts, order[start : start + _TRACED_AT_ONCE]):
+                    users.update({part.window for part in parts})
+                    if not self._go_on(map_type):
+                        return None
         return users
 
     def _go_on(self, map_type: str) -> bool:
@@ -453,7 +477,11 @@ class _Run:
         return self._listener.go_on()
 
     def _parts(self, index: int) -> list[Part]:
-        return parts_of(self._plan, self._source, index)
+        if self._plan.relief is None:
+            return parts_of(self._plan, self._source, index)
+        if index not in self._tiles:
+            self._tiles[index] = np.array(tiles_of(self._plan, index), np.int32).reshape(-1, 3)
+        return parts_of_tiles(self._plan.grid, self._tiles[index].tolist())
 
     def _note(self, job: PictureJob, result: Made | PartError) -> None:
         """Enter what became of a picture."""

@@ -32,7 +32,10 @@ _COLOURS, _WITH_ALPHA = 3, 4
 #: Types of values (SampleFormat) by numpy's kinds; what is packed (Predictor): differences, and those of floats' bytes.
 _SAMPLE_FORMATS, _DIFFERENCES, _OF_FLOATS = {"u": 1, "i": 2, "f": 3}, 2, 3
 #: Types whose mask is a value that they hardly ever have: GDAL knows alpha of whole numbers without sign alone.
-_NO_DATA: dict[str, tuple[str, float]] = {"int16": ("-32768", -32768), "float32": ("nan", float("nan"))}
+_NO_DATA: dict[str, tuple[str, float]] = {
+    "int16": ("-32768", -32768),
+    **dict.fromkeys(("float32", "float64"), ("nan", float("nan"))),
+}
 #: Where a GeoTIFF says which values of a band are shown darkest and brightest.
 DISPLAY_RANGE = "DISPLAY_RANGE"
 #: Where a picture lies: a map frame by its edges, a camera frame by points.
@@ -198,9 +201,13 @@ def _with_pixels(pixels: Pixels, place: Place, description: Description, more: l
 
 
 def _as_bytes(pixels: Pixels) -> NDArray[np.uint8]:
-    """Floats (h, w, n) as bytes (h, 4 w, n): of each row first the highest of all, last the lowest (Predictor 3)."""
+    """Floats (h, w, n) as bytes (h, 4 w, n), of 8 bytes (h, 8 w, n): of each row the highest first (Predictor 3)."""
     height, width, channels = pixels.shape
-    high_first = np.ascontiguousarray(pixels, ">f4").view(np.uint8).reshape(height, width * channels, -1)
+    high_first = (
+        np.ascontiguousarray(pixels, f">f{pixels.itemsize}")
+        .view(np.uint8)
+        .reshape(height, width * channels, -1)
+    )
     return np.ascontiguousarray(high_first.transpose(0, 2, 1)).reshape(height, -1, channels)
 
 

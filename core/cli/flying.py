@@ -106,6 +106,25 @@ def _as_written(mission: Mission) -> bool:
     return mission.output.image_format == "tif"
 
 
+def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:
+    """Work a mission out, over its relief where it has one."""
+    from ..mission.plan import plan
+
+    if not mission.terrain.elevation:
+        return plan(mission, source.grid)
+    from ..imagery.opening import SourceOptions
+    from ..picture.heights import heights_of
+
+    options = SourceOptions(
+        seed=mission.imagery.seed,
+        crs=mission.imagery.crs,
+        connections=values["connections"],
+        cache=opened_cache(values),
+        named_by_user=values[NAMED],
+    )
+    return plan(mission, source.grid, heights_of(mission, options))
+
+
 def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
     return closing(_source_of(mission, values, opened_cache(values), as_stored=as_stored).open())
 
@@ -170,14 +189,13 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
 def run_plan(arguments: argparse.Namespace) -> int:
     """Work a mission out, print its figures, write its files."""
     from ..mission.export import check_plan_ending, write_plan
-    from ..mission.plan import plan
 
     for path in arguments.output:
         if not path.endswith(".json"):
             check_plan_ending(path)
     mission, values = _settings(arguments)
     source = _source_of(mission, values, as_stored=_as_written(mission))
-    worked_out = plan(mission, source.grid)
+    worked_out = _planned(mission, values, source)
     for path in arguments.output:
         if path.endswith(".json"):
             mission.save(path)
@@ -251,9 +269,8 @@ def _run(
     cancelled: Callable[[], bool],
 ) -> CaptureResult:
     from ..capture.runner import capture
-    from ..mission.plan import plan
 
-    worked_out = plan(mission, source.grid)
+    worked_out = _planned(mission, values, source)
     _check_terms(
         worked_out, source, worked_out.requests * len(mission.imagery.map_types), arguments.accept_terms
     )
@@ -342,14 +359,13 @@ def _say(what: str) -> None:
 
 def run_report(arguments: argparse.Namespace) -> int:
     """Measure a mission's error against run time."""
-    from ..mission.plan import plan
     from ..report.page import write_report
 
     mission, values = _settings(arguments)
     _print_notes(mission)
     # What is measured are errors as people see them.
     with _opened(mission, values, as_stored=False) as source:
-        worked_out = plan(mission, source.grid)
+        worked_out = _planned(mission, values, source)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)
     print(f"report in {page}")

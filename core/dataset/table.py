@@ -34,6 +34,8 @@ _TEXT = ("img_names", "crs", "source", "attribution", "imagery_date", "status", 
 _FOREIGN = ("source", "attribution", "imagery_date", "reason")
 #: Columns of images whose source has a CRS of its own; left out of the tables of others.
 _OWN = ("crs", "west", "north", "pixel_width", "pixel_height")
+#: Columns of images over relief; left out of the tables of others.
+_OVER_RELIEF = ("height_m", "facade_share")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
 _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
 #: Column that is not ours alone: why an image is rejected; empty for one that is kept. A table without is not cleaned.
@@ -73,6 +75,9 @@ class Table:
         Bits; NaN for images that could not be made, or whose entropy nobody has worked out.
     pose_lat_deg, pose_lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : array
         Poses of the camera.
+    height_m : array
+        Of cameras over relief, above the WGS 84 ellipsoid; tables of others are written without it and the share of
+        faces.
     left_px, top_px, width_px, height_px : array
         Windows in the source's global pixel grid at ``zoom``.
     image_width_px, image_height_px : array
@@ -82,8 +87,9 @@ class Table:
         one, tables are written without it and the next four.
     west, north, pixel_width, pixel_height : array
         Where the windows lie in that CRS, in its unit: their upper left corners, and the pixels of ``zoom``.
-    sky_share, unmapped_share : array
-        Shares of an image's pixels that see no ground, and ground that no Web-Mercator source has.
+    sky_share, unmapped_share, facade_share : array
+        Shares of an image's pixels that see no ground, ground that no Web-Mercator source has, and faces of the relief
+        that no map shows.
     nominal_lat_deg, nominal_lon_deg, nominal_agl_m, nominal_yaw_deg, nominal_tilt_deg, nominal_roll_deg : array
         Poses as they were meant to be, where wind has moved the camera.
     status, reason : tuple of str
@@ -105,6 +111,7 @@ class Table:
     yaw_deg: Floats
     tilt_deg: Floats
     roll_deg: Floats
+    height_m: Floats
     left_px: Floats
     top_px: Floats
     width_px: Floats
@@ -118,6 +125,7 @@ class Table:
     pixel_height: Floats
     sky_share: Floats
     unmapped_share: Floats
+    facade_share: Floats
     nominal_lat_deg: Floats
     nominal_lon_deg: Floats
     nominal_agl_m: Floats
@@ -188,7 +196,11 @@ class Table:
 
     def _blocks(self) -> Iterator[str]:
         """Text of the headers and then of some rows at a time, as cells take far more memory than numbers."""
-        written = [name for name in FIELDS if name not in _OWN or any(self.crs)]
+        left_out = {
+            *(() if any(self.crs) else _OWN),
+            *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
+        }
+        written = [name for name in FIELDS if name not in left_out]
         yield _csv([[*(_HEADERS.get(name, name) for name in written), *self.other]])
         for start in range(0, len(self), _ROWS_A_BLOCK):
             rows = slice(start, start + _ROWS_A_BLOCK)

@@ -15,4 +15,5 @@ In reading order:
 - `paths`: ways of rays over a map's plane, as polynomials
 - `relief`: heights as one surface, and the first point of it that each ray meets
 - `view`: camera frames, from which pixels of which zooms each part is made
+- `relief_view`: these over relief, and what each of their pixels sees
 """

@@ -19,6 +19,8 @@ Coordinates = Callable[[Floats, Floats, Floats], Floats]
 _HIGHEST_DEGREE = 6
 #: Points of a ray that polynomials are fitted to, and points in between at which they are compared.
 _FITTED, _COMPARED = 8, 13
+#: Degree of the ways of single rays.
+_SEPARATE = 3
 #: Factor on the largest difference found for points that are not looked at.
 _BETWEEN = 2.0
 
@@ -57,12 +59,45 @@ class Paths:
 
 
 def along(start: Floats, coefficients: Floats, t: Floats) -> Floats:
-    """Coordinates (c, n) at t (n,), of coefficients (degree, c, n)."""
+    """Coordinates (c, n) at t (n,), of coefficients (degree, c, n); ``start`` is (c,), or (c, n) of each ray's own."""
     total: Floats = coefficients[-1] * t
     for term in coefficients[-2::-1]:
         total = (total + term) * t
-    total += start[..., np.newaxis]
+    total += start if start.ndim == total.ndim else start[..., np.newaxis]
     return total
+
+
+def separate(
+    lat_deg: Floats, height_m: Floats, rays_enu: Floats, farthest: Floats, coordinates: Coordinates
+) -> tuple[Floats, Floats]:
+    """Ways of rays of as many cameras, each a polynomial of its own.
+
+    Parameters
+    ----------
+    lat_deg, height_m : array (n,)
+        Of the cameras.
+    rays_enu : array (n, 3)
+    farthest : array (n,)
+        t up to which each is followed.
+    coordinates : callable
+        Of latitudes, longitudes from each one's camera, and heights, (n,) each; (n, c).
+
+    Returns
+    -------
+    start : array (c, n)
+    coefficients : array (degree, c, n)
+        Of t, t², … : through the cameras and points along the rays, so that what is left is of fourth order.
+    """
+    start = coordinates(lat_deg, np.zeros_like(lat_deg), height_m).T
+    shares = (np.arange(_SEPARATE) + 1.0) / _SEPARATE
+    values = []
+    for share in shares:
+        points = (share * farthest)[:, np.newaxis] * rays_enu
+        values.append(coordinates(*positions(lat_deg, height_m, points)).T - start)
+    inverse = np.linalg.inv(np.vander(shares, _SEPARATE + 1, increasing=True)[:, 1:])
+    powers = np.arange(_SEPARATE) + 1.0
+    coefficients: Floats = np.einsum("ij,jcn->icn", inverse, np.stack(values))
+    return start, coefficients / farthest ** powers[:, np.newaxis, np.newaxis]
 
 
 def fitted(

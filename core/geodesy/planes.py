@@ -33,7 +33,9 @@ _GEOGRAPHIC = "EPSG:4326"
 
 @dataclass(frozen=True)
 class ProjectedPlane:
-    """A rectangle of a projected CRS's plane as fractions: u along eastings, v down from the north.
+    """A rectangle of a CRS's plane as fractions: u along eastings, v down from the north.
+
+    The CRS is projected, or, of heights alone, geographic: then its coordinates are degrees of longitude and latitude.
 
     Parameters
     ----------
@@ -70,6 +72,9 @@ class ProjectedPlane:
 
         with np.errstate(invalid="ignore"):
             x, y = through_proj(_TRANSFORMERS.of(self.crs).transform, lon_deg, lat_deg)
+        if self._is_geographic:
+            # Continuous about the rectangle, which may lie across the antimeridian.
+            x = x - 360.0 * np.rint((x - (self.west + self.width / 2.0)) / 360.0)
         there = np.isfinite(x) & np.isfinite(y)
         return np.where(there, x, np.nan), np.where(there, y, np.nan)
 
@@ -138,6 +143,10 @@ class ProjectedPlane:
     def name(self) -> str:
         """Code of the CRS, or the name that its WKT has."""
         return self.crs if len(self.crs) < _LONGEST_CODE else str(_system(self.crs).name)
+
+    @cached_property
+    def _is_geographic(self) -> bool:
+        return bool(_system(self.crs).is_geographic)
 
     @cached_property
     def unit_m(self) -> float:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .ellipsoid import sight_lines
+from .ellipsoid import WGS84, sight_lines, trace
 from .mercator import PixelGrid
-from .paths import Paths, along, fitted
+from .paths import Paths, along, fitted, separate
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -31,6 +31,8 @@ _MOST_STEPS = 1 << 14
 _STEPS_AT_ONCE = 8
 #: What rounding leaves rays below a surface that they meet: deeper ones have come in from beneath, beyond its edge.
 _TOUCHING_M = 1e-6
+#: Single rays that are followed together, and metres beyond which their ways are no longer told by so few powers.
+_RAYS_AT_ONCE, _FARTHEST_POINT_M = 1 << 16, 50_000.0
 #: Factor on what is found at the corners of a bundle for what lies between them.
 _ROUNDING = 1.001
 #: Factor on the speed of rays for what it grows by within a step, and the least that is divided by, pixels.
@@ -111,7 +113,7 @@ class Surface:
     zoom: int
     left_px: int
     top_px: int
-    heights_m: Floats
+    heights_m: NDArray[Any]
 
     @property
     def cells(self) -> tuple[int, int]:
@@ -165,6 +167,14 @@ class Surface:
         a, b, c, d = self.corners_m[i * columns + j].T
         return np.where(inside, a + b * x + c * y + d * x * y, np.nan)
 
+    def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """How heights rise for a pixel along rows and along columns, at columns and rows (n,) on the surface."""
+        rows, columns = self.cells
+        i = np.clip(row.astype(np.int64), 0, rows - 1)
+        j = np.clip(column.astype(np.int64), 0, columns - 1)
+        _, b, c, d = self.corners_m[i * columns + j].T
+        return b + d * (row - i), c + d * (column - j)
+
     def first_hits(self, paths: Paths, rays_enu: Floats, after: Floats, farthest: Floats) -> Hits:
         """First points that rays meet.
 
@@ -179,6 +189,53 @@ class Surface:
         coefficients = paths.coefficients(rays_enu)
         t, _ = self.clear(paths.start, coefficients, after, farthest, None, 0)
         return self._exact(paths.start, coefficients, t, farthest)
+
+    def first_points(
+        self, lat_deg: Floats, lon_deg: Floats, height_m: Floats, rays_enu: Floats, lowest_m: float
+    ) -> tuple[Floats, Floats, Floats, Bools]:
+        """Where single rays of as many cameras meet the surface first.
+
+        Parameters
+        ----------
+        lat_deg, lon_deg, height_m : array (n,)
+            Of the cameras, heights over the ellipsoid.
+        rays_enu : array (n, 3)
+        lowest_m : float
+            Height below which nothing is looked for.
+
+        Returns
+        -------
+        lat_deg, dlon_deg, height_m : array (n,)
+            NaN where there is none; longitudes count from the cameras'.
+        hit : array (n,) of bool
+        """
+        ground = WGS84.raised(lowest_m - 1.0)
+        level = trace(lat_deg, height_m - lowest_m + 1.0, rays_enu, ground)
+        with np.errstate(invalid="ignore"):
+            ends = sight_lines(lat_deg, height_m - lowest_m + 1.0, level.lat_deg, level.dlon_deg, ground)
+            farthest = np.linalg.norm(ends, axis=1) / np.linalg.norm(rays_enu, axis=1)
+        at = np.flatnonzero(level.hit & (farthest < _FARTHEST_POINT_M))
+        lat, dlon, height = (np.full(len(lat_deg), np.nan) for _ in range(3))
+        hit = np.zeros(len(lat_deg), bool)
+        for first in range(0, len(at), _RAYS_AT_ONCE):
+            some = at[first : first + _RAYS_AT_ONCE]
+
+            def coordinates(points_lat: Floats, points_dlon: Floats, up: Floats) -> Floats:
+                return np.stack([*self.position(points_lat, lon_deg[some] + points_dlon), up], axis=1)  # noqa: B023
+
+            start, coefficients = separate(
+                lat_deg[some], height_m[some], rays_enu[some], farthest[some], coordinates
+            )
+            t, _ = self.clear(start, coefficients, np.zeros(len(some)), farthest[some], None, 0)
+            hits = self._exact(start, coefficients, t, farthest[some])
+            good = np.isfinite(hits.t)
+            points_lat, points_lon = self.places(hits.column[good], hits.row[good])
+            lat[some[good]] = points_lat
+            height[some[good]] = self.heights(hits.column[good], hits.row[good])
+            apart = points_lon - lon_deg[some[good]]
+            dlon[some[good]] = apart - 360.0 * np.rint(apart / 360.0)
+            hit[some[good]] = True
+        return lat, dlon, height, hit
 
     def paths(
         self, lat_deg: float, lon_deg: float, height_m: float, rays: PixelRays, tolerance_px: float
@@ -207,7 +264,7 @@ class Surface:
         )
         directions = rays.at(x, y)
         rows, columns = self.cells
-        corner_lat, corner_lon = self._places(
+        corner_lat, corner_lon = self.places(
             np.array([0.0, columns, 0.0, columns]), np.array([0.0, 0.0, rows, rows])
         )
         corners = sight_lines(np.array(lat_deg), np.array(height_m), corner_lat, corner_lon - lon_deg)
@@ -225,8 +282,8 @@ class Surface:
         found, off = fitted(lat_deg, height_m, directions, farthest, coordinates, tolerances)
         return found, float(farthest.max()), tolerance_px * float((off / tolerances).sum()) / 3.0
 
-    def _places(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
-        """Latitudes and longitudes of columns and rows."""
+    def places(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """Latitudes and longitudes of columns and rows (any shape)."""
         world = self.grid.world_px(self.zoom)
         return self.grid.plane.inverse(
             (column + self.left_px + 0.5) / world, (row + self.top_px + 0.5) / world
@@ -400,6 +457,7 @@ class Surface:
         t_found, there = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
         t, end, c = t_found[index], farthest[index], coefficients[:, :, index]
+        start = _of_rays(start, index)
         s = None if spread is None else spread[:, :, index]
         level = np.full(len(index), tops.levels - 1)
         for _ in range(_MOST_STEPS):
@@ -438,6 +496,7 @@ class Surface:
                 t_found[index[done]], there[index[done]] = t[done], stuck[done]
                 keep = ~done
                 index, t, end, level, c = index[keep], t[keep], end[keep], level[keep], c[:, :, keep]
+                start = _of_rays(start, keep)
                 s = None if s is None else s[:, :, keep]
         t_found[index], there[index] = t, True
         return t_found, there
@@ -463,6 +522,7 @@ class Surface:
             if count % _STEPS_AT_ONCE == _STEPS_AT_ONCE - 1:
                 t, there = self.clear(start, c, t, end, None, 0)
                 index, t, end, c = index[there], t[there], end[there], c[:, :, there]
+                start = _of_rays(start, there)
                 fresh = True
             else:
                 fresh = count == 0
@@ -497,6 +557,7 @@ class Surface:
             j = np.where(across, j + np.sign(per_x).astype(np.int64), j)[keep]
             i = np.where(across, i, i + np.sign(per_y).astype(np.int64))[keep]
             index, t, end, c = index[keep], t_next[keep], end[keep], c[:, :, keep]
+            start = _of_rays(start, keep)
             x, y, h = x_next[keep], y_next[keep], h_next[keep]
         return found
 
@@ -523,6 +584,11 @@ def _first_share(
         share = np.where(share >= 0.0, share, np.inf)
         # Where a cell has no ground nothing is below it.
         return np.where(above < -_TOUCHING_M, np.nan, np.where(above <= 0.0, 0.0, share))
+
+
+def _of_rays(start: Floats, which: NDArray[Any]) -> Floats:
+    """Starts of some rays: one for all, or (c, n) of each its own."""
+    return start if start.ndim == 1 else start[:, which]
 
 
 def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:

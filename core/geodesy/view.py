@@ -47,7 +47,7 @@ _BEYOND_TILES = 1 << 26
 _CORNER_X, _CORNER_Y = (0, 0, 2, 2), (1, 3, 3, 1)
 
 
-class _Detail(NamedTuple):
+class Detail(NamedTuple):
     """What a part of the image is sampled from: zoom, and samples along x and y for each pixel; (k,) each."""
 
     zoom: Numbers
@@ -94,6 +94,8 @@ class View:
         Largest bound of a cell.
     rays : ImageRays or None
         Where every pixel's position is to be traced; None where the patches' corners say where they lie.
+    facade_share : float
+        Share of the pixels that see faces whose colours no map has.
     """
 
     width_px: int
@@ -105,6 +107,7 @@ class View:
     unmapped: NDArray[np.bool_] | None
     bound_px: float
     rays: ImageRays | None = None
+    facade_share: float = 0.0
 
     @property
     def sky_share(self) -> float:
@@ -254,8 +257,8 @@ def view(
     )
 
 
-def _detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int, int]) -> _Detail:
-    """_Detail for pixels that span ``per_x, per_y`` of the world along the image's axes.
+def pixel_detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int, int]) -> Detail:
+    """Detail for pixels that span ``per_x, per_y`` of the world along the image's axes.
 
     The zoom suits the axis that is seen less at a slant; along the other one a pixel is the mean of several samples.
     """
@@ -269,20 +272,19 @@ def _detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int, int
         )
         for per in (per_x, per_y)
     )
-    return _Detail(zoom.astype(np.int64), *(count.astype(np.int64) for count in samples))
+    return Detail(zoom.astype(np.int64), *(count.astype(np.int64) for count in samples))
 
 
 def fitting_detail(span: float, grid: PixelGrid, zooms: tuple[int, int]) -> int:
     """Zoom that suits pixels of this world fraction, between the lowest and the highest that may be used."""
-    return int(_detail(np.array([span]), np.array([span]), grid, zooms).zoom[0])
+    return int(pixel_detail(np.array([span]), np.array([span]), grid, zooms).zoom[0])
 
 
-def _groups(detail: _Detail) -> Iterator[tuple[int, int, int, NDArray[np.intp]]]:
+def detail_groups(detail: Detail) -> Iterator[tuple[int, int, int, NDArray[np.intp]]]:
     """Zoom, samples along x and y, and the members, of each group of equal detail."""
-    kinds, group = np.unique(np.stack(detail), axis=1, return_inverse=True)
-    group = np.ravel(group)
-    for index, (zoom, samples_x, samples_y) in enumerate(kinds.T.tolist()):
-        yield zoom, samples_x, samples_y, np.flatnonzero(group == index)
+    key = (detail.zoom << 8) + (detail.samples_x << 4) + detail.samples_y
+    for kind in np.flatnonzero(np.bincount(key)).tolist():
+        yield kind >> 8, kind >> 4 & 15, kind & 15, np.flatnonzero(key == kind)
 
 
 def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[Patches]:
@@ -295,7 +297,7 @@ def _patches(cells: Cells, grid: PixelGrid, zooms: tuple[int, int]) -> Iterator[
         return np.asarray(np.max(edges, axis=0), np.float64)
 
     per_x, per_y = longest(((0, 3), (1, 2))) / size[:, 0], longest(((0, 1), (3, 2))) / size[:, 1]
-    for zoom, samples_x, samples_y, at in _groups(_detail(per_x, per_y, grid, zooms)):
+    for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
         yield Patches(zoom, samples_x, samples_y, cells.box[at], cells.du[at], cells.v[at])
 
 
@@ -331,7 +333,7 @@ def _sampled(
     du, v, _ = rays.map_points(x, y)
     per_x, per_y = _spans(rays, x, y, du, v, 1.0, 0.0), _spans(rays, x, y, du, v, 0.0, 1.0)
     found = []
-    for zoom, samples_x, samples_y, at in _groups(_detail(per_x, per_y, grid, zooms)):
+    for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
         sub_du, sub_v, hit = rays.map_points(*_sample_points(row[at], column[at], samples_x, samples_y))
         inside = hit & rays.on_map(sub_v)
         # Samples of a pixel on the very horizon, or on the map's edge, fall back on its middle.
@@ -343,10 +345,16 @@ def _sampled(
 
 def _sample_points(row: Numbers, column: Numbers, samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
     """Image points (m, samples) spread evenly over pixels."""
-    across = (np.arange(samples_x) + 0.5) / samples_x
-    down = (np.arange(samples_y) + 0.5) / samples_y
+    off_x, off_y = sample_offsets(samples_x, samples_y)
+    return column[:, np.newaxis] + 0.5 + off_x, row[:, np.newaxis] + 0.5 + off_y
+
+
+def sample_offsets(samples_x: int, samples_y: int) -> tuple[Floats, Floats]:
+    """Places (samples,) spread evenly over a pixel, from its middle."""
+    across = (np.arange(samples_x) + 0.5) / samples_x - 0.5
+    down = (np.arange(samples_y) + 0.5) / samples_y - 0.5
     off_x, off_y = (offsets.ravel() for offsets in np.meshgrid(across, down))
-    return column[:, np.newaxis] + off_x, row[:, np.newaxis] + off_y
+    return off_x, off_y
 
 
 def _spans(

@@ -74,6 +74,8 @@ class SourceOptions:
     as_stored : bool
         Pixels are wanted with all their bands and in the source's own type, as GeoTIFF takes them; otherwise they are
         red, green and blue of 8 bits.
+    heights : bool
+        Pixels are heights: the first band of a raster file as float32, whose rows may run along degrees.
     named_by_user : bool
         The user has named the source himself, and no file has: where it is an address with {key}, the environment's
         key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
@@ -94,6 +96,7 @@ class SourceOptions:
     bands: tuple[str, ...] = ()
     stretch: str = NO_STRETCH
     as_stored: bool = False
+    heights: bool = False
     named_by_user: bool = False
 
     def __post_init__(self) -> None:

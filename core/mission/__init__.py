@@ -14,6 +14,7 @@ In reading order:
 - `layout`: where captures stand and what their pictures show of the area
 - `gusts`: gusts and the aircraft in them, discretised exactly
 - `flight`: legs and clock, and poses in wind
+- `relief`: how high captures over relief are, and what they surely see
 - `methods`: the kind of picture and its methods, by the error budget
 - `plan`: a mission worked out, as arrays
 - `estimate`: what a plan takes and gives, in figures

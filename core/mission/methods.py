@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ from .layout.framing import (
 from .layout.rotated import is_rotated
 from .mission import Mission
 from .parts import RAYS
+from .relief import ReliefBelow
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
@@ -93,6 +94,8 @@ class Accuracy:
         Displacement per metre of relief, which is not modelled and not in the bound.
     left_out : tuple of (str, str)
         What the scene does not need, and why.
+    relief : str
+        What heights pictures are made over; empty where the ground is level.
     """
 
     budget_px: float
@@ -102,6 +105,7 @@ class Accuracy:
     condition: float
     terrain_px_per_m: float
     left_out: tuple[tuple[str, str], ...]
+    relief: str = ""
 
     @property
     def choices(self) -> tuple[Choice, ...]:
@@ -148,7 +152,13 @@ class Accuracy:
         return Message("{0:.3g}", self.condition)
 
     def terrain_text(self) -> Message:
-        """What relief may add."""
+        """What relief may add, or what is wrong with the heights of it."""
+        if self.relief and math.isfinite(self.terrain_px_per_m):
+            return Message(
+                "{0}; up to {1:.2g} px per metre that its heights are off", self.relief, self.terrain_px_per_m
+            )
+        if self.relief:
+            return Message("{0}", self.relief)
         if not math.isfinite(self.terrain_px_per_m):
             return Message("not bounded, without limit at the horizon")
         return Message("not bounded, up to {0:.2g} px per metre of relief", self.terrain_px_per_m)
@@ -170,6 +180,7 @@ class Accuracy:
             "condition": _finite(self.condition),
             "terrain_px_per_m": _finite(self.terrain_px_per_m),
             "left_out": [{"what": what, "why": why} for what, why in self.left_out],
+            **({"relief": self.relief} if self.relief else {}),
         }
 
 
@@ -226,15 +237,28 @@ def mesh(scene: Scene, tolerance_px: float) -> Method:
     return Method(_PIXELS, "mesh", bound_px, bound_px * accuracy.ground_m_per_px(scene))
 
 
+#: What rays over relief may be off by, px: finer costs hardly more.
+_OVER_RELIEF_PX = 0.02
+
+
+def over_relief(scene: Scene, tolerance_px: float) -> Method:
+    """Pixels of a camera frame placed by a ray each, as far as the first point of the relief that it meets."""
+    bound_px = min(max(tolerance_px, 0.0), _OVER_RELIEF_PX) or _OVER_RELIEF_PX
+    return Method(_PIXELS, "relief", bound_px, bound_px * accuracy.ground_m_per_px(scene))
+
+
 #: A ray for every pixel adds nothing to the camera frame's own noise.
 TRACED = Method(_PIXELS, RAYS, 0.0, 0.0)
 
 
-def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> tuple[Framed, Accuracy]:
+def choose_methods(
+    mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: ReliefBelow | None = None
+) -> tuple[Framed, Accuracy]:
     """Frame a mission with the cheapest methods whose bounds sum within its error budget.
 
     A map frame is the cheapest picture, as nothing is resampled; a camera frame by a mesh that is as coarse as the
-    budget allows is cheaper than one with a ray for every pixel.
+    budget allows is cheaper than one with a ray for every pixel. Over relief pixels are traced to the first point that
+    they see.
 
     Raises
     ------
@@ -245,7 +269,7 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
     no_camera_frame = _NO_CAMERA_FRAME if grid.centre_decimals is not None else ""
     picture: Choice | None = None
     if mission.accuracy.frame != "camera":
-        outside = _no_map_frame(mission, grid)
+        outside = _no_map_frame(mission, grid, relief)
         if not outside:
             flown = framed(mission, grid, MapFraming(mission, grid), disturbed)
             check_sizes(flown, mission, grid)
@@ -277,17 +301,28 @@ def choose_methods(mission: Mission, grid: PixelGrid, disturbed: Disturbed) -> t
             field="source",
             remedy="choose a source of tiles",
         )
-    flown = framed(mission, grid, CameraFraming(mission, grid), disturbed)
+    flown = framed(mission, grid, CameraFraming(mission, grid), disturbed, relief)
     check_windows(flown, mission, grid)
     scene = _resolved(scene_of(mission, flown, grid))
     found, footprint = camera_frame(scene), exact_footprint(scene)
     picture = Choice(found) if picture is None else Choice(found, picture.rejected, picture.reason)
-    pixels = choose_pixels(mission, scene, found.bound_px + footprint.bound_px)
-    return flown, _accuracy(mission, grid, scene, Choice(footprint), picture, pixels)
+    others_px = found.bound_px + footprint.bound_px
+    if relief is None:
+        pixels = choose_pixels(mission, scene, others_px)
+    else:
+        pixels = Choice(over_relief(scene, mission.accuracy.error_budget_px * (1.0 - _ROUNDING) - others_px))
+    made = _accuracy(mission, grid, scene, Choice(footprint), picture, pixels)
+    return flown, made if relief is None else replace(made, relief=relief.text())
 
 
-def _no_map_frame(mission: Mission, grid: PixelGrid) -> str:
+def _no_map_frame(mission: Mission, grid: PixelGrid, relief: ReliefBelow | None) -> str:
     """Why a mission has no map frames whatever its budget; empty where it may have some."""
+    if relief is not None:
+        return Message(
+            "the ground is from {0:.1f} to {1:.1f} m high, and seen from aside",
+            relief.lowest_m,
+            relief.highest_m,
+        )
     if is_rotated(mission):
         return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
@@ -390,7 +425,7 @@ def _left_out(mission: Mission, picture: Method, pixels: Choice | None) -> list[
     found: list[tuple[str, str]] = []
     if picture.name == "map":
         found.append((Message("resampling"), Message("a map frame shows the source's own pixels")))
-    if pixels is not None and pixels.method.name != RAYS:
+    if pixels is not None and pixels.method.name == "mesh":
         found.append(
             (
                 Message("rays for every pixel"),

@@ -16,7 +16,18 @@ from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
 from .earlier import of_schema_1
-from .parts import FLAT_PARTS, PAPER, PAPER_MAX_PX, Accuracy, Attitude, Flight, Imagery, Output, Pixels
+from .parts import (
+    FLAT_PARTS,
+    PAPER,
+    PAPER_MAX_PX,
+    Accuracy,
+    Attitude,
+    Flight,
+    Imagery,
+    Output,
+    Pixels,
+    Terrain,
+)
 from .wind import Wind
 
 _Part = TypeVar("_Part", Box, Camera, Wind)
@@ -63,6 +74,7 @@ class Mission:
     imagery: Imagery
     pixels: Pixels
     accuracy: Accuracy
+    terrain: Terrain
     output: Output
     notes: tuple[str, ...] = field(compare=False, repr=False)
 
@@ -115,9 +127,13 @@ class Mission:
         """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``."""
         parts = {one.name: getattr(self, one.name) for one in fields(self) if one.compare}
         plain: dict[str, Any] = {name: None if part is None else asdict(part) for name, part in parts.items()}
+        # Files of missions that go without what is new are those of versions that did not know it.
         if not self.imagery.crs:
-            # Files of missions that leave it to the source are those of versions that did not know it.
             del plain["imagery"]["crs"]
+        if not self.output.products:
+            del plain["output"]["products"]
+        if self.terrain == Terrain():
+            del plain["terrain"]
         kind = type(self.area).__name__.lower()
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **(plain["area"] or {})}}
 

@@ -8,9 +8,9 @@ from typing import Any, Callable
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
-from ..limits import MAX_BANDS
+from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES
 from ..units import LENGTHS_M
-from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels
+from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Terrain
 
 KINDS = ("single", "list", "raster")
 
@@ -41,6 +41,9 @@ class Option:
             "img_size": (3, 3),
             "map_types": (1, len(field.choices)),
             "bands": (1, MAX_BANDS),
+            "elevation": (1, MAX_HEIGHT_SOURCES),
+            "surface": (1, MAX_HEIGHT_SOURCES),
+            "products": (1, len(field.choices)),
             "stretch": (1, 2),
         }
         return cls(
@@ -171,7 +174,7 @@ OPTIONS: tuple[Option, ...] = (
     # A camera by name brings its own.
     replace(_IMAGE_PX, default=None, about=f"{_IMAGE_PX.about}; default {_IMAGE_PX.default}"),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Output),
+    *_fields(Accuracy, Terrain, Output),
     Option(
         "dataset",
         str,

@@ -29,6 +29,8 @@ PAPER_MAX_PX = 640
 HIGHEST_AGL_M = 1e9
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
+#: What the heights of captures are above.
+GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 #: A code, or the WKT of a raster whose coordinate reference system has none.
@@ -93,6 +95,19 @@ def _check_stretch(text: str) -> None:
     raise InvalidInput(
         "stretch {0!r}: must be none, percentile, or two numbers, the lower one first", text, field="stretch"
     )
+
+
+def _check_heights(sources: tuple[Any, ...]) -> None:
+    for one in sources:
+        if not isinstance(one, str) or not one or one != one.strip() or not one.isprintable():
+            raise InvalidInput(
+                "heights {0!r}: must be a file, terrarium, world or a number", one, field="elevation"
+            )
+
+
+def _check_products(products: tuple[str, ...]) -> None:
+    if len(set(products)) != len(products):
+        raise InvalidInput("products {0}: each may be named once", " ".join(products), field="products")
 
 
 def _check_crs(text: str) -> None:
@@ -439,6 +454,89 @@ class Accuracy(Part):
 
 
 @dataclass(frozen=True)
+class Terrain(Part):
+    """The relief of the ground, and how a flight follows it."""
+
+    elevation: tuple[str, ...] = declared(
+        (),
+        title="elevation",
+        help="where heights of the ground come from: raster files, terrarium (public tiles), terrarium:SOURCE or "
+        "terrain-rgb:SOURCE (tiles so encoded), world, or a number; of several the first that has a height counts; "
+        "left out, the ground is level",
+        check=_check_heights,
+        schema={"items": {"type": "string", "minLength": 1}},
+    )
+    surface: tuple[str, ...] = declared(
+        (),
+        title="surface",
+        help="where heights of what cameras see come from, buildings and trees with it, where that is other than what "
+        "the flight follows; named as those of the elevation, which fills what it leaves open",
+        advanced=True,
+        check=_check_heights,
+        schema={"items": {"type": "string", "minLength": 1}},
+    )
+    vertical_datum: str = declared(
+        "",
+        title="vertical datum",
+        help="what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; "
+        "left out, what the source says, and the ellipsoid where it says nothing",
+        advanced=True,
+        schema={"pattern": "^[^\\s]*$"},
+    )
+    height_unit: str = declared(
+        "",
+        title="unit of heights",
+        help="of the sources of heights; left out, what they say, and metres where they say nothing",
+        choices={"": "As the source says", "m": "Metres", "ft": "Feet", "us-ft": "US survey feet"},
+        advanced=True,
+    )
+    height_offset_m: float = declared(
+        0.0,
+        title="offset of heights",
+        help="added to the heights of all sources, as for a datum that has no grid here",
+        unit="m",
+        least=-1000.0,
+        most=1000.0,
+        advanced=True,
+    )
+    height_above: str = declared(
+        GROUND,
+        title="height above",
+        help="over relief, what the heights of captures are above: the ground below each one; the ground at the "
+        "takeoff (an area's north-western corner, or the first point), one height for all; or the ellipsoid",
+        choices={GROUND: "The ground below", TAKEOFF: "The takeoff", ELLIPSOID: "The ellipsoid"},
+        advanced=True,
+    )
+    climb_m_per_s: float | None = declared(
+        None,
+        title="climb rate",
+        help="over relief, no faster does the flight climb or sink: it flies higher where the ground is steeper",
+        unit="m/s",
+        above=0.0,
+        suggested=3.0,
+        advanced=True,
+    )
+    clearance_m: float = declared(
+        0.0,
+        title="clearance",
+        help="over relief, least height above everything within the clearance's distance",
+        unit="m",
+        least=0.0,
+        most=HIGHEST_GROUND_M,
+        advanced=True,
+    )
+    clearance_distance_m: float = declared(
+        0.0,
+        title="distance of the clearance",
+        help="how far around a capture everything counts for its clearance",
+        unit="m",
+        least=0.0,
+        most=10_000.0,
+        advanced=True,
+    )
+
+
+@dataclass(frozen=True)
 class Output(Part):
     """What is written."""
 
@@ -464,6 +562,21 @@ class Output(Part):
             "minItems": 3,
         },
     )
+    products: tuple[str, ...] = declared(
+        (),
+        title="products",
+        help="written beside the images, of every pixel: depth along the optical axis, ground points, normals of the "
+        "ground, and the mask of faces that no map shows; of all map types together",
+        choices={
+            "depth": "Depth along the optical axis",
+            "points": "Ground points",
+            "normals": "Normals of the ground",
+            "facades": "Faces that no map shows",
+        },
+        advanced=True,
+        check=_check_products,
+        schema={"uniqueItems": True},
+    )
     max_images: int = declared(
         10_000_000, title="most images", help="missions of more images are refused", least=1, advanced=True
     )
@@ -476,5 +589,6 @@ FLAT_PARTS: dict[str, type[Part]] = {
     "imagery": Imagery,
     "pixels": Pixels,
     "accuracy": Accuracy,
+    "terrain": Terrain,
     "output": Output,
 }

@@ -13,10 +13,20 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
-from ..geodesy.footprint import Corners, Outline, ground_corners, outline, poles_seen
+from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.footprint import (
+    Corners,
+    ImagePoints,
+    Outline,
+    exact,
+    ground_corners,
+    outline,
+    poles_seen,
+)
 from ..geodesy.frames import Windows, runs_on, window_centres
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, wrap_lon_deg
 from ..geodesy.planes import TurnedPlane
+from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View, view
 from .area import Points
 from .flight import Legs, fly, intervals_s, legs
@@ -33,8 +43,10 @@ from .layout.coverage import (
 from .layout.framing import ground_of, nominal_poses, sampled_zooms
 from .layout.rotated import Pass, rotated_coverage, rotated_overlap, rotated_rectangles, share_on
 from .layout.rows import Layout
-from .methods import Accuracy, choose_methods
+from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
+from .parts import ELLIPSOID
+from .relief import Flown, Heights, ReliefBelow, check_clearance
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -76,6 +88,12 @@ class Plan:
         As they were meant to be, where wind has moved them.
     passes : tuple of Pass
         Of turned or crossed rows; empty for rows along parallels and for points.
+    level_m : float
+        Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
+    terrain : Terrain or None
+        The relief that they are flown over; None where the ground is level.
+    flown : Flown or None
+        How high they are over that.
 
     Everything else is worked out when first asked for, and kept.
     """
@@ -92,6 +110,9 @@ class Plan:
     accuracy: Accuracy
     nominal: Poses | None = None
     passes: tuple[Pass, ...] = ()
+    level_m: float = 0.0
+    relief: ReliefBelow | None = None
+    flown: Flown | None = None
 
     def __len__(self) -> int:
         return len(self.column)
@@ -112,6 +133,23 @@ class Plan:
         return self.poses.agl_m
 
     @property
+    def ground(self) -> Ellipsoid:
+        """The level ground that captures are planned over."""
+        return WGS84.raised(self.level_m) if self.level_m else WGS84
+
+    @property
+    def ground_m(self) -> Floats:
+        """Heights of the ground below the poses over the WGS 84 ellipsoid, (n,)."""
+        if self.flown is None:
+            return np.broadcast_to(np.float64(self.level_m), len(self))
+        return self.flown.ground_m
+
+    @property
+    def height_m(self) -> Floats:
+        """Heights of the poses over the WGS 84 ellipsoid, (n,)."""
+        return self.ground_m + self.agl_m
+
+    @property
     def width_px(self) -> Numbers:
         """Widths of the pictures, before any resizing, (n,)."""
         return self.windows.width_px if self.size_px is None else np.broadcast_to(self.size_px[0], len(self))
@@ -129,13 +167,15 @@ class Plan:
     def poles(self) -> NDArray[np.int64]:
         """For each capture 1 or -1 where it sees the north or south pole, else 0; (n,)."""
         first, run = self._runs
-        return poles_seen(self.mission.camera, self.poses.take(first), ground_of(self.mission))[run]
+        return poles_seen(self.mission.camera, self.poses.take(first), self.ground)[run]
 
     @cached_property
     def masked(self) -> bool:
         """Whether a picture may have pixels without ground, or with ground that no map of the source shows."""
         if self.size_px is None:
             return False
+        if self.relief is not None and self.relief.has_holes:
+            return True
         if self.grid.own is not None:
             return not self.corners.hit.all()
         beyond = np.abs(self.corners.lat_deg) > MAX_LAT_DEG
@@ -143,13 +183,27 @@ class Plan:
 
     def outline(self, index: int) -> Outline:
         """Outline of the ground that a capture sees; longitudes count from the camera's. Captures of a row share it."""
+        if self.relief is not None:
+            one = self.poses.take(slice(index, index + 1))
+            found = self.relief.outline(one, self.height_m[index : index + 1])
+            if found is not None:
+                return found
 
         def made(pose: Poses) -> Outline:
             yaw, tilt, roll = (float(angle[0]) for angle in pose.attitude)
             lat, agl = float(pose.lat_deg[0]), float(pose.agl_m[0])
-            return outline(self.mission.camera, lat, agl, (yaw, tilt, roll), ground_of(self.mission))
+            return outline(self.mission.camera, lat, agl, (yaw, tilt, roll), self.ground)
 
         return self._kept("outlines", index, made)
+
+    def seen(self, index: int, points: ImagePoints) -> tuple[Corners, Floats]:
+        """Ground that a capture sees at image points (k,), and its heights, (1, k); its longitude is wrapped."""
+        pose = self.poses.take(np.array([index]))
+        pose = pose._replace(lon_deg=wrap_lon_deg(pose.lon_deg))
+        if self.relief is not None:
+            return self.relief.seen(pose, self.height_m[index : index + 1], points)
+        found = exact(self.mission.camera, pose, points, self.ground)
+        return found, np.full(found.lat_deg.shape, self.level_m)
 
     def view(self, index: int) -> View:
         """How the picture of a camera frame is made; captures of one row share it.
@@ -159,13 +213,45 @@ class Plan:
         InvalidInput
             Of a map frame, which is a window of the source as it is.
         """
+        if self.relief is not None:
+            return self.view_of(self.tracing(index))
+        return self._level_view(index)
+
+    def view_of(self, tracing: Tracing) -> View:
+        """How the picture of a camera frame over relief is made, whose rays are traced."""
+        return tracing.view(self.grid, sampled_zooms(self.mission, self.grid))
+
+    def tracing(self, index: int, size_px: tuple[int, int] | None = None) -> Tracing:
+        """Rays of one capture over the relief, of its picture or of one of another size.
+
+        Raises
+        ------
+        InvalidInput
+            The ground is level.
+        """
+        relief, size = self.relief, size_px or self.size_px
+        if relief is None or size is None:
+            raise InvalidInput("rays over relief: the ground is level")
+        scene = Scene(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
+        return Tracing(
+            scene,
+            float(self.height_m[index]),
+            relief.heights.surface,
+            relief.lowest_m,
+            self.accuracy.mesh_tolerance_px,
+        )
+
+    def _level_view(self, index: int) -> View:
+        """View over the level ground that captures are planned over."""
         size = self.size_px
         if size is None:
             raise InvalidInput("view of a map frame: its picture is a window of the source as it is")
         mission, tolerance = self.mission, self.accuracy.mesh_tolerance_px
+        if self.relief is not None:
+            tolerance = COARSEST_MESH_PX
 
         def made(pose: Poses) -> View:
-            scene = Scene(mission.camera, *size, pose, ground_of(mission))
+            scene = Scene(mission.camera, *size, pose, self.ground)
             by_rays = tolerance == 0.0 or mission.accuracy.resampling == "lanczos"
             return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance, by_rays=by_rays)
 
@@ -240,13 +326,18 @@ class Plan:
         """What the images of each pass show, in its plane."""
         if self.grid.own is not None and self.size_px is None:
             return tuple(self._windows_in(part, at) for part, at in self._slices())
-        mission, moved = self.mission, self.nominal is not None
+        mission, moved = self.mission, self.nominal is not None or self.flown is not None
         return tuple(
-            rotated_rectangles(
-                mission, part, self.poses.take(at), self.row[at], ground_of(mission), own=moved
-            )
+            rotated_rectangles(mission, part, self._seeing.take(at), self.row[at], self.ground, own=moved)
             for part, at in self._slices()
         )
+
+    @property
+    def _seeing(self) -> Poses:
+        """Poses from which the level ground is seen as much as captures see of the relief at least."""
+        if self.flown is None:
+            return self.poses
+        return self.poses._replace(agl_m=self.flown.seen_agl_m)
 
     def _slices(self) -> list[tuple[Pass, slice]]:
         ends = [*(part.first for part in self.passes[1:]), len(self)]
@@ -288,7 +379,7 @@ class Plan:
         seen: NDArray[np.int64] = np.empty(0, np.int64)
         for start, end in zip(starts.tolist(), np.append(starts[1:], len(self)).tolist()):
             u, v = (place[start:end] - place[start] for place in moved)
-            keys = self.view(start).tile_keys(self.lon_deg[start:end], u, v)
+            keys = self._level_view(start).tile_keys(self.lon_deg[start:end], u, v)
             seen = np.union1d(seen, keys)
         return len(seen)
 
@@ -369,8 +460,15 @@ class Plan:
         return float(np.median(width_m * self.agl_m / self.width_px))
 
 
-def plan(mission: Mission, grid: PixelGrid) -> Plan:
+def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> Plan:
     """Work out a mission on a source's pixel grid, by the cheapest methods that fit its error budget.
+
+    Parameters
+    ----------
+    mission : Mission
+    grid : PixelGrid
+    heights : Heights or None
+        Those of the mission's elevation (`elevation.relief.heights_of`), where it has one.
 
     Raises
     ------
@@ -379,26 +477,55 @@ def plan(mission: Mission, grid: PixelGrid) -> Plan:
         sees nothing of the Earth, a zoom the source does not have, pictures under one pixel; where no methods fit
         the error budget and the mission does not accept that.
     """
-    flown, chosen = choose_methods(mission, grid, partial(_disturbed, mission))
-    layout, ground = flown.layout, ground_of(mission)
-    corners = ground_corners(mission.camera, flown.poses, ground)
+    levelled, relief = _over(mission, heights)
+    flown, chosen = choose_methods(levelled, grid, partial(_disturbed, levelled), relief)
+    layout, ground = flown.layout, ground_of(levelled)
+    poses, over = flown.poses, flown.flown
     nominal = None
     if mission.wind is not None:
         nominal = nominal_poses(mission, layout)
+    if over is None or relief is None:
+        corners = ground_corners(mission.camera, poses, ground)
+    else:
+        higher = over.height_m - over.ground_m - over.seen_agl_m
+        poses = poses._replace(agl_m=poses.agl_m + higher)
+        over = over._replace(height_m=over.ground_m + poses.agl_m)
+        if nominal is not None:
+            nominal = nominal._replace(agl_m=nominal.agl_m + higher)
+        corners = relief.corners(poses, over.height_m)
     return Plan(
         mission=mission,
         grid=grid,
         zoom=flown.zoom,
         column=layout.column,
         row=layout.row,
-        poses=flown.poses,
+        poses=poses,
         windows=flown.windows,
         corners=corners,
         size_px=flown.size_px,
         accuracy=chosen,
         nominal=nominal,
         passes=flown.passes,
+        level_m=levelled.flight.ground_height_m,
+        relief=relief,
+        flown=over,
     )
+
+
+def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ReliefBelow | None]:
+    """A mission over the level ground that is nearest to what it flies over, and the relief, if there is any."""
+    if not mission.terrain.elevation:
+        return mission, None
+    if heights is None:
+        raise InvalidInput(
+            "elevation {0}: the mission is planned without its heights", ", ".join(mission.terrain.elevation)
+        )
+    check_clearance(mission)
+    relief = ReliefBelow(mission, heights)
+    level = mission.with_(ground_height_m=relief.lowest_m)
+    if relief.is_level and mission.terrain.height_above != ELLIPSOID:
+        return level, None
+    return level, relief
 
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:

@@ -32,14 +32,19 @@ def camera_parts(view: View, lon_deg: float) -> list[Part]:
 
     Parts of a camera frame have no place in the picture: their offsets are their places in the world at their zoom.
     """
-    size = view.grid.tile_px
+    return parts_of_tiles(view.grid, view.tiles(lon_deg))
+
+
+def parts_of_tiles(grid: PixelGrid, tiles: Sequence[Sequence[int]]) -> list[Part]:
+    """Tiles by their zoom, column (not wrapped) and row, as `camera_parts` has them."""
+    size = grid.tile_px
     return [
         Part(
-            Window(zoom, view.grid.wrapped(column, zoom) * size, row * size, size, size),
+            Window(zoom, grid.wrapped(column, zoom) * size, row * size, size, size),
             column * size,
             row * size,
         )
-        for zoom, column, row in view.tiles(lon_deg)
+        for zoom, column, row in tiles
     ]
 
 

@@ -12,7 +12,6 @@ from ..bands import RGB, Bands
 from ..errors import Message
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Part, Pixels, Window, tile_parts
-from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 from ..timing import clock_step_s
 from .camera_frame import camera_parts, render
@@ -51,7 +50,7 @@ def _time_text(seconds: float) -> Message:
 def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     """Time the chosen methods on captures of the plan, with the bands of their source: some ten pictures' worth."""
     few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
-    camera, ground = plan.mission.camera, ground_of(plan.mission)
+    camera, ground = plan.mission.camera, plan.ground
     footprints_s = _own_s(lambda: ground_corners(camera, few, ground)) * len(plan) / len(few.lat_deg)
     index = len(plan) // 2
     if plan.size_px is None:

@@ -21,7 +21,6 @@ from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import lat_to_v, lon_to_u
 from ..mission.cameras import shipped_cameras
-from ..mission.layout.framing import ground_of
 from ..mission.parts import utc_time
 from ..mission.plan import Plan
 
@@ -104,7 +103,7 @@ def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
     """Focal lengths and principal point of the camera that looks straight down and sees a map frame."""
     world_px = float(plan.grid.world_px(plan.zoom))
-    lat, ground, own = plan.lat_deg[at], ground_of(plan.mission), plan.grid.own
+    lat, ground, own = plan.lat_deg[at], plan.ground, plan.grid.own
     if own is not None:
         # Metres of raised ground are as many more as its radius is longer.
         raised = WGS84.normal_radius_m(lat) / ground.normal_radius_m(lat)
@@ -161,9 +160,9 @@ class Exposures:
     def __init__(self, plan: Plan) -> None:
         optics = optics_of(plan, np.arange(len(plan)))
         self._columns = np.stack([*optics, *optics.accuracy_m(plan.agl_m)], axis=1)
-        self._body, self._ground_height_m = body_of(plan.mission.camera), plan.mission.flight.ground_height_m
-        self._agl_m, self._start, self._times_s = (
-            plan.agl_m,
+        self._body = body_of(plan.mission.camera)
+        self._height_m, self._start, self._times_s = (
+            plan.height_m,
             utc_time(plan.mission.flight.start),
             plan.times_s,
         )
@@ -176,7 +175,7 @@ class Exposures:
             (int(width), int(height)),
             (focal_x, focal_y),
             (centre_x, centre_y),
-            self._ground_height_m + self._agl_m[index].item(),
+            self._height_m[index].item(),
             (accuracy[0], accuracy[1]),
             self._taken(index),
         )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..bands import RGB, Bands, full
+from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Window
 from ..mission.plan import Plan
@@ -18,27 +21,51 @@ from .map_frame import assemble, window_of
 Pixels = NDArray[Any]
 
 
-class Shot(NamedTuple):
-    """A camera frame: its view, the longitude of the camera, and the kernel it is resampled with."""
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """A camera frame of a plan, its view made where it is drawn: over relief each has a costly one of its own."""
 
-    view: View
-    lon_deg: float
-    kernel: str
+    plan: Plan
+    index: int
+
+    @cached_property
+    def tracing(self) -> Tracing | None:
+        """Its rays over relief; None over level ground."""
+        return None if self.plan.relief is None else self.plan.tracing(self.index)
+
+    @cached_property
+    def view(self) -> View:
+        """How it is made."""
+        return self.plan.view(self.index) if self.tracing is None else self.plan.view_of(self.tracing)
+
+    @property
+    def lon_deg(self) -> float:
+        """Longitude of the camera."""
+        return float(self.plan.lon_deg[self.index])
+
+    @property
+    def kernel(self) -> str:
+        """What it is resampled with."""
+        return self.plan.mission.accuracy.resampling
 
 
 class Picture(NamedTuple):
-    """Pixels (h, w, bands), or one channel more with a mask, and the shares of them without ground or without a map."""
+    """Pixels (h, w, bands), or one channel more with a mask, and shares of them.
+
+    Those without ground, without a map, and of faces that no map shows.
+    """
 
     pixels: Pixels
     sky_share: float = 0.0
     unmapped_share: float = 0.0
+    facade_share: float = 0.0
 
 
 def shot_of(plan: Plan, index: int) -> Window | Shot:
     """What the picture of one capture is made from: a map frame's window, or a camera frame's view."""
     if plan.size_px is None:
         return window_of(plan, index)
-    return Shot(plan.view(index), float(plan.lon_deg[index]), plan.mission.accuracy.resampling)
+    return Shot(plan, index)
 
 
 def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
@@ -46,6 +73,11 @@ def parts_of(plan: Plan, source: Source, index: int) -> list[Part]:
     if plan.size_px is None:
         return source.parts(window_of(plan, index))
     return camera_parts(plan.view(index), float(plan.lon_deg[index]))
+
+
+def tiles_of(plan: Plan, index: int) -> list[tuple[int, int, int]]:
+    """Zoom, column and row, not wrapped, of each tile that a camera frame is made of."""
+    return plan.view(index).tiles(float(plan.lon_deg[index]))
 
 
 def draw(
@@ -81,4 +113,4 @@ def draw(
     if masked:
         shown = np.ones(picture.shape[:2], bool) if view.hidden is None else ~view.hidden
         picture = np.dstack([picture, shown * full(bands.dtype)])
-    return Picture(picture, view.sky_share, view.unmapped_share)
+    return Picture(picture, view.sky_share, view.unmapped_share, view.facade_share)

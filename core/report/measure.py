@@ -16,7 +16,6 @@ from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
 from ..mission.flight import fly, intervals_s, legs
-from ..mission.layout.framing import ground_of
 from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, exact_footprint, map_frame, mesh
 from ..mission.parts import Flight
 from ..mission.plan import Plan
@@ -218,7 +217,7 @@ def measure(
 
 def _footprints(plan: Plan, effort: Effort) -> tuple[Measured, ...]:
     few = plan.poses.take(np.arange(min(len(plan), _FOOTPRINTS_TIMED)))
-    camera, ground = plan.mission.camera, ground_of(plan.mission)
+    camera, ground = plan.mission.camera, plan.ground
     methods = footprint_methods(positions.bounds_scene(plan))
     usable = [method.name for method in methods if not method.outside]
     works = [partial(ground_corners, camera, few, ground, FOOTPRINTS[name]) for name in usable]

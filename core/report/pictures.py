@@ -22,7 +22,7 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows, runs_on
 from ..geodesy.view import view
 from ..imagery.source import Part, Source, Window, tile_parts
-from ..mission.layout.framing import ground_of, sampled_zooms
+from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
 from ..picture.camera_frame import camera_parts, render
 from ..picture.map_frame import assemble, resized, window_of
@@ -165,7 +165,7 @@ class Bench:
             window = window_of(plan, self.index)
         else:
             pose = plan.poses.take(np.array([self.index]))
-            windows = map_windows(plan.mission.camera, pose, plan.grid, plan.zoom, ground_of(plan.mission))
+            windows = map_windows(plan.mission.camera, pose, plan.grid, plan.zoom, plan.ground)
             left, top, width, height = (part[0].item() for part in windows)
             window = Window(plan.zoom, left, top, width, height)
         if self.enlarged > 1.0 and plan.grid.centre_decimals is None:

@@ -15,7 +15,6 @@ from ..geodesy.frames import map_frame_edges, runs_on
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import Cells, ImageRays, mesh
-from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan
 
 Floats = NDArray[np.float64]
@@ -50,7 +49,7 @@ def spread(count: int, most: int) -> NDArray[np.intp]:
 def scene_of(plan: Plan, which: NDArray[np.intp]) -> Scene:
     """Scene of some captures of a plan, in px of their planned images."""
     width, height = (np.asarray(size[which], np.float64) for size in (plan.width_px, plan.height_px))
-    return Scene(plan.mission.camera, width, height, plan.poses.take(which), ground_of(plan.mission))
+    return Scene(plan.mission.camera, width, height, plan.poses.take(which), plan.ground)
 
 
 def bounds_scene(plan: Plan) -> Scene:

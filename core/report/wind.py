@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
 from ..mission.flight import legs
-from ..mission.layout.framing import ground_of
 from ..mission.plan import Plan, plan
 from .positions import errors_px, scene_of, spread
 
@@ -113,7 +112,7 @@ def _displacements(flown: Plan, which: NDArray[np.intp]) -> tuple[Displacement, 
     meant, real = flown.nominal, flown.poses
     if meant is None or flown.mission.wind is None or flown.mission.wind.sigma_m_per_s == 0.0:
         return ()
-    ground = ground_of(flown.mission)
+    ground = flown.ground
     radii_m = (
         ground.meridional_radius_m(meant.lat_deg),
         ground.normal_radius_m(meant.lat_deg) * np.cos(np.radians(meant.lat_deg)),

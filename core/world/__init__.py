@@ -9,6 +9,7 @@ parcels    the pieces of land under samples, and how far their edges are
 paint      blending of colours
 scene      what lies at some samples, shared by all styles
 objects    buildings and trees
+heights    how high the ground is, and what stands on it
 styles     the pictures: satellite, roadmap, terrain
 floes      pack ice: floes of several sizes, and the leads between them
 ice        where ice stays about the poles, and the rock, crevasses and drifts on it
@@ -19,6 +20,6 @@ source     the world as a function of position, and as a source of tiles
 
 from __future__ import annotations
 
-from .source import World, WorldSource
+from .source import World, WorldHeights, WorldSource
 
-__all__ = ["World", "WorldSource"]
+__all__ = ["World", "WorldHeights", "WorldSource"]

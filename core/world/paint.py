@@ -14,12 +14,12 @@ SPARSE = 0.3
 
 
 class Canvas:
-    """Colours of some samples: float32 planes, shape (3, n), in grey levels."""
+    """Colours of some samples: float32 planes, shape (3, n), in grey levels; or one plane of heights."""
 
     def __init__(self, colour: Array | Sequence[float | Array], shape: tuple[int, ...]) -> None:
         self.shape = shape
         n = int(np.prod(shape))
-        self.planes: NDArray[np.float32] = np.empty((3, n), dtype=np.float32)
+        self.planes: NDArray[np.float32] = np.empty((len(colour), n), dtype=np.float32)
         for plane, c in zip(self.planes, colour):
             plane[:] = np.ravel(c)
 

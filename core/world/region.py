@@ -7,6 +7,7 @@ deviation, so that a shore drawn from too few octaves is as soft as the shore th
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Callable
 
 import numpy as np
@@ -229,6 +230,18 @@ class Region:
     def value(self, name: str, samples: Samples) -> Array:
         """Evaluate a field at samples."""
         return samples.spline(self.coefficients[_INDEX[name]], self.window)
+
+    def hills(self, samples: Samples) -> Array:
+        """Evaluate the octaves of relief beyond `COARSE`, those of hills: 0 at zooms that have none."""
+        return samples.spline(self._hills, self.window)
+
+    @cached_property
+    def _hills(self) -> Array:
+        windows = _ancestry(self.window, COARSE)
+        base = _coarse(self.seed, windows[0])[0][_RIDGED]
+        for coarse, fine in zip(windows, windows[1:]):
+            base = refine(base, coarse, fine)
+        return np.asarray(self.coefficients[_RIDGED] - base)
 
     def slope(self, name: str, samples: Samples) -> tuple[Array, Array]:
         """Evaluate a field's slope per Mercator metre, east and south."""

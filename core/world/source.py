@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import Bands
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, PixelGrid, WebMercator
 from ..geodesy.planes import ProjectedPlane
@@ -16,6 +17,7 @@ from ..imagery.policy import Policy
 from ..imagery.source import Part, Pixels, Window, tile_parts
 from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from . import caps, styles
+from .heights import ground_m, surface_m
 from .lattice import TILE_PX, Array, on_chart
 from .samples import Grid, Points
 from .scene import Scene
@@ -34,6 +36,8 @@ _ON_CAPS: dict[str, styles.Painter] = {
     TERRAIN: caps.terrain,
 }
 _KEPT_BYTES = 1 << 24
+_HEIGHTS_ZOOM = 19
+"""Finest zoom of heights: pixels of a quarter of a metre show what stands on the ground."""
 
 
 def _chart(crs: str) -> str:
@@ -122,6 +126,23 @@ class World:
     def _landscape(self) -> int:
         return on_chart(self.seed, _POLES.get(self.crs, 0))
 
+    def heights(self, zoom: int, x: int, y: int, *, bare: bool = False) -> NDArray[np.float32]:
+        """Return the heights of a tile: metres over the ellipsoid at its pixels' centres, (256, 256), from the north.
+
+        Parameters
+        ----------
+        bare : bool
+            Without what stands on the ground. On polar charts nothing does.
+
+        Raises
+        ------
+        InvalidInput
+            A tile that does not exist.
+        """
+        self._check_tile(zoom, x, y)
+        scene = Scene(self._landscape, Grid(int(zoom), int(x), int(y)))
+        return ground_m(scene) if bare or self.crs in _POLES else surface_m(scene)
+
     def _painter(self, style: str) -> styles.Painter:
         if style not in MAP_TYPES:
             raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
@@ -151,13 +172,17 @@ class World:
             Unknown style, or a tile that does not exist.
         """
         painter = self._painter(style)
+        self._check_tile(zoom, x, y)
+        return painter(Scene(self._landscape, Grid(int(zoom), int(x), int(y)))).rounded()
+
+    @staticmethod
+    def _check_tile(zoom: int, x: int, y: int) -> None:
         if not 0 <= zoom <= MAX_ZOOM:
             raise InvalidInput("zoom {0}: must be from 0 to {1}", zoom, MAX_ZOOM)
         if not (0 <= x < 1 << zoom and 0 <= y < 1 << zoom):
             raise InvalidInput(
                 "tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1
             )
-        return painter(Scene(self._landscape, Grid(int(zoom), int(x), int(y)))).rounded()
 
 
 class WorldSource:
@@ -194,6 +219,21 @@ class WorldSource:
 
     def close(self) -> None:
         """Do nothing: it holds nothing."""
+
+
+class WorldHeights(WorldSource):
+    """The heights of the embedded world as a source, of its pixels."""
+
+    bands = Bands(("height",), "float32", (0,))
+
+    def __init__(self, seed: int = 2024, crs: str = "") -> None:
+        super().__init__(seed, crs)
+        self.grid = replace(self.grid, max_zoom=_HEIGHTS_ZOOM, native_zoom=_HEIGHTS_ZOOM)
+
+    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002 (its heights are one kind)
+        """Heights of a tile, (256, 256, 1); raises InvalidInput for a tile that does not exist."""
+        column, row = int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX
+        return self.world.heights(part.zoom, column, row)[..., np.newaxis]
 
 
 def grid_in(crs: str) -> PixelGrid:

@@ -1886,6 +1886,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Choose a source of heights</source>
+        <translation>Elegir una fuente de alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>File…</source>
+        <translation>Archivo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Heights of the ground</source>
+        <translation>Alturas del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Level ground</source>
+        <translation>Terreno llano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Raster files (*)</source>
+        <translation>Archivos ráster (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Synthetic landscape (offline)</source>
+        <translation>Paisaje sintético (sin conexión)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Terrain Tiles (Terrarium, public)</source>
+        <translation>Terrain Tiles (Terrarium, públicas)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Terrain of the project ({name})</source>
+        <translation>Terreno del proyecto ({name})</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>, which is exceeded</source>
         <translation>, que se supera</translation>
@@ -2650,6 +2690,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Relief</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize every picture to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
     </message>
@@ -2711,6 +2756,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>as the elevation</source>
+        <translation>como la elevación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>as the source says</source>
+        <translation>lo que diga la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>cm</source>
         <translation>cm</translation>
     </message>
@@ -2728,6 +2783,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>in</source>
         <translation>in</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>level ground</source>
+        <translation>terreno llano</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4961,6 +5021,82 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>no está instalado matplotlib, que dibuja los diagramas</translation>
     </message>
     <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>, as it lacks the grid {0}</source>
+        <translation>, porque le falta la rejilla {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>WGS 84 ellipsoid</source>
+        <translation>elipsoide WGS 84</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>heights over {0}: PROJ has no way to the ellipsoid here{1}</source>
+        <translation>alturas sobre {0}: PROJ no tiene aquí ningún camino al elipsoide{1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>heights over {0}: it does not reach here</source>
+        <translation>alturas sobre {0}: no llega hasta aquí</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>install it, as by projsync, or take the ellipsoid and say how far heights are off it ({0})</source>
+        <translation>instálela, p. ej. con projsync, o tome el elipsoide e indique cuánto se apartan las alturas de él ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <location filename="../../core/imagery/entry.py"/>
+        <source>say which{0}</source>
+        <translation>indicar cuál{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system</source>
+        <translation>dátum vertical {0!r}: debe ser {1}, {2}, {3} o el código de un sistema vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>{0}: heights in {1!r}: must be one of {2}</source>
+        <translation>{0}: alturas en {1!r}: debe ser una de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
+        <source>{0}: its coordinates are in {1}, and it does not say whether its heights are in metres</source>
+        <translation>{0}: sus coordenadas están en {1}, y no dice si sus alturas están en metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>height {0:g} m: must be from {1:g} to {2:g}</source>
+        <translation>altura {0:g} m: debe estar entre {1:g} y {2:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0}: is a source of pictures</source>
+        <translation>alturas {0}: es una fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0}: maxzoom {1!r} must be a whole number</source>
+        <translation>alturas {0}: maxzoom {1!r} debe ser un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>name a raster file of heights, terrarium or world, or write terrarium: or terrain-rgb: before the address of tiles whose colours are heights</source>
+        <translation>nombre un archivo ráster de alturas, terrarium o world, o escriba terrarium: o terrain-rgb: delante de la dirección de teselas cuyos colores son alturas</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata</source>
+        <translation>dígalo en el archivo donde el valor signifique que no hay datos, p. ej. con gdal_edit.py -a_nodata</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}</source>
+        <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}</translation>
+    </message>
+    <message>
         <location filename="../../core/fields.py"/>
         <source>a finite number</source>
         <translation>un número finito</translation>
@@ -5486,11 +5622,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
-        <source>say which{0}</source>
-        <translation>indicar cuál{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/entry.py"/>
         <source>text of one line</source>
         <translation>texto de una línea</translation>
     </message>
@@ -5907,6 +6038,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/colours.py"/>
         <source>its bands are {0}, and not red, green, blue or grey</source>
         <translation>sus bandas son {0}, y no rojo, verde, azul o gris</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/colours.py"/>
+        <source>its values are no heights: its first band is {0}, {1}</source>
+        <translation>sus valores no son alturas: su primera banda es {0}, {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
@@ -7500,6 +7636,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>the ground is from {0:.1f} to {1:.1f} m high, and seen from aside</source>
+        <translation>el terreno tiene de {0:.1f} a {1:.1f} m de altura y se ve de lado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
         <source>the mesh's bound of {0} px fits</source>
         <translation>la cota de la malla, {0} px, cabe</translation>
     </message>
@@ -7534,6 +7675,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/methods.py"/>
         <source>{0}, ≤ {1} px (not {2}: {3})</source>
         <translation>{0}, ≤ {1} px (no {2}: {3})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>{0}; up to {1:.2g} px per metre that its heights are off</source>
+        <translation>{0}; hasta {1:.2g} px por cada metro de error de sus alturas</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -7612,6 +7758,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>As the source says</source>
+        <translation>Lo que diga la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
     </message>
@@ -7637,8 +7788,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Depth along the optical axis</source>
+        <translation>Profundidad a lo largo del eje óptico</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Faces that no map shows</source>
+        <translation>Caras que ningún mapa muestra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Feet</source>
+        <translation>Pies</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>GeoTIFF (lossless)</source>
         <translation>GeoTIFF (sin pérdida)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Ground points</source>
+        <translation>Puntos del terreno</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7657,8 +7828,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Metres</source>
+        <translation>Metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Nearest pixel</source>
         <translation>Píxel más próximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Normals of the ground</source>
+        <translation>Normales del terreno</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7702,6 +7883,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>The ellipsoid</source>
+        <translation>El elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>The ground below</source>
+        <translation>El terreno debajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>The takeoff</source>
+        <translation>El despegue</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>US survey feet</source>
+        <translation>Pies de agrimensura de EE. UU.</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>added to the heights of all sources, as for a datum that has no grid here</source>
+        <translation>se suma a las alturas de todas las fuentes, p. ej. para un dátum del que no hay rejilla aquí</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>airspeed</source>
         <translation>velocidad aérea</translation>
     </message>
@@ -7737,6 +7943,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>clearance</source>
+        <translation>distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>climb rate</source>
+        <translation>velocidad de ascenso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>coordinate reference system</source>
         <translation>sistema de referencia de coordenadas</translation>
     </message>
@@ -7764,6 +7980,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
         <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte propio de la cuadrícula donde un ángulo gira las filas, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>distance of the clearance</source>
+        <translation>alcance de la distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>elevation</source>
+        <translation>elevación</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7807,6 +8033,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>height above</source>
+        <translation>altura sobre</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>height above gro&amp;und</source>
         <translation>altura sobre el terre&amp;no</translation>
     </message>
@@ -7827,8 +8058,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>heights {0!r}: must be a file, terrarium, world or a number</source>
+        <translation>alturas {0!r}: debe ser un archivo, terrarium, world o un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>how camera frames take their values between the source's pixels; map frames are not resampled</source>
         <translation>cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far around a capture everything counts for its clearance</source>
+        <translation>hasta qué distancia de una captura cuenta todo para su distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7972,8 +8213,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>of the sources of heights; left out, what they say, and metres where they say nothing</source>
+        <translation>de las fuentes de alturas; si falta, lo que ellas digan, y metros donde no digan nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>of whatever is random, such as the synthetic landscape and gusts of wind</source>
         <translation>de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>offset of heights</source>
+        <translation>desplazamiento de alturas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -7982,8 +8233,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>over relief, least height above everything within the clearance's distance</source>
+        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>over relief, no faster does the flight climb or sink: it flies higher where the ground is steeper</source>
+        <translation>sobre relieve, el vuelo no sube ni baja más rápido: vuela más alto donde el terreno es más empinado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>over relief, what the heights of captures are above: the ground below each one; the ground at the takeoff (an area's north-western corner, or the first point), one height for all; or the ellipsoid</source>
+        <translation>sobre relieve, respecto a qué son las alturas de las capturas: el terreno debajo de cada una; el terreno en el despegue (la esquina noroeste de un área, o el primer punto), una altura para todas; o el elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's; a camera by name brings its own</source>
         <translation>píxeles en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara; una cámara con nombre trae los suyos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>products</source>
+        <translation>productos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>products {0}: each may be named once</source>
+        <translation>productos {0}: cada uno puede nombrarse una vez</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -8052,6 +8328,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>surface</source>
+        <translation>superficie</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>take the most accurate methods where none fit the error budget, instead of refusing</source>
         <translation>tomar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
     </message>
@@ -8067,8 +8348,38 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>unit of heights</source>
+        <translation>unidad de las alturas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>vertical datum</source>
+        <translation>dátum vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; left out, what the source says, and the ellipsoid where it says nothing</source>
+        <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si falta, lo que diga la fuente, y el elipsoide donde no diga nada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where heights of the ground come from: raster files, terrarium (public tiles), terrarium:SOURCE or terrain-rgb:SOURCE (tiles so encoded), world, or a number; of several the first that has a height counts; left out, the ground is level</source>
+        <translation>de dónde vienen las alturas del terreno: archivos ráster, terrarium (teselas públicas), terrarium:FUENTE o terrain-rgb:FUENTE (teselas así codificadas), world o un número; de varias cuenta la primera que tenga una altura; si falta, el terreno es llano</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where heights of what cameras see come from, buildings and trees with it, where that is other than what the flight follows; named as those of the elevation, which fills what it leaves open</source>
+        <translation>de dónde vienen las alturas de lo que ven las cámaras, con edificios y árboles, si es otra cosa que lo que sigue el vuelo; se nombran como las de la elevación, que completa lo que dejan abierto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
         <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>written beside the images, of every pixel: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
+        <translation>se escriben junto a las imágenes, de cada píxel: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -8092,8 +8403,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
+        <source>elevation {0}: the mission is planned without its heights</source>
+        <translation>elevación {0}: la misión se planifica sin sus alturas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
         <source>fly higher or in less turbulence</source>
         <translation>volar más alto o con menos turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>rays over relief: the ground is level</source>
+        <translation>rayos sobre relieve: el terreno es llano</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -8109,6 +8430,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>windows of the map in a plane about an area</source>
         <translation>ventanas del mapa en un plano alrededor de un área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: the surface there rises to {3:.1f} m, and {4:g} m of clearance are to be kept</source>
+        <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: la superficie sube allí hasta {3:.1f} m, y hay que mantener {4:g} m de distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: what its image may see there rises to {3:.1f} m</source>
+        <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: lo que su imagen puede ver allí sube hasta {3:.1f} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>clearance {0:g} m and height {1:g} m above ground: the clearance must be the smaller one</source>
+        <translation>distancia de seguridad {0:g} m y altura {1:g} m sobre el terreno: la distancia de seguridad debe ser la menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>fly higher, or keep a clearance ({0})</source>
+        <translation>vuele más alto, o mantenga una distancia de seguridad ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>fly {0:.0f} m higher, or above the ground below</source>
+        <translation>vuele {0:.0f} m más alto, o sobre el terreno debajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>name a further source that fills it{0}</source>
+        <translation>nombre otra fuente que lo complete{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole</source>
+        <translation>sin altura en la latitud {0:.6f}, longitud {1:.6f}: la elevación termina allí, o tiene un hueco</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>relief of {0} from {1:.1f} to {2:.1f} m over the ellipsoid</source>
+        <translation>relieve de {0} de {1:.1f} a {2:.1f} m sobre el elipsoide</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>

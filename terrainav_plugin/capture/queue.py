@@ -149,13 +149,13 @@ class Runs(QObject):
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
         """Capture one picture above a point, with camera, height and source as entered."""
-        from ...core.mission.plan import plan
+        from ..sources import worked_out
 
         if not self.idle:
             return
         try:
             mission = mission_form.test_shot(state, lat_deg, lon_deg)
-            steps = plan(mission, grid_of(mission))
+            steps = worked_out(mission, lambda: grid_of(mission))
         except FormError as wrong:
             self.refused.emit(wrong.messages)
             self._messages.refused(translate(wrong), tr("No test shot."))

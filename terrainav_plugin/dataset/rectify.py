@@ -18,7 +18,6 @@ from ...core.errors import OutputError
 from ...core.files import partial_file
 from ...core.geodesy.ellipsoid import sight_lines
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
-from ...core.mission.layout.framing import ground_of
 from ...core.mission.outlines import footprint_ring, metres
 from ...core.picture.resampling import sample
 from .shown import open_shown
@@ -125,7 +124,7 @@ def _outline(plan: Plan) -> tuple[Floats, Floats]:
 
 def _image_points(plan: Plan, frame: _Frame, rows: NDArray[np.int64]) -> tuple[Floats, Flags]:
     """Image points (r, w, 2) of the map's pixels, and which of them the camera sees, (r, w)."""
-    ground = ground_of(plan.mission)
+    ground = plan.ground
     x_m = frame.west_m + (np.arange(frame.width_px) + 0.5) * frame.pixel_m
     y_m = frame.north_m - (rows + 0.5) * frame.pixel_m
     own = plan.grid.own

@@ -82,10 +82,10 @@ class DatasetTask(Task):
             self.left_out = self.left_out or translate(wrong)
 
     def _made_mosaics(self) -> list[Mosaic]:
-        from ...core.mission.plan import plan
+        from ..sources import worked_out
 
         try:
-            steps = plan(self.mission, self._find_grid())
+            steps = worked_out(self.mission, self._find_grid)
             if steps.size_px is not None or len(steps) > MOST_PICTURES:
                 return []
             return build_mosaics(steps, self.folder, self.go_on)

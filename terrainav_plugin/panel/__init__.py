@@ -4,6 +4,7 @@ dock            entries, figures, buttons and captures, one below the other
 form            the entries together, as the state that they make, remembered between sessions
 entries         groups of entries that are fields of the state
 sections        flight, output, and what most missions leave as it is
+elevation       the entry of sources of heights
 camera          the entries of the camera, and the cameras to choose from
 imagery         the entries of the imagery, and the chooser of the source
 choices         the sources to choose from

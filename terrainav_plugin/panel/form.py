@@ -28,6 +28,7 @@ from .sections import (
     FlightEntries,
     OutputEntries,
     PixelsSection,
+    ReliefSection,
     WindSection,
 )
 
@@ -157,8 +158,9 @@ class DockForm(QWidget):
         output = self.output = OutputEntries(self.marks)
         self.folder, self.image_format = output.folder, output.image_format
         self.attitude, self.pixels = AttitudeSection(self.marks), PixelsSection(self.marks)
-        self.wind, self.accuracy = WindSection(self.marks), AccuracySection(self.marks)
-        self.sections = (self.attitude, self.pixels, self.wind, self.accuracy)
+        self.relief, self.wind = ReliefSection(self.marks), WindSection(self.marks)
+        self.accuracy = AccuracySection(self.marks)
+        self.sections = (self.attitude, self.relief, self.pixels, self.wind, self.accuracy)
         #: Those whose entries are fields of the state by name.
         self.groups = (camera, flight, output, *self.sections)
         #: All, in the order they are shown in.

@@ -10,15 +10,17 @@ from qgis.PyQt.QtCore import Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QLabel
 
 from ..form.camera import shown_gsd
-from ..form.fields import label_of
+from ..form.fields import label_of, tip_of
 from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
 from ..plain import plain_label
 from ..units import gsd_text, length_text
 from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, spin, tick
+from .elevation import HeightsLine
 from .entries import (
     Entries,
     Section,
+    WordsLine,
     declared_choice,
     declared_line,
     declared_number,
@@ -221,6 +223,30 @@ class PixelsSection(Section):
         self.show_row(self._gsd, values["resolution"] == "gsd")
         for field in (self._size, self._grey):
             self.show_row(field, values["resize"])
+
+
+class ReliefSection(Section):
+    """Heights of the ground, and how a flight follows it."""
+
+    def __init__(self, marks: FieldMarks) -> None:
+        super().__init__("relief", tr("Relief"), marks)
+        for name in ("elevation", "surface"):
+            line = HeightsLine(name, tip_of(DECLARED[name]))
+            line.setPlaceholderText(tr("level ground") if name == "elevation" else tr("as the elevation"))
+            self.take(name, line)
+            self._form.addRow(label_of(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
+        self.add_declared("height_above")
+        self.add_declared("climb_m_per_s")
+        for name in ("clearance_m", "clearance_distance_m"):
+            self.add_declared(name)
+        datum = declared_line("vertical_datum")
+        datum.setPlaceholderText(tr("as the source says"))
+        self.add_declared("vertical_datum", datum)
+        self.add_declared("height_unit")
+        self.add_declared("height_offset_m")
+        products = named(WordsLine(), "products", tip_of(DECLARED["products"]))
+        products.setPlaceholderText(" ".join(DECLARED["products"].choices))
+        self.add_declared("products", products)
 
 
 class WindSection(Section):

@@ -231,7 +231,7 @@ def _seen(plan: Plan, windows: Boxes) -> Boxes:
         | (np.maximum(north - south, east - west) > _STRAIGHT_DEG)
     )
     if len(ample):
-        reach = _horizon_deg(plan.agl_m[ample] + plan.mission.flight.ground_height_m)
+        reach = _horizon_deg(plan.height_m[ample])
         at_lat, at_lon = plan.lat_deg[ample], plan.lon_deg[ample]
         south[ample], north[ample] = at_lat - reach, at_lat + reach
         # Meridians of a circle on a sphere; one with a pole in it has them all.

@@ -64,9 +64,9 @@ class Imagery:
 
     def planned(self) -> Plan:
         """Work the mission out; raises InvalidInput or SourceError."""
-        from ...core.mission.plan import plan
+        from ..sources import worked_out
 
-        return plan(self._mission, self._grid())
+        return worked_out(self._mission, self._grid)
 
     @contextmanager
     def opened(self) -> Iterator[Source]:

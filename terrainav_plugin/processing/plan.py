@@ -121,12 +121,12 @@ class Plan(Algorithm):
     def processed(self, run: Run) -> dict[str, Any]:
         """Plan, and write what is asked for."""
         from ...core.mission.estimate import estimate
-        from ...core.mission.plan import plan
         from ..settings import Settings
         from ..sources import costs_of
+        from ..sources import worked_out as planned
 
         def work(_watch: object) -> tuple[WorkedOut, Summary]:
-            worked_out = plan(self._mission, self._grid())
+            worked_out = planned(self._mission, self._grid)
             costs, connections = costs_of(self._mission.imagery.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
 

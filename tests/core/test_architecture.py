@@ -31,7 +31,18 @@ ON_DEMAND = {
     "owslib",
 }
 
-ROOMS = ("geodesy", "mission", "imagery", "world", "dataset", "picture", "capture", "report", "pairs")
+ROOMS = (
+    "geodesy",
+    "mission",
+    "imagery",
+    "elevation",
+    "world",
+    "dataset",
+    "picture",
+    "capture",
+    "report",
+    "pairs",
+)
 
 # Room -> rooms it may import. What lies in `core` itself (errors, the shipped tables) knows no room and is
 # open to all.
@@ -40,9 +51,10 @@ ARROWS = {
     "geodesy": {"core"},
     "mission": {"core", "geodesy"},
     "imagery": {"core", "geodesy"},
+    "elevation": {"core", "geodesy", "imagery"},
     "world": {"core", "geodesy", "imagery"},
     "dataset": {"core", "geodesy"},
-    "picture": {"core", "geodesy", "mission", "imagery"},
+    "picture": {"core", "geodesy", "mission", "imagery", "elevation"},
     "capture": {"core", "geodesy", "mission", "imagery", "dataset", "picture"},
     "report": {"core", "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
@@ -52,7 +64,16 @@ ARROWS = {
 # Rooms whose docstring leads through their modules.
 TOLD_IN_ORDER = [
     CORE / name
-    for name in ("geodesy", "mission", "mission/layout", "mission/export", "picture", "capture", "report")
+    for name in (
+        "geodesy",
+        "mission",
+        "mission/layout",
+        "mission/export",
+        "elevation",
+        "picture",
+        "capture",
+        "report",
+    )
 ]
 
 MODULES = sorted(CORE.rglob("*.py"))

@@ -13,6 +13,7 @@ from tests.core.remedies import (  # noqa: F401
     missions,
     pairs,
     planning,
+    relief,
 )
 from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings
 

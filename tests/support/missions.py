@@ -68,5 +68,6 @@ def schema_1(data):
     """Mapping of a mission file as version 0.1 wrote it: every field beside the others, in no part."""
     flat = {name: data[name] for name in ("area", "camera", "wind")}
     for name in FLAT_PARTS:
-        flat.update(data[name])
+        # What no field of is stated is left out.
+        flat.update(data.get(name, {}))
     return {"schema": 1, **flat}

@@ -170,6 +170,25 @@ def colours_of(
     return Colours(bands, nodata, kind, alpha, bands[0] if first.masked else None, table)
 
 
+def heights_of(facts: Facts) -> Colours:
+    """The first band as heights, of whatever type it is; raises InvalidInput where its values are no numbers."""
+    first = facts.bands[0]
+    try:
+        is_number = np.dtype(first.data_type).kind in "iuf"
+    except TypeError:
+        is_number = False
+    if (
+        not is_number
+        or first.colour in ("palette", "alpha")
+        or (facts.bands[1:] and first.data_type == "uint8")
+    ):
+        raise InvalidInput(
+            "its values are no heights: its first band is {0}, {1}", first.colour, first.data_type
+        )
+    nodata = _held(first.nodata, "float32")
+    return Colours((1,), (nodata,), Bands(("height",), "float32", (0,)), None, 1 if first.masked else None)
+
+
 def band_names(bands: Sequence[Band]) -> tuple[str, ...]:
     """Names of a file's bands: what it describes them by, else the colours that it states, else their numbers."""
 

@@ -20,6 +20,7 @@ from .reading import Facts
 Floats = NDArray[np.float64]
 
 _MAP = "EPSG:3857"
+_CIRCLE_DEG = 360.0
 #: Two systems are one where their coordinates agree to this: 1/1000 of a pixel at zoom 23, and a thousand times the
 #: noise of going to geographic coordinates and back.
 _SAME_M = 1e-5
@@ -89,14 +90,17 @@ class Place:
         """Whether its coordinates are others than the map's."""
         return self._to_map is not None
 
-    def own_plane(self) -> tuple[ProjectedPlane, int] | None:
+    def own_plane(self, *, of_degrees: bool = False) -> tuple[ProjectedPlane, int] | None:
         """Plane whose pixels at the zoom that is returned are the raster's own; None where they become the map's.
 
-        They do where its rows do not run along those of a projected CRS (degrees, turned rasters), and where
-        they are the map's.
+        They do where its rows do not run along those of a projected CRS (degrees, unless ``of_degrees``; turned
+        rasters), and where they are the map's.
         """
         across, down = (abs(float(step)) for step in self._steps.diagonal())
-        if not self._crs.is_projected or self._steps[0, 1] or self._steps[1, 0] or self._is_on_tiles():
+        in_degrees = of_degrees and self._crs.is_geographic and self._turn() == _CIRCLE_DEG
+        if not (self._crs.is_projected or in_degrees):
+            return None
+        if self._steps[0, 1] or self._steps[1, 0] or self._is_on_tiles():
             return None
         zoom = max(math.ceil(math.log2(max(self._width, self._height, TILE_PX) / TILE_PX)), 0)
         size = TILE_PX << zoom

@@ -65,6 +65,8 @@ class Band:
         The file has a mask for it, beside nodata and alpha.
     name : str
         Description that the file gives it; empty for none.
+    unit : str
+        Unit that the file states for its values; empty for none.
     """
 
     data_type: str
@@ -74,6 +76,7 @@ class Band:
     palette: tuple[tuple[int, int, int, int], ...] = ()
     masked: bool = False
     name: str = ""
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -242,6 +245,7 @@ class GdalFile:
             palette=tuple(table.GetColorEntry(i) for i in range(table.GetCount())) if table else (),
             masked=not band.GetMaskFlags() & known,
             name=band.GetDescription(),
+            unit=band.GetUnitType(),
         )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
@@ -346,6 +350,7 @@ class RasterioFile:
             palette=tuple(palette[i] for i in sorted(palette)),
             masked=not known & set(dataset.mask_flag_enums[index - 1]),
             name=dataset.descriptions[index - 1] or "",
+            unit=dataset.units[index - 1] or "",
         )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:

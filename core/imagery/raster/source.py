@@ -27,7 +27,7 @@ from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts
 from ..systems import MAP
-from .colours import Colours, colours_of
+from .colours import Colours, colours_of, heights_of
 from .place import TILE_PX, Place
 from .reading import Box, Facts, Pool, ReadError, Values, opener
 from .remote import Remote
@@ -76,6 +76,7 @@ class RasterFile(FileSource):
             bands=options.bands,
             stretch=options.stretch,
             as_stored=options.as_stored,
+            heights=options.heights,
             transport=options.transport,
         )
 
@@ -88,6 +89,7 @@ def open_raster(
     bands: Sequence[str] = (),
     stretch: str = NO_STRETCH,
     as_stored: bool = False,
+    heights: bool = False,
     transport: Transport | None = None,
 ) -> RasterSource:
     """Open a raster file as a source of imagery.
@@ -114,6 +116,8 @@ def open_raster(
     as_stored : bool
         Pixels have any number of bands, and values of the file's own type where they are not stretched. Otherwise they
         are red, green and blue of 8 bits.
+    heights : bool
+        The first band is taken for heights, as float32, and rows along degrees keep their own pixels, too.
     transport : Transport or None
         For what is asked of a server beside GDAL's requests; None for one of its own. It stays open.
 
@@ -151,6 +155,7 @@ def open_raster(
             bands=bands,
             stretch=stretch,
             as_stored=as_stored,
+            heights=heights,
         )
     except ReadError as wrong:
         pool.close()
@@ -177,6 +182,8 @@ class RasterSource:
     ----------
     bands : Bands
         What `fetch` gives the values of.
+    facts : Facts
+        What the file says of itself.
     """
 
     map_types: tuple[str, ...] = ()
@@ -194,6 +201,7 @@ class RasterSource:
         bands: Sequence[str] = (),
         stretch: str = NO_STRETCH,
         as_stored: bool = False,
+        heights: bool = False,
     ) -> None:
         if not facts.bands:
             inside = Message("name one of those within, such as {0}", facts.parts[0]) if facts.parts else None
@@ -201,13 +209,16 @@ class RasterSource:
         self.name = name
         self.title = _title(path)
         self.date = date
+        self.facts = facts
         credit = next((facts.tags[tag] for tag in _CREDITS if facts.tags.get(tag, "").strip()), "")
         self.attribution = " ".join(printable(credit[:MAX_METADATA_CHARACTERS]).split()) or self.title
         self._path = path
         self._limits = stretch_range(stretch)
         self._is_stretched = stretch != NO_STRETCH
-        self._colours: Colours = colours_of(
-            facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title
+        self._colours: Colours = (
+            heights_of(facts)
+            if heights
+            else colours_of(facts, bands, as_stored=as_stored, stretched=self._is_stretched, title=self.title)
         )
         kind = self._colours.kind
         self.bands: Bands = replace(kind, data_type="uint8") if self._is_stretched else kind
@@ -217,7 +228,7 @@ class RasterSource:
         self._sizes = facts.sizes
         self._pool = pool
         self._state = _state(path)
-        self.grid = self._grid(self._place.own_plane() if own_pixels else None)
+        self.grid = self._grid(self._place.own_plane(of_degrees=heights) if own_pixels else None)
 
     def __repr__(self) -> str:
         return f"RasterSource({self._path!r}, {self.grid})"

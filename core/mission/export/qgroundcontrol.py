@@ -85,7 +85,7 @@ def _whole(plan: Plan) -> dict[str, Any]:
             "globalPlanAltitudeMode": _ALTITUDE_RELATIVE,
             "hoverSpeed": speed,
             "items": [],
-            "plannedHomePosition": [first.lat_deg, first.lon_deg, plan.mission.flight.ground_height_m],
+            "plannedHomePosition": [first.lat_deg, first.lon_deg, float(plan.ground_m[0])],
             "vehicleType": _QUADROTOR,
             "version": 2,
         },

@@ -38,6 +38,8 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
     left = plan.grid.wrapped_px(plan.windows.left_px, plan.zoom)
     poses = plan.poses._replace(lon_deg=wrap_lon_deg(plan.lon_deg))
     columns = {**poses._asdict(), **plan.windows._replace(left_px=left)._asdict()}
+    if plan.relief is not None:
+        columns["height_m"] = plan.height_m
     corner_lon = wrap_lon_deg(plan.corners.lon_deg)
     for part in parts(len(plan)):
         batch: dict[str, list[Any]] = {
@@ -91,8 +93,10 @@ def clock(start: str, times_s: NDArray[np.float64]) -> list[str]:
 
 def csv_text(plan: Plan) -> Iterator[str]:
     """Text of the table, in blocks."""
-    yield ",".join(COLUMNS) + "\n"
+    own = (*POSE_COLUMNS, "height_m", *WINDOW_COLUMNS, *CORNER_COLUMNS)
+    names = COLUMNS if plan.relief is None else own
+    yield ",".join(names) + "\n"
     for batch in batches(plan):
-        rows = zip(*(batch[name] for name in COLUMNS))
+        rows = zip(*(batch[name] for name in names))
         # Text of a float is its shortest exact form: all its digits.
         yield "".join(",".join(map(str, row)) + "\n" for row in rows)

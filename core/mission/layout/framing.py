@@ -21,6 +21,7 @@ from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
 from ..mission import Mission
+from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, lay_out
 
@@ -49,7 +50,7 @@ class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
     ``size_px`` is the width and height of camera frames, and None for map frames, whose windows are the pictures.
-    ``passes`` are those of turned or crossed rows.
+    ``passes`` are those of turned or crossed rows, and ``flown`` is how high captures over relief are.
     """
 
     layout: Layout
@@ -58,6 +59,7 @@ class Framed(NamedTuple):
     windows: Windows
     size_px: tuple[int, int] | None
     passes: tuple[Pass, ...] = ()
+    flown: Flown | None = None
 
 
 class Framing(Protocol):
@@ -81,30 +83,48 @@ def ground_of(mission: Mission) -> Ellipsoid:
     return WGS84.raised(mission.flight.ground_height_m) if mission.flight.ground_height_m else WGS84
 
 
-def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Disturbed) -> Framed:
+def framed(
+    mission: Mission,
+    grid: PixelGrid,
+    framing: Framing,
+    disturbed: Disturbed,
+    relief: ReliefBelow | None = None,
+) -> Framed:
     """Lay a mission out in frames of one kind.
+
+    Over relief frames are those of what each capture sees at least, as from over the highest of it: so rows are tighter
+    where the ground is higher, and images share no less than was asked for.
 
     Raises
     ------
     InvalidInput
         As `plan` does.
     """
+    over = None
+    if relief is not None and not isinstance(mission.area, Points):
+        over = relief.seen_agl_m()
 
     def laid_out(pixel: float) -> Layout:
         def frames(lat_deg: Floats) -> FrameEdges:
             attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
-            height = np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
+            height = (
+                np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
+                if over is None
+                else over(lat_deg)
+            )
             return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
 
         return lay_out(mission, frames, pixel)
 
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
-        layout, passes = lay_out_rotated(mission, ground_of(mission), grid.own)
+        # Turned rows are all alike, as tight as the highest ground needs.
+        least = mission if over is None else mission.with_(agl_m=float(over(_latitudes(mission)).min()))
+        layout, passes = lay_out_rotated(least, ground_of(mission), grid.own)
         if grid.own is not None:
             # Outer frames leave room for the rounding of their edges to the grid's pixels.
             room_m = _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(framing.zoom(layout)))
-            layout, passes = lay_out_rotated(mission, ground_of(mission), grid.own, room_m)
+            layout, passes = lay_out_rotated(least, ground_of(mission), grid.own, room_m)
     else:
         layout = laid_out(0.0)
         if grid.own is not None:
@@ -125,15 +145,25 @@ def framed(mission: Mission, grid: PixelGrid, framing: Framing, disturbed: Distu
         if lower != zoom:
             zoom = min(zoom, lower)
             layout = laid_out(1.0 / grid.world_px(zoom))
+    flown = None
+    if relief is not None:
+        flown = relief.flown(layout)
+        layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
     pixel = 1.0 / grid.world_px(zoom)
-    if passes and mission.wind is None and grid.own is None:
+    if passes and mission.wind is None and grid.own is None and flown is None:
         edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
     else:
         first, run = runs_on(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
     windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
-    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes)
+    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown)
+
+
+def _latitudes(mission: Mission) -> Floats:
+    """Latitudes all over a mission's area."""
+    box = mission.area.bounds
+    return np.linspace(box.south_deg, box.north_deg, _SOME)
 
 
 def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:

@@ -1,0 +1,320 @@
+"""The heights of one source, over the ellipsoid, in its own pixels."""
+
+from __future__ import annotations
+
+import math
+import threading
+import weakref
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from importlib.util import resolve_name
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.mercator import PixelGrid
+from ..imagery.entry import CatalogueEntry
+from ..imagery.opening import NamedSource, SourceOptions, named_source
+from ..imagery.source import Source, Window, tile_parts
+from ..imagery.xyz import open_entry
+from ..resources import read_json
+from .datum import UNITS_M, Datum
+
+Heights32 = NDArray[np.float32]
+Floats = NDArray[np.float64]
+
+#: Heights that ground may have over the ellipsoid, metres: beyond, a value stands for something else.
+LOWEST_M, HIGHEST_M = -12_000.0, 9_500.0
+#: Tiles of heights kept by each source, bytes.
+_KEPT_BYTES = 64 << 20
+#: Points along each side of a tile at which it is asked how far the datum is from the ellipsoid, where the tile is
+#: smaller than this: in between geoids are straight to a centimetre. Of larger tiles every pixel is asked for.
+_ASKED, _SMALL_M = 17, 30_000.0
+#: Embedded landscape, which stands above this room.
+_WORLD = "..world.source"
+#: Encodings of heights in the red, green and blue of tiles, by the word before the colon.
+_ENCODED: dict[str, Callable[[NDArray[Any]], Floats]] = {
+    "terrarium": lambda rgb: rgb @ np.array([256.0, 1.0, 1.0 / 256.0]) - 32768.0,
+    "terrain-rgb": lambda rgb: rgb @ np.array([6553.6, 25.6, 0.1]) - 10000.0,
+}
+#: Highest zoom of templates that do not say theirs.
+_DEFAULT_MAX_ZOOM = 15
+_SHIPPED_FILE = "elevation.json"
+
+
+@dataclass(frozen=True)
+class HeightOptions:
+    """How heights are to be understood, and how their source is to be asked.
+
+    Parameters
+    ----------
+    datum : str
+        What they count from, as `Datum.named` takes it; empty for what the source says, and the ellipsoid where it says
+        nothing.
+    unit : str
+        m, ft or us-ft; empty for what the source says.
+    offset_m : float
+        Added to all of them, metres.
+    source : SourceOptions
+        For what sources of heights and of imagery have in common.
+    """
+
+    datum: str = ""
+    unit: str = ""
+    offset_m: float = 0.0
+    source: SourceOptions = SourceOptions()  # noqa: RUF009  frozen
+
+
+class Layer(Protocol):
+    """Heights over the ellipsoid on a pixel grid. Implementations are safe to call from several threads at once."""
+
+    @property
+    def title(self) -> str:
+        """What people see."""
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the heights."""
+
+    @property
+    def grid(self) -> PixelGrid:
+        """Pixels whose centres have the heights."""
+
+    def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
+        """Heights in metres, (height_px, width_px), NaN where there are none."""
+
+
+class LevelGround:
+    """The same height everywhere."""
+
+    attribution = ""
+    grid = PixelGrid(max_zoom=30, native_zoom=30)
+
+    def __init__(self, height_m: float) -> None:
+        self.height_m = height_m
+        self.title = f"{height_m:g} m"
+
+    def read(self, _zoom: int, _left_px: int, _top_px: int, width_px: int, height_px: int) -> Heights32:
+        """Return the height."""
+        return np.full((height_px, width_px), self.height_m, np.float32)
+
+
+class TiledHeights:
+    """Heights of a source of tiles, each read once while it is kept; the source is closed when nobody has it any more.
+
+    Parameters
+    ----------
+    source : Source
+        Its first band has the heights, or its colours have them by an encoding.
+    decoded : callable or None
+        Colours (h, w, 3) to heights.
+    datum : Datum
+    offset_m : float
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        decoded: Callable[[NDArray[Any]], Floats] | None,
+        datum: Datum,
+        offset_m: float,
+    ) -> None:
+        self._source, self._decoded, self._datum, self._offset_m = source, decoded, datum, offset_m
+        self.title, self.attribution, self.grid = source.title, source.attribution, source.grid
+        self._kept: OrderedDict[Window, Heights32] = OrderedDict()
+        self._kept_bytes = 0
+        self._lock = threading.Lock()
+        weakref.finalize(self, source.close)
+
+    @property
+    def datum(self) -> Datum:
+        """What its heights count from."""
+        return self._datum
+
+    def read(self, zoom: int, left_px: int, top_px: int, width_px: int, height_px: int) -> Heights32:
+        """Heights of a window."""
+        found = np.full((height_px, width_px), np.nan, np.float32)
+        whole = Window(zoom, left_px, top_px, width_px, height_px)
+        for part in tile_parts(whole, self.grid):
+            if not self._is_there(part.window):
+                continue
+            tile = self._tile(part.window)
+            x, y = max(part.dx_px, 0), max(part.dy_px, 0)
+            right, bottom = (
+                min(part.dx_px + part.window.width_px, width_px),
+                min(part.dy_px + part.window.height_px, height_px),
+            )
+            found[y:bottom, x:right] = tile[
+                y - part.dy_px : bottom - part.dy_px, x - part.dx_px : right - part.dx_px
+            ]
+        return found
+
+    def _is_there(self, tile: Window) -> bool:
+        """Whether a tile is one of the grid's world."""
+        count = 1 << tile.zoom
+        column, row = (int(at) // self.grid.tile_px for at in (tile.left_px, tile.top_px))
+        return 0 <= column < count and 0 <= row < count
+
+    def _tile(self, tile: Window) -> Heights32:
+        with self._lock:
+            kept = self._kept.get(tile)
+            if kept is not None:
+                self._kept.move_to_end(tile)
+                return kept
+        made = self._made(tile)
+        with self._lock:
+            if tile not in self._kept:
+                self._kept[tile] = made
+                self._kept_bytes += made.nbytes
+            while self._kept_bytes > _KEPT_BYTES and len(self._kept) > 1:
+                self._kept_bytes -= self._kept.popitem(last=False)[1].nbytes
+        return made
+
+    def _made(self, tile: Window) -> Heights32:
+        pixels = self._source.fetch("", tile)
+        channels = 1 if self._decoded is None else 3
+        values = pixels[..., :channels].astype(np.float64)
+        heights = values[..., 0] if self._decoded is None else self._decoded(values)
+        if pixels.shape[2] > channels:
+            heights = np.where(pixels[..., channels] != 0, heights, np.nan)
+        heights = heights * self._datum.unit_m + self._offset_m
+        if self._datum.code:
+            heights = heights + self._over_ellipsoid(tile)
+        with np.errstate(invalid="ignore"):
+            wrong = np.argwhere((heights < LOWEST_M) | (heights > HIGHEST_M))
+        if len(wrong):
+            row, column = wrong[0].tolist()
+            lat, lon = self._places(tile, np.array([column]), np.array([row]))
+            raise InvalidInput(
+                "{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}",
+                self.title,
+                float(heights[row, column]),
+                float(lat[0]),
+                float(lon[0]),
+                LOWEST_M,
+                HIGHEST_M,
+                remedy="say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata",
+            )
+        return heights.astype(np.float32)
+
+    def _over_ellipsoid(self, tile: Window) -> Floats:
+        """Heights of the datum at the pixels of a tile."""
+        size = self.grid.tile_px
+        middle = self._places(tile, np.array([size / 2.0]), np.array([size / 2.0]))
+        width_m = float(self.grid.ground_m_per_px(middle[0], middle[1], tile.zoom)[0]) * size
+        every = np.arange(size, dtype=np.float64)
+        at = every if width_m > _SMALL_M else np.linspace(0.0, size - 1.0, _ASKED)
+        columns, rows = np.meshgrid(at, at)
+        known = self._datum.heights_m(*self._places(tile, columns, rows))
+        if len(at) == size:
+            return known
+        along = np.stack([np.interp(every, at, line) for line in known])
+        whole: Floats = np.stack([np.interp(every, at, line) for line in along.T], axis=1)
+        return whole
+
+    def _places(self, tile: Window, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        world = self.grid.world_px(tile.zoom)
+        return self.grid.plane.inverse(
+            (tile.left_px + column + 0.5) / world, (tile.top_px + row + 0.5) / world
+        )
+
+
+def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
+    """Open the source of heights that a text names.
+
+    Parameters
+    ----------
+    text : str
+        A raster file; ``world``, the embedded landscape; ``terrarium``, the public tiles of that name;
+        ``terrarium:SOURCE`` or ``terrain-rgb:SOURCE``, a URL template or an MBTiles file of tiles so encoded, with
+        ``#maxzoom=N`` behind it where a template's tiles end elsewhere than at zoom 15; or a number: level ground so
+        many metres above the ellipsoid.
+
+    Raises
+    ------
+    InvalidInput
+        There is no such source, or its heights cannot be understood.
+    SourceError
+        It cannot be reached.
+    """
+    height_m = _number(text)
+    if height_m is not None:
+        if not LOWEST_M <= height_m <= HIGHEST_M:
+            raise InvalidInput(
+                "height {0:g} m: must be from {1:g} to {2:g}",
+                height_m,
+                LOWEST_M,
+                HIGHEST_M,
+                field="elevation",
+            )
+        return LevelGround(height_m)
+    datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
+    asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)
+    if text.lower() == "world":
+        module = __import__(resolve_name(_WORLD, __package__ or ""), fromlist=["*"])
+        return TiledHeights(
+            module.WorldHeights(asked.seed, options.source.crs), None, datum or Datum(), options.offset_m
+        )
+    encoding, colon, inner = text.partition(":")
+    if text in _shipped():
+        entry = CatalogueEntry.from_dict(text, _shipped()[text])
+        tiles = open_entry(entry, entry.date(None), None, asked)
+        return TiledHeights(tiles, _ENCODED[text], datum or Datum.named("EGM96"), options.offset_m)
+    if colon and encoding in _ENCODED:
+        inner, _, zoom = inner.partition("#maxzoom=")
+        if zoom and not zoom.isdecimal():
+            raise InvalidInput("heights {0}: maxzoom {1!r} must be a whole number", text, zoom)
+        asked = replace(asked, heights=False, max_zoom=int(zoom) if zoom else _DEFAULT_MAX_ZOOM)
+        source = named_source(inner, asked).open()
+        return TiledHeights(
+            source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m
+        )
+    return _of_raster(text, named_source(text, asked), datum, options)
+
+
+def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
+    if not named.has_bands and named.title:
+        raise InvalidInput(
+            "heights {0}: is a source of pictures",
+            text,
+            field="elevation",
+            remedy="name a raster file of heights, terrarium or world, or write terrarium: or terrain-rgb: before the "
+            "address of tiles whose colours are heights",
+        )
+    source: Any = named.open()
+    try:
+        facts = source.facts
+        if datum is None and not options.unit:
+            datum = Datum.of_file(facts.crs_wkt, facts.bands[0].unit, source.title) or Datum()
+        elif datum is None:
+            found = Datum.of_file(facts.crs_wkt, "m", source.title)
+            datum = Datum("" if found is None else found.code, _unit_m(options.unit))
+        elif not options.unit:
+            found = Datum.of_file(facts.crs_wkt, facts.bands[0].unit, source.title)
+            datum = Datum(datum.code, 1.0 if found is None else found.unit_m)
+        if datum.code:
+            datum.check()
+    except InvalidInput:
+        source.close()
+        raise
+    return TiledHeights(source, None, datum, options.offset_m)
+
+
+def _unit_m(unit: str) -> float:
+    return UNITS_M[unit] if unit else 1.0
+
+
+def _number(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
+
+
+def _shipped() -> dict[str, Any]:
+    shipped: dict[str, Any] = read_json(_SHIPPED_FILE)
+    return shipped

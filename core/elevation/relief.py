@@ -1,0 +1,171 @@
+"""The relief: what sources of heights say together, and surfaces of it for rays to meet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geodesy.mercator import PixelGrid
+from ..geodesy.relief import Surface
+from .heights import HeightOptions, Heights32, Layer, LevelGround, open_heights
+
+Floats = NDArray[np.float64]
+
+#: Cells of a surface at most: 32 MB of heights, and as much again several times over where rays are traced.
+MOST_CELLS = 1 << 23
+#: Pixels that a surface reaches beyond the ground that it is asked for.
+_MARGIN_PX = 2
+#: Size of the cells of level ground, which has no pixels of its own, metres.
+_LEVEL_CELL_M = 1024.0
+
+
+@dataclass(eq=False)
+class Relief:
+    """Heights over the WGS 84 ellipsoid as one surface, bilinear between the pixels' centres of the first source.
+
+    Parameters
+    ----------
+    layers : sequence of Layer
+        The first that has a height counts; at least one.
+
+    Attributes
+    ----------
+    filled : int
+        Pixels of the first that others have filled so far.
+    """
+
+    layers: Sequence[Layer]
+    filled: int = field(default=0, init=False)
+
+    @property
+    def title(self) -> str:
+        """What people see."""
+        return ", then ".join(layer.title for layer in self.layers)
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the heights."""
+        return "; ".join(dict.fromkeys(layer.attribution for layer in self.layers if layer.attribution))
+
+    def cell_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Size of the first source's own pixels at a place, metres."""
+        layer = self.layers[0]
+        if isinstance(layer, LevelGround):
+            return _LEVEL_CELL_M
+        return _size_m(layer, lat_deg, lon_deg, layer.grid.native_zoom)
+
+    def surface(self, lat_deg: Floats, lon_deg: Floats, cell_m: float = 0.0) -> Surface:
+        """Heights over the box, in the first source's own plane, about some positions.
+
+        Parameters
+        ----------
+        lat_deg, lon_deg : array (n,)
+            Longitudes are continuous.
+        cell_m : float
+            Size of cells that is wanted; 0 for the finest. They are the source's own, or 2, 4, 8 … of those along each
+            side; and larger than asked for where there would be too many.
+
+        Raises
+        ------
+        InvalidInput
+            Heights that are none.
+        PartError, SourceError
+            Heights that cannot be had.
+        """
+        lat, lon = np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64)
+        middle = float(np.mean(lat)), float(np.mean(lon))
+        layer = next(
+            (one for one in self.layers[:-1] if _coarsest_m(one, *middle) >= cell_m), self.layers[-1]
+        )
+        alone = len(self.layers) == 1
+        zoom, (left, top, right, bottom) = _window(layer, lat, lon, cell_m, cut=alone)
+        heights = np.full((bottom - top, right - left), np.nan, np.float32)
+        for other in self.layers:
+            missing = np.isnan(heights)
+            if not missing.any():
+                break
+            if other is layer:
+                read = layer.read(zoom, left, top, right - left, bottom - top)
+                np.copyto(heights, read, where=missing)
+            else:
+                self._fill(other, layer.grid, (zoom, left, top), heights)
+            if other is not self.layers[0]:
+                self.filled += int(np.count_nonzero(missing & ~np.isnan(heights)))
+        return Surface(layer.grid, zoom, left, top, heights)
+
+    @staticmethod
+    def _fill(layer: Layer, grid: PixelGrid, first: tuple[int, int, int], heights: Heights32) -> None:
+        """Fill what is missing, on the pixels of another grid from a first one on, with what a layer has."""
+        zoom, left, top = first
+        rows, columns = np.nonzero(np.isnan(heights))
+        world = grid.world_px(zoom)
+        lat, lon = grid.plane.inverse((columns + left + 0.5) / world, (rows + top + 0.5) / world)
+        good = np.isfinite(lat) & np.isfinite(lon)
+        rows, columns, lat, lon = rows[good], columns[good], lat[good], lon[good]
+        if not len(rows):
+            return
+        cell_m = float(grid.ground_m_per_px(lat[:1], lon[:1], zoom)[0])
+        own_zoom, (own_left, own_top, right, bottom) = _window(layer, lat, lon, cell_m, cut=True)
+        read = layer.read(own_zoom, own_left, own_top, right - own_left, bottom - own_top)
+        surface = Surface(layer.grid, own_zoom, own_left, own_top, read)
+        heights[rows, columns] = surface.heights(*surface.position(lat, lon))
+
+
+def open_relief(texts: Sequence[str], options: HeightOptions = HeightOptions()) -> Relief:  # noqa: B008  frozen
+    """Open the sources of heights that texts name, see `open_heights`; the first that has a height counts.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        As `open_heights` does.
+    """
+    return Relief(tuple(open_heights(text, options) for text in texts))
+
+
+def _size_m(layer: Layer, lat_deg: float, lon_deg: float, zoom: int) -> float:
+    """Size of a layer's pixels at a place and a zoom, metres."""
+    return float(layer.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), zoom))
+
+
+def _coarsest_m(layer: Layer, lat_deg: float, lon_deg: float) -> float:
+    return _size_m(layer, lat_deg, lon_deg, layer.grid.min_zoom)
+
+
+def _window(
+    layer: Layer, lat: Floats, lon: Floats, cell_m: float, *, cut: bool
+) -> tuple[int, tuple[int, int, int, int]]:
+    """Zoom, and left, top, right and bottom of a layer's pixels, over the box about positions (n,).
+
+    Parameters
+    ----------
+    cell_m : float
+        No pixel is larger, as far as there are so many as a surface may have; the largest of those are taken.
+    cut : bool
+        Pixels well beyond the layer's own are left out.
+    """
+    grid = layer.grid
+    u, v = grid.plane.forward(lat, lon)
+    there = np.isfinite(u) & np.isfinite(v)
+    lows, highs = np.zeros(2), np.zeros(2)
+    if there.any():
+        lows, highs = (np.array([f(u[there]), f(v[there])]) for f in (np.min, np.max))
+    if cut and grid.own is not None and grid.extent is not None:
+        ends = np.array(grid.extent)
+        lows, highs = (np.clip(at, ends.min(axis=0), ends.max(axis=0)) for at in (lows, highs))
+    middle = float(np.mean(lat)), float(np.mean(lon))
+    wanted_m = max(cell_m, _LEVEL_CELL_M) if isinstance(layer, LevelGround) else cell_m
+    zoom = grid.native_zoom
+    size_m = _size_m(layer, *middle, zoom)
+    while True:
+        world = grid.world_px(zoom)
+        left, top = (int(np.floor(at * world - 0.5)) - _MARGIN_PX for at in lows)
+        right, bottom = (int(np.ceil(at * world - 0.5)) + 1 + _MARGIN_PX for at in highs)
+        if grid.own is None:
+            top, bottom = max(min(top, world - 2), 0), min(max(bottom, 2), world)
+        few = (right - left) * (bottom - top) <= MOST_CELLS
+        if zoom <= grid.min_zoom or (few and 2.0 * size_m > wanted_m):
+            return zoom, (left, top, right, bottom)
+        zoom, size_m = zoom - 1, 2.0 * size_m

@@ -1,0 +1,423 @@
+"""The camera frame over relief: from which pixels of which zooms an image is made, and what each of its pixels sees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.polynomial.polynomial import polyval2d, polyvander2d
+from numpy.typing import NDArray
+
+from .accuracy import Scene
+from .ellipsoid import WGS84, clearance, positions, sight_lines, trace
+from .mercator import PixelGrid, wrap_lon_deg
+from .relief import Hits, PixelRays, Surface
+from .view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_offsets
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+#: Cells of a surface that an image's rays are traced over, at most; farther away cells are twice as large.
+_MOST_CELLS = 1 << 21
+#: Cells from the camera to where larger ones begin, at least: seen from there one is less than a pixel of most cameras.
+_LEAST_CELLS = 700.0
+#: Farthest that relief is looked for, and the highest that there is, metres.
+_FARTHEST_M, _HIGHEST_M = 700_000.0, 9_000.0
+#: Share by which rays are followed farther than they need, and a length that is divided by at least.
+_MARGIN, _LEAST = 1.01, 1e-12
+#: Points along each edge of an image whose rays tell what ground it sees.
+_ALONG_EDGE = 9
+#: Faces steeper than this, metres of height per metre, are not seen from above: no map has their colours.
+STEEP = 2.0
+#: Cells that a face reaches at most to either side of a point of it.
+_MOST_OF_FACE = 6
+#: Highest degree of the polynomials from one plane to another, and how close they must come, pixels of the finest zoom.
+_DEGREES, _PLANES_PX = (1, 2, 3, 5), 0.02
+#: Nodes along each side to which those are fitted.
+_NODES = 9
+#: Pixels of an image to either side of one that samples for it are taken from, at the coarsest zoom that serves it.
+_SAMPLED = 2.0
+#: Share of the tangent of a pixel's footprint that grazing rays are not followed beyond.
+_GRAZING = 0.02
+
+
+class Relief(Protocol):
+    """Heights over the WGS 84 ellipsoid, wherever they are asked for."""
+
+    @property
+    def title(self) -> str:
+        """What people see."""
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the heights."""
+
+    def surface(self, lat_deg: Floats, lon_deg: Floats, cell_m: float = 0.0) -> Surface:
+        """Heights over the box about some positions, of cells no larger than wanted, or the finest for 0."""
+
+    def cell_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Size of the finest cells at a place, metres."""
+
+
+class Sighting(NamedTuple):
+    """What the pixels of an image see, (height, width) each; NaN where they see no ground.
+
+    Attributes
+    ----------
+    depth_m : array
+        Along the optical axis.
+    lat_deg, lon_deg, height_m : array
+        Of the ground points; longitudes are continuous with the camera's, heights over the ellipsoid.
+    slope_east, slope_north : array
+        How the surface rises there, metres per metre.
+    steep : array of bool
+        Faces whose colours no map has.
+    """
+
+    depth_m: Floats
+    lat_deg: Floats
+    lon_deg: Floats
+    height_m: Floats
+    slope_east: Floats
+    slope_north: Floats
+    steep: Bools
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals of the surface, (height, width, 3), in east, north and up."""
+        up = np.stack([-self.slope_east, -self.slope_north, np.ones_like(self.depth_m)], axis=-1)
+        normals: Floats = up / np.linalg.norm(up, axis=-1, keepdims=True)
+        return normals
+
+
+@dataclass(frozen=True, eq=False)
+class Tracing:
+    """Rays of one image over relief, each followed to the first point that it meets.
+
+    Parameters
+    ----------
+    scene : Scene
+        One pose.
+    height_m : float
+        Of the camera over the WGS 84 ellipsoid.
+    relief : Relief
+    lowest_m : float
+        No ground that the image may see is lower.
+    tolerance_px : float
+        What points may be off by along their rays, in pixels of the image.
+    """
+
+    scene: Scene
+    height_m: float
+    relief: Relief
+    lowest_m: float
+    tolerance_px: float
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Latitude and longitude of the camera."""
+        poses = self.scene.poses
+        return float(poses.lat_deg[0]), float(poses.lon_deg[0])
+
+    @cached_property
+    def rays(self) -> PixelRays:
+        """Rays of the image."""
+        rays = ImageRays.of(self.scene)
+        return PixelRays(rays.origin, rays.per_x, rays.per_y, *self.scene.one_size_px)
+
+    @cached_property
+    def _seen(self) -> list[_Seen]:
+        """What rays meet on surfaces from near to far; those behind have the pixels that meet nothing before."""
+        rays, (lat, lon) = self.rays, self.place
+        found: list[_Seen] = []
+        for surface, begin_m, _ in self._surfaces():
+            if not np.isfinite(surface.heights_m).any():
+                continue
+            paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0)
+            if not found:
+                hits = surface.image_hits(paths, rays, 0.0, farthest, self.tolerance_px / 2.0)
+            else:
+                row, column = np.nonzero(np.isnan(np.fmax.reduce([one.hits.t for one in found])))
+                if not len(row):
+                    break
+                directions = rays.at(column + 0.5, row + 0.5)
+                after = begin_m / np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
+                met = surface.first_hits(paths, directions, after, np.full(len(row), farthest))
+                hits = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
+                for whole, values in zip(hits, met):
+                    whole[row, column] = values
+            found.append(_Seen(surface, hits, paths.forms[0][:2, :2]))
+        return found
+
+    def _surfaces(self) -> Iterator[tuple[Surface, float, float]]:
+        """Surfaces, from near to far, and the level distances from the camera between which each counts.
+
+        The first has the finest cells; where those would be too many, farther ones are twice as large, and so on.
+        """
+        lat, lon = self.place
+        x, y = np.meshgrid(
+            *(np.linspace(0.0, side, _ALONG_EDGE) for side in (self.rays.width, self.rays.height))
+        )
+        directions = self.rays.at(x.ravel(), y.ravel())
+        level = np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
+        ground = WGS84.raised(self.lowest_m)
+        above_m = self.height_m - self.lowest_m
+        seen = trace(np.array(lat), np.array(above_m), directions, ground)
+        with np.errstate(invalid="ignore"):
+            last = sight_lines(np.array(lat), np.array(above_m), seen.lat_deg, seen.dlon_deg, ground)
+        # Beyond the horizon, what stands up there is seen yet.
+        reach_m = np.where(seen.hit, np.hypot(last[:, 0], last[:, 1]), np.inf)
+        horizon_m = np.sqrt(2.0 * WGS84.a_m * above_m) + np.sqrt(2.0 * WGS84.a_m * _HIGHEST_M)
+        reach_m = _MARGIN * np.minimum(reach_m, min(horizon_m, _FARTHEST_M))
+        begin_m, cell_m = 0.0, self.relief.cell_m(lat, lon)
+        while begin_m < reach_m.max():
+            end_m = float(reach_m.max())
+            points = self._points(directions, begin_m / level, np.minimum(reach_m, end_m) / level)
+            if float(np.prod(np.ptp(points[:, :2], axis=0) / cell_m)) > _MOST_CELLS:
+                end_m = max(_LEAST_CELLS * cell_m, 2.0 * begin_m)
+                points = self._points(directions, begin_m / level, np.minimum(reach_m, end_m) / level)
+            at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
+            yield self.relief.surface(at_lat, lon + dlon, cell_m), begin_m, end_m
+            begin_m, cell_m = end_m, 2.0 * cell_m
+
+    @staticmethod
+    def _points(directions: Floats, first: Floats, last: Floats) -> Floats:
+        """Points at t of rays, and the camera's own where they begin with it."""
+        return np.concatenate([t[:, np.newaxis] * directions for t in (np.minimum(first, last), last)])
+
+    @cached_property
+    def sky(self) -> Bools:
+        """Pixels whose rays miss the Earth, at its lowest, and meet no relief; (height, width)."""
+        lat, _ = self.place
+        x, y = np.meshgrid(np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5)
+        rays = self.rays.at(x.ravel(), y.ravel())
+        disc, half = clearance(
+            np.array(lat), np.array(self.height_m - self.lowest_m), rays, WGS84.raised(self.lowest_m)
+        )
+        missed = ((disc < 0.0) | (half >= 0.0)).reshape(x.shape)
+        return np.asarray(missed & np.isnan(self.depth_m))
+
+    @cached_property
+    def depth_m(self) -> Floats:
+        """Depths along the optical axis, (height, width); NaN where no ground is seen."""
+        depths: Floats = np.fmax.reduce([one.hits.t for one in self._seen])
+        return depths
+
+    @cached_property
+    def sighting(self) -> Sighting:
+        """What the pixels see."""
+        _, lon = self.place
+        shape = self.depth_m.shape
+        found = Sighting._make([*(np.full(shape, np.nan) for _ in range(6)), np.zeros(shape, bool)])
+        for one in self._seen:
+            at = np.isfinite(one.hits.t)
+            column, row = one.hits.column[at], one.hits.row[at]
+            point_lat, point_lon = one.surface.places(column, row)
+            slopes = one.slopes(column, row)
+            values = (
+                one.hits.t[at],
+                point_lat,
+                lon + wrap_lon_deg(point_lon - lon),
+                one.surface.heights(column, row),
+                *slopes,
+                np.hypot(*slopes) > STEEP,
+            )
+            for whole, part in zip(found, values):
+                whole[at] = part
+        return found
+
+    def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
+        """How the image is made from a source's pixels; its positions count from the camera's meridian."""
+        samples = [samples for one in self._seen for samples in self._sampled(one, grid, zooms)]
+        unmapped = ~self.sky
+        for part in samples:
+            unmapped[part.row, part.column] = False
+        return View(
+            self.rays.width,
+            self.rays.height,
+            grid,
+            (),
+            tuple(samples),
+            self.sky if self.sky.any() else None,
+            unmapped if unmapped.any() else None,
+            self.tolerance_px,
+            facade_share=self._facade_share,
+        )
+
+    @cached_property
+    def _facade_share(self) -> float:
+        steep = 0
+        for one in self._seen:
+            at = np.isfinite(one.hits.t)
+            slopes = one.slopes(one.hits.column[at], one.hits.row[at])
+            steep += int(np.count_nonzero(np.hypot(*slopes) > STEEP))
+        return steep / (self.rays.width * self.rays.height)
+
+    def _sampled(self, one: _Seen, grid: PixelGrid, zooms: tuple[int, int]) -> list[Samples]:
+        row, column = np.nonzero(np.isfinite(one.hits.t))
+        if not len(row):
+            return []
+        at_column, at_row, t = (values[row, column] for values in (one.hits.column, one.hits.row, one.hits.t))
+        slope_east, slope_north = one.slopes(at_column, at_row)
+        steep = np.hypot(slope_east, slope_north) > STEEP
+        rays = self.rays.at(column + 0.5, row + 0.5)
+        # Where the plane of the ground, n·p = const, meets the neighbours' rays.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            normal = (-slope_east, -slope_north, 1.0)
+            facing = sum(part * ray for part, ray in zip(normal, rays.T))
+            facing = np.minimum(facing, -_GRAZING * np.abs(rays[:, 2]) - _LEAST)
+            steps: list[tuple[Floats, Floats]] = []
+            for per in (self.rays.per_x, self.rays.per_y):
+                ahead = np.where(steep, 0.0, sum(part * way for part, way in zip(normal, per)) / facing)
+                east, north = (t * (per[axis] - ahead * rays[:, axis]) for axis in (0, 1))
+                steps.append((east, north))
+        if steep.any():
+            at_column[steep], at_row[steep] = one.beside_faces(at_column[steep], at_row[steep])
+        if np.isnan(one.surface.heights_m).any():
+            # Where the model ends pixels that reach beyond it show nothing whole.
+            whole = one.is_ground_about(at_column, at_row, steps)
+            steps = [(east[whole], north[whole]) for east, north in steps]
+            row, column = row[whole], column[whole]
+            at_column, at_row = at_column[whole], at_row[whole]
+            if not len(row):
+                return []
+        _, lon = self.place
+        onto = _onto(one.surface, grid, lon, at_column, at_row)
+        du, v = onto(at_column, at_row)
+        turn = onto.slopes(at_column, at_row) @ one.per_metre
+        spans = [
+            (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north)
+            for east, north in steps
+        ]
+        per_x, per_y = (np.hypot(*span) for span in spans)
+        detail = pixel_detail(per_x, per_y, grid, zooms)
+        found = []
+        for zoom, samples_x, samples_y, at in detail_groups(detail):
+            off_x, off_y = sample_offsets(samples_x, samples_y)
+            sub_du, sub_v = (
+                place[at, np.newaxis]
+                + spans[0][axis][at, np.newaxis] * off_x
+                + spans[1][axis][at, np.newaxis] * off_y
+                for axis, place in enumerate((du, v))
+            )
+            found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
+        return found
+
+
+class _Seen(NamedTuple):
+    """What an image sees of one surface.
+
+    ``per_metre`` (2, 2) has columns and rows of the surface for a metre eastward and northward.
+    """
+
+    surface: Surface
+    hits: Hits
+    per_metre: Floats
+
+    def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """Rise of the surface for a metre eastward and northward, at columns and rows (n,)."""
+        across, down = self.surface.slopes(column, row)
+        per = self.per_metre
+        return across * per[0, 0] + down * per[1, 0], across * per[0, 1] + down * per[1, 1]
+
+    def is_ground_about(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Bools:
+        """Whether there is ground all around points (n,), as far as pixels of these steps, in metres, have samples."""
+        ways = [self.per_metre @ np.stack(step) for step in steps]
+        wide, high = (_SAMPLED * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))
+        rows, columns = self.surface.cells
+        there = np.ones(len(column), bool)
+        for across, down in ((-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)):
+            # What lies behind the edge of the surface is as its edge is, which has no ground where the model ends.
+            x, y = np.clip(column + across * wide, 0.0, columns), np.clip(row + down * high, 0.0, rows)
+            there &= np.isfinite(self.surface.heights(x, y))
+        return there
+
+    def beside_faces(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """Where steep faces end, above or below, whichever is nearer in height to points of them (n,)."""
+        surface = self.surface
+        height = surface.heights(column, row)
+        across, down = surface.slopes(column, row)
+        length = np.maximum(np.hypot(across, down), _LEAST)
+        ends = []
+        for sign in (1.0, -1.0):
+            x, y = column.copy(), row.copy()
+            moving = np.ones(len(x), bool)
+            for _ in range(2 * _MOST_OF_FACE):
+                new_x = np.where(moving, x + sign * 0.5 * across / length, x)
+                new_y = np.where(moving, y + sign * 0.5 * down / length, y)
+                x, y = np.clip(new_x, 0.0, surface.cells[1]), np.clip(new_y, 0.0, surface.cells[0])
+                with np.errstate(invalid="ignore"):
+                    moving &= np.hypot(*self.slopes(x, y)) > STEEP
+                if not moving.any():
+                    break
+            with np.errstate(invalid="ignore"):
+                ends.append((x, y, np.abs(surface.heights(x, y) - height)))
+        upper = ends[0][2] <= ends[1][2]
+        return np.where(upper, ends[0][0], ends[1][0]), np.where(upper, ends[0][1], ends[1][1])
+
+
+class _Polynomials:
+    """Polynomials in a surface's columns and rows, of world fractions of another plane."""
+
+    def __init__(self, middle: Floats, half: Floats, factors: Floats) -> None:
+        self._middle, self._half, self._factors = middle, half, factors
+
+    def __call__(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """World fractions at columns and rows (n,)."""
+        x, y = ((at - m) / h for at, m, h in zip((column, row), self._middle, self._half))
+        return _value(x, y, self._factors[0]), _value(x, y, self._factors[1])
+
+    def slopes(self, column: Floats, row: Floats) -> Floats:
+        """Derivatives (2, 2) of the fractions by column and row, in the middle of points (n,)."""
+        x, y = np.array(np.mean(column)), np.array(np.mean(row))
+        found: Floats = np.array(
+            [
+                [self(x + step_x, y + step_y)[axis] - self(x - step_x, y - step_y)[axis]
+                 for step_x, step_y in ((0.5, 0.0), (0.0, 0.5))]
+                for axis in (0, 1)
+            ]
+        )  # fmt: skip
+        return found
+
+
+def _value(x: Floats, y: Floats, factors: Floats) -> Floats:
+    """Values of a polynomial whose factors (n, n) are of powers of x, and of y."""
+    values: Floats = polyval2d(x, y, factors)  # type: ignore[no-untyped-call, unused-ignore]
+    return values
+
+
+def _onto(surface: Surface, grid: PixelGrid, lon_deg: float, column: Floats, row: Floats) -> _Polynomials:
+    """From columns and rows of a surface, as far as points (n,) are spread, to world fractions of a grid.
+
+    Those of the map count from a meridian.
+    """
+    lows = np.array([column.min(), row.min()]) - 1.0
+    highs = np.array([column.max(), row.max()]) + 1.0
+    middle, half = (lows + highs) / 2.0, (highs - lows) / 2.0
+
+    def exact(x: Floats, y: Floats) -> Floats:
+        lat, lon = surface.places(middle[0] + half[0] * x, middle[1] + half[1] * y)
+        lon = lon_deg + wrap_lon_deg(lon - lon_deg)
+        u, v = grid.plane.forward(lat, lon)
+        return np.stack([u - float(grid.meridian_u(np.asarray(lon_deg))), v])
+
+    nodes = np.cos(np.pi * (np.arange(_NODES) + 0.5) / _NODES)
+    x, y = (at.ravel() for at in np.meshgrid(nodes, nodes))
+    between = (nodes[1:] + nodes[:-1]) / 2.0
+    check_x, check_y = (at.ravel() for at in np.meshgrid(between, between))
+    wanted, checked = exact(x, y), exact(check_x, check_y)
+    good, good_check = np.isfinite(wanted).all(axis=0), np.isfinite(checked).all(axis=0)
+    allowed = _PLANES_PX / grid.world_px(grid.native_zoom)
+    for degree in _DEGREES:
+        system = polyvander2d(x, y, [degree, degree])[good]  # type: ignore[no-untyped-call, unused-ignore]
+        factors = np.linalg.lstsq(system, wanted[:, good].T, rcond=None)[0].T.reshape(
+            2, degree + 1, degree + 1
+        )
+        found = _Polynomials(middle, half, factors)
+        off = np.stack([_value(check_x, check_y, part) for part in factors]) - checked
+        if float(np.abs(off[:, good_check]).max(initial=0.0)) <= allowed:
+            break
+    return found

@@ -1,0 +1,413 @@
+"""A flight over relief: how high each capture is, what it may come near to, and how much ground it surely sees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput, Message, OptionName
+from ..geodesy.camera import CORNERS, Poses
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
+from ..geodesy.relief import Surface
+from ..geodesy.relief_view import Relief
+from .area import Points
+from .flight import legs
+from .layout.rows import Layout
+from .mission import Mission
+from .parts import ELLIPSOID, GROUND, TAKEOFF
+
+Floats = NDArray[np.float64]
+
+#: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
+_LOOKED_AT = 4.0
+#: Latitudes at which it is told how much ground rows surely see, and metres by which that may change a metre.
+_LATITUDES, _STEEPEST = 2048, 0.05
+#: Share of its height above ground that a capture must keep over what it sees.
+_LEAST_SHARE = 0.02
+#: Pieces of each edge of an image in its outline, and the least height of a camera over level ground, metres.
+_ALONG_EDGE, _LEAST_ABOVE_M = 16, 1e-3
+#: Metres of relief that are none: level ground, to the last digit of its heights.
+_LEVEL_M = 1e-4
+
+
+@dataclass(frozen=True)
+class Heights:
+    """Relief that a mission is flown over: the ground that it follows, and the surface that its cameras see."""
+
+    ground: Relief
+    surface: Relief
+
+
+class Flown(NamedTuple):
+    """Captures over relief, arrays (n,).
+
+    Attributes
+    ----------
+    height_m : array
+        Of the cameras over the WGS 84 ellipsoid.
+    ground_m : array
+        Of the ground below them.
+    seen_agl_m : array
+        Over the highest of what they may see: their images show at least as much as they would from there.
+    """
+
+    height_m: Floats
+    ground_m: Floats
+    seen_agl_m: Floats
+
+
+class ReliefBelow:
+    """What a mission's captures fly over and see, in cells as fine as the area allows.
+
+    Parameters
+    ----------
+    mission : Mission
+    heights : Heights
+
+    Raises
+    ------
+    InvalidInput
+        No ground at the takeoff, or none at all here.
+    """
+
+    def __init__(self, mission: Mission, heights: Heights) -> None:
+        self.mission, self.heights = mission, heights
+        self._reach = _reach(mission)
+        lat, lon = _ends(mission)
+        self._ends = lat, lon
+        first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
+        if not np.isfinite(first.heights_m).any():
+            raise _no_ground(float(lat[0]), float(lon[0]))
+        self._ground = first
+        # Cameras that all fly at one height are farther above the valleys, and see more of them.
+        wanted, below = self.wanted_m(lat, lon)
+        if np.isnan(below).all():
+            raise _no_ground(float(lat[0]), float(lon[0]))
+        above_m = max(float(np.nanmax(wanted)) - float(np.nanmin(first.heights_m)), 1.0)
+        self.radius_m = above_m * self._reach
+        around = _widened(lat, lon, self.radius_m + mission.terrain.clearance_distance_m)
+        self._ground = heights.ground.surface(*around)
+        same = heights.surface is heights.ground
+        self._surface = self._ground if same else heights.surface.surface(*around)
+        self.lowest_m, self.highest_m = (float(f(self._surface.heights_m)) for f in (np.nanmin, np.nanmax))
+
+    @property
+    def is_level(self) -> bool:
+        """Whether there is no relief at all."""
+        return self.highest_m - self.lowest_m <= _LEVEL_M and self._ground.heights_m.size > 0
+
+    @property
+    def attribution(self) -> str:
+        """Credit for the heights."""
+        both = (self.heights.surface.attribution, self.heights.ground.attribution)
+        return "; ".join(dict.fromkeys(filter(None, both)))
+
+    @cached_property
+    def has_holes(self) -> bool:
+        """Whether there are heights missing anywhere near the mission, or images may see beyond what is near."""
+        return self._reach >= _LOOKED_AT or bool(np.isnan(self._surface.heights_m).any())
+
+    def seen(self, poses: Poses, height_m: Floats, points: ImagePoints) -> tuple[Corners, Floats]:
+        """Ground that captures see at image points (k,), and its heights, (n, k).
+
+        Where a ray meets none of the relief that is known here it is the level ground below that, at its lowest.
+        """
+        level = poses._replace(agl_m=np.maximum(height_m - self.lowest_m, _LEAST_ABOVE_M))
+        found = exact(self.mission.camera, level, points, WGS84.raised(self.lowest_m))
+        rays = self.mission.camera.rays_enu(points, *poses.attitude)
+        lat, lon, height = (
+            np.repeat(values, len(points)) for values in (poses.lat_deg, poses.lon_deg, height_m)
+        )
+        shape = found.lat_deg.shape
+        *met, hits = self._surface.first_points(lat, lon, height, rays.reshape(-1, 3), self.lowest_m)
+        seen_lat, dlon, heights = (values.reshape(shape) for values in met)
+        hit = hits.reshape(shape)
+        corners = Corners(
+            np.where(hit, seen_lat, found.lat_deg),
+            np.where(hit, poses.lon_deg[:, np.newaxis] + dlon, found.lon_deg),
+            found.hit | hit,
+        )
+        return corners, np.where(hit, heights, self.lowest_m)
+
+    def corners(self, poses: Poses, height_m: Floats) -> Corners:
+        """Ground corners that captures see."""
+        return self.seen(poses, height_m, CORNERS)[0]
+
+    def outline(self, pose: Poses, height_m: Floats) -> Outline | None:
+        """Outline of the ground that one capture sees; None where a part of its edge sees none."""
+        along = np.linspace(-1.0, 1.0, _ALONG_EDGE, endpoint=False)
+        ones = np.ones_like(along)
+        x, y = np.concatenate([along, ones, -along, -ones]), np.concatenate([-ones, along, ones, -along])
+        seen, _ = self.seen(pose, height_m, tuple(zip(x.tolist(), y.tolist())))
+        if not seen.hit.all():
+            return None
+        dlon = seen.lon_deg[0] - pose.lon_deg[0]
+        return Outline(seen.lat_deg[0], dlon, np.zeros(len(x), bool), np.stack([x, y], axis=1), 0)
+
+    def text(self) -> Message:
+        """What is flown over, in words."""
+        return Message(
+            "relief of {0} from {1:.1f} to {2:.1f} m over the ellipsoid",
+            self.heights.surface.title,
+            self.lowest_m,
+            self.highest_m,
+        )
+
+    def _takeoff_m(self) -> float:
+        lat, lon = self._ends
+        if isinstance(self.mission.area, Points):
+            at = lat[:1], lon[:1]
+        else:
+            at = np.array([lat.max()]), np.array([lon.min()])
+        found = float(self._ground.heights(*self._ground.position(*at))[0])
+        if math.isnan(found):
+            raise _no_ground(float(at[0][0]), float(at[1][0]))
+        return found
+
+    @cached_property
+    def takeoff_m(self) -> float:
+        """Height of the ground at the takeoff."""
+        return self._takeoff_m()
+
+    def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Heights of the ground at positions (n,); raises InvalidInput where there is none."""
+        found = self._ground.heights(*self._ground.position(lat_deg, lon_deg))
+        missing = np.flatnonzero(np.isnan(found))
+        if len(missing):
+            raise _no_ground(float(lat_deg[missing[0]]), float(lon_deg[missing[0]]))
+        return found
+
+    def wanted_m(
+        self, lat_deg: Floats, lon_deg: Floats, agl_m: Floats | None = None
+    ) -> tuple[Floats, Floats]:
+        """Heights of captures over the ellipsoid as they are asked for, and of the ground below, (n,) each."""
+        agl = np.full(len(lat_deg), self.mission.flight.agl_m) if agl_m is None else agl_m
+        above = self.mission.terrain.height_above
+        if above == GROUND:
+            ground = self._ground.heights(*self._ground.position(lat_deg, lon_deg))
+            return ground + agl, ground
+        base = self.takeoff_m if above == TAKEOFF else 0.0
+        return base + agl, self._ground.heights(*self._ground.position(lat_deg, lon_deg))
+
+    @cached_property
+    def _tops(self) -> Callable[[Floats, Floats], Floats]:
+        """Greatest height that may be seen from positions (n,)."""
+        return _highest_around(self._surface, self.radius_m)
+
+    def seen_agl_m(self) -> Callable[[Floats], Floats]:
+        """For latitudes of rows, height over the highest of what their captures see, wherever they are in the area."""
+        mission, surface = self.mission, self._surface
+        lat, lon = self._ends
+        south, north = float(lat.min()), float(lat.max())
+        west, east = float(lon.min()), float(lon.max())
+        rows, columns = surface.cells
+        # Every so manieth cell: their tops are those of all around them.
+        step = max(int(math.sqrt(rows * columns / 4e6)), 1)
+        column, row = (
+            at.ravel()
+            for at in np.meshgrid(np.arange(0.0, columns + 1.0, step), np.arange(0.0, rows + 1.0, step))
+        )
+        at_lat, at_lon = surface.places(column, row)
+        middle = (west + east) / 2.0
+        at_lon = at_lon - 360.0 * np.rint((at_lon - middle) / 360.0)
+        # A row's captures stand up to half an image beyond the area.
+        room = np.degrees(self.radius_m / WGS84.b_m)
+        near = (at_lat >= south - room) & (at_lat <= north + room)
+        wide = room / max(math.cos(math.radians(min(max(abs(south), abs(north)), 89.0))), 1e-3)
+        near &= (at_lon >= west - wide) & (at_lon <= east + wide)
+        at_lat, at_lon = at_lat[near], at_lon[near]
+        wanted, ground = self.wanted_m(at_lat, at_lon)
+        over = wanted - self._tops(at_lat, at_lon)
+        over = np.where(np.isnan(ground), np.inf, over)
+        edges = np.linspace(south - room, north + room, _LATITUDES + 1)
+        bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, _LATITUDES - 1)
+        least = np.full(_LATITUDES, np.inf)
+        np.minimum.at(least, bins, over)
+        centres = (edges[1:] + edges[:-1]) / 2.0
+        metres = np.radians(centres - centres[0]) * WGS84.b_m
+        known = np.isfinite(least)
+        if not known.any():
+            raise _no_ground(south, west)
+        # The greatest function below that changes by no more than so much: rows find their places by it.
+        slope = _STEEPEST
+        low = np.minimum(
+            np.minimum.accumulate(np.where(known, least - slope * metres, np.inf)) + slope * metres,
+            np.minimum.accumulate(np.where(known, least + slope * metres, np.inf)[::-1])[::-1]
+            - slope * metres,
+        )
+        # Never more than was asked for, so that level ground is as it is without relief.
+        low = np.maximum(low, _LEAST_SHARE * mission.flight.agl_m)
+        return lambda lat_deg: np.interp(lat_deg, centres, low)
+
+    def flown(self, layout: Layout) -> Flown:
+        """Heights of captures; refused where they cannot be kept."""
+        mission, terrain = self.mission, self.mission.terrain
+        lat, lon = layout.lat_deg, layout.lon_deg
+        ground = self.ground_m(lat, lon)
+        agl = layout.agl_m if isinstance(mission.area, Points) else np.full(len(lat), mission.flight.agl_m)
+        wanted, _ = self.wanted_m(lat, lon, agl)
+        least, what = self._least_m(lat, lon)
+        height = wanted
+        if terrain.height_above == GROUND:
+            height = np.maximum(wanted, least)
+            if terrain.climb_m_per_s is not None and len(lat) > 1:
+                way = np.append(0.0, np.cumsum(legs(lat, lon).distance_m))
+                height = _no_steeper(height, way, terrain.climb_m_per_s / mission.flight.airspeed_m_per_s)
+        else:
+            self._check_kept(lat, lon, height, least, what)
+        seen = height - self._tops(lat, lon)
+        low = np.flatnonzero(seen < _LEAST_SHARE * agl)
+        if len(low):
+            at = int(low[0])
+            raise InvalidInput(
+                "capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: what its image may see "
+                "there rises to {3:.1f} m",
+                float(lat[at]),
+                float(lon[at]),
+                float(height[at]),
+                float(height[at] - seen[at]),
+                field="agl_m",
+                remedy=Message("fly higher, or keep a clearance ({0})", OptionName("clearance")),
+            )
+        return Flown(height, ground, seen)
+
+    def _least_m(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats]:
+        """Least heights that captures may have, and of what is below them or near."""
+        terrain = self.mission.terrain
+        below = self._surface.heights(*self._surface.position(lat, lon))
+        near = below
+        if terrain.clearance_distance_m:
+            near = _highest_around(self._surface, terrain.clearance_distance_m)(lat, lon)
+        near = np.where(np.isnan(near), -np.inf, near)
+        return near + terrain.clearance_m, near
+
+    def _check_kept(self, lat: Floats, lon: Floats, height: Floats, least: Floats, near: Floats) -> None:
+        low = np.flatnonzero((height < least) | (height <= near))
+        if not len(low):
+            return
+        at = int(low[np.argmax((least - height)[low])])
+        raise InvalidInput(
+            "capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: the surface there rises to "
+            "{3:.1f} m, and {4:g} m of clearance are to be kept",
+            float(lat[at]),
+            float(lon[at]),
+            float(height[at]),
+            float(near[at]),
+            self.mission.terrain.clearance_m,
+            field="agl_m",
+            remedy=Message(
+                "fly {0:.0f} m higher, or above the ground below", math.ceil(least[at] - height[at])
+            ),
+        )
+
+
+def check_clearance(mission: Mission) -> None:
+    """Refuse a clearance that is greater than the height that is to be flown at."""
+    terrain, agl = mission.terrain, mission.flight.agl_m
+    if terrain.height_above != ELLIPSOID and terrain.clearance_m > agl:
+        raise InvalidInput(
+            "clearance {0:g} m and height {1:g} m above ground: the clearance must be the smaller one",
+            terrain.clearance_m,
+            agl,
+            field="clearance_m",
+        )
+
+
+def _no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
+    return InvalidInput(
+        "no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole",
+        lat_deg,
+        lon_deg,
+        field="elevation",
+        remedy=Message("name a further source that fills it{0}", OptionName("elevation").in_brackets),
+    )
+
+
+def _reach(mission: Mission) -> float:
+    """How far from below the camera an image sees level ground, for a metre of height, as far as that counts."""
+    rays = mission.camera.rays_enu(
+        CORNERS,
+        *(np.array([getattr(mission.attitude, name)]) for name in ("yaw_deg", "tilt_deg", "roll_deg")),
+    )[0]
+    with np.errstate(divide="ignore"):
+        tangents = np.hypot(rays[:, 0], rays[:, 1]) / np.maximum(-rays[:, 2], 1e-9)
+    return float(min(tangents.max(), _LOOKED_AT))
+
+
+def _ends(mission: Mission) -> tuple[Floats, Floats]:
+    """Latitudes and longitudes of the corners of the area, or of the points."""
+    area = mission.area
+    if isinstance(area, Points):
+        lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
+        return lat, lon
+    box = area.bounds
+    east = box.east_deg + (360.0 if box.east_deg < box.west_deg else 0.0)
+    lat, lon = np.meshgrid(np.linspace(box.south_deg, box.north_deg, 5), np.linspace(box.west_deg, east, 5))
+    return lat.ravel(), lon.ravel()
+
+
+def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
+    """Positions, and those so many metres around them."""
+    room = math.degrees(room_m / WGS84.b_m)
+    wide = room / np.maximum(np.cos(np.radians(lat)), 1e-3)
+    north, south = np.minimum(lat + room, 90.0), np.maximum(lat - room, -90.0)
+    return (
+        np.concatenate([north, north, south, south]),
+        np.concatenate([lon - wide, lon + wide, lon - wide, lon + wide]),
+    )
+
+
+def _highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:
+    """For positions (n,), the greatest height of a surface within a distance; NaN where it has none there."""
+    lat, lon = surface.places(*(np.array([side / 2.0]) for side in surface.cells[::-1]))
+    cell_m = float(surface.grid.ground_m_per_px(lat, lon, surface.zoom)[0])
+    reach = math.ceil(radius_m / cell_m) + 1
+    top = np.where(np.isnan(surface.heights_m), -np.inf, surface.heights_m).astype(np.float32)
+    for axis in (0, 1):
+        top = _running_max(top, min(reach, top.shape[axis] - 1), axis)
+
+    def highest(lat_deg: Floats, lon_deg: Floats) -> Floats:
+        column, row = surface.position(lat_deg, lon_deg)
+        i = np.clip(np.rint(row), 0, top.shape[0] - 1).astype(np.int64)
+        j = np.clip(np.rint(column), 0, top.shape[1] - 1).astype(np.int64)
+        found = top[i, j].astype(np.float64)
+        return np.where(np.isfinite(found), found, np.nan)
+
+    return highest
+
+
+def _running_max(values: NDArray[np.float32], reach: int, axis: int) -> NDArray[np.float32]:
+    """Greatest of values up to ``reach`` to either side along an axis."""
+    if reach <= 0:
+        return values
+    width = 2 * reach + 1
+    pad = [(0, 0), (0, 0)]
+    pad[axis] = (reach, reach)
+    found = np.pad(values, pad, constant_values=-np.inf)
+
+    def part(begin: int, end: int) -> tuple[slice, ...]:
+        along = slice(begin, end)
+        return (along, slice(None)) if axis == 0 else (slice(None), along)
+
+    covered = 1
+    while covered < width:
+        step = min(covered, width - covered)
+        size = found.shape[axis]
+        found = np.maximum(found[part(0, size - step)], found[part(step, size)])
+        covered += step
+    return found
+
+
+def _no_steeper(height: Floats, way: Floats, slope: float) -> Floats:
+    """Lowest profile above heights along a way that climbs and sinks no more than so many metres a metre."""
+    up = np.maximum.accumulate(height + slope * way) - slope * way
+    down = np.maximum.accumulate((height - slope * way)[::-1])[::-1] + slope * way
+    found: Floats = np.maximum(up, down)
+    return found

@@ -1,0 +1,35 @@
+"""The heights of a mission, opened: what it flies over, and what its cameras see."""
+
+from __future__ import annotations
+
+from ..elevation.heights import HeightOptions
+from ..elevation.relief import Relief, open_relief
+from ..imagery.opening import SourceOptions
+from ..mission.mission import Mission
+from ..mission.relief import Heights
+
+
+def heights_of(mission: Mission, options: SourceOptions | None = None) -> Heights | None:
+    """Open the heights of a mission; None where its ground is level.
+
+    Parameters
+    ----------
+    mission : Mission
+    options : SourceOptions or None
+        How sources are to be asked; None for the usual way.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        As `elevation.heights.open_heights` does.
+    """
+    terrain = mission.terrain
+    if not terrain.elevation:
+        return None
+    asked = options or SourceOptions(seed=mission.imagery.seed, crs=mission.imagery.crs)
+    wanted = HeightOptions(terrain.vertical_datum, terrain.height_unit, terrain.height_offset_m, asked)
+    ground = open_relief(terrain.elevation, wanted)
+    if not terrain.surface:
+        return Heights(ground, ground)
+    seen = open_relief(terrain.surface, wanted)
+    return Heights(ground, Relief((*seen.layers, *ground.layers)))

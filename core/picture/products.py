@@ -1,0 +1,91 @@
+"""What there is to say of every pixel of a picture: depth, ground point, normal, and faces that no map shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..bands import Bands
+from ..geodesy.accuracy import Scene
+from ..geodesy.ellipsoid import sight_lines
+from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.relief_view import Sighting
+from ..geodesy.view import ImageRays
+from ..imagery.source import Window
+from ..mission.plan import Plan
+from .shot import Shot
+
+Floats = NDArray[np.float64]
+
+#: Bands of each product, in metres, degrees, and shares of a unit vector.
+BANDS = {
+    "depth": Bands(("depth",), "float32", (0,)),
+    "points": Bands(("longitude", "latitude", "height"), "float64", (0,)),
+    "normals": Bands(("east", "north", "up"), "float32", (0,)),
+    "facades": Bands(("face",), "uint8", (0,)),
+}
+_FACE = 255
+
+
+def products(
+    plan: Plan, index: int, size_px: tuple[int, int], shot: Window | Shot | None = None
+) -> Iterator[tuple[str, NDArray[np.generic]]]:
+    """Products that a mission asks for, of one capture's picture as it is written.
+
+    Parameters
+    ----------
+    size_px : tuple of int
+        Width and height of the picture.
+    shot : Window, Shot or None
+        What the picture is made from, whose rays may be known.
+
+    Yields
+    ------
+    name, array (height, width, bands or one more) of the type that `BANDS` says
+        The last channel, where there is one more, is 0 where the picture shows no ground.
+    """
+    wanted = plan.mission.output.products
+    if not wanted:
+        return
+    known = shot.tracing if isinstance(shot, Shot) and size_px == plan.size_px else None
+    seen = sighting(plan, index, size_px) if known is None else known.sighting
+    there = np.isfinite(seen.depth_m)
+    for name in wanted:
+        if name == "facades":
+            yield name, (seen.steep * np.uint8(_FACE))[..., np.newaxis]
+            continue
+        if name == "depth":
+            values = seen.depth_m[..., np.newaxis]
+        elif name == "points":
+            values = np.stack([wrap_lon_deg(seen.lon_deg), seen.lat_deg, seen.height_m], axis=-1)
+        else:
+            values = seen.normals
+        yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
+
+
+def sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
+    """What the pixels of one capture's picture see, were it of some size."""
+    if plan.relief is not None:
+        return plan.tracing(index, size_px).sighting
+    pose = plan.poses.take(np.array([index]))
+    camera, (width, height) = plan.mission.camera, size_px
+    lat, lon, agl = (float(values[0]) for values in pose[:3])
+    if plan.size_px is None:
+        left, top, wide, high = (float(values[index]) for values in plan.windows)
+        world = plan.grid.world_px(plan.zoom)
+        u = (left + (np.arange(width) + 0.5) * wide / width) / world
+        v = (top + (np.arange(height) + 0.5) * high / height) / world
+        ground_lat, ground_lon = plan.grid.plane.inverse(*np.meshgrid(u, v))
+        dlon, axis = wrap_lon_deg(ground_lon - lon), np.array([0.0, 0.0, -1.0])
+    else:
+        rays = ImageRays.of(Scene(camera, width, height, pose, plan.ground))
+        seen = rays.ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
+        ground_lat, dlon = seen.lat_deg, seen.dlon_deg
+        axis = camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in pose.attitude))[0]
+    with np.errstate(invalid="ignore"):
+        depth = sight_lines(np.array(lat), np.array(agl), ground_lat, dlon, plan.ground) @ axis
+    height_m = np.where(np.isnan(depth), np.nan, plan.level_m)
+    flat = np.where(np.isnan(depth), np.nan, 0.0)
+    return Sighting(depth, ground_lat, lon + dlon, height_m, flat, flat, np.zeros(depth.shape, bool))

@@ -1,0 +1,86 @@
+"""The entry of sources of heights: typed, or chosen among what the project, the public and the disk have."""
+
+from __future__ import annotations
+
+from qgis.core import QgsProject, QgsRasterLayer
+from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
+
+from ..i18n import tr
+from ..plain import shown_plain
+from ..sources import TERRARIUM, WORLD
+from ..widgets import named
+from .entries import WordsLine
+
+
+class HeightsLine(WordsLine):
+    """Line for sources of heights, with a button that offers some.
+
+    Parameters
+    ----------
+    name : str
+        Field that it is the entry of.
+    tip : str
+
+    Attributes
+    ----------
+    button : QToolButton
+    """
+
+    #: Between sources, whose paths may have spaces and commas.
+    _SEPARATOR = ";"
+
+    def __init__(self, name: str, tip: str) -> None:
+        super().__init__()
+        named(self, name, tip)
+        self.button = named(QToolButton(), f"{name}_choose", tr("Choose a source of heights"))
+        self.button.setText("…")
+        self.button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        self._menu = QMenu(self.button)
+        self._menu.aboutToShow.connect(self._fill)
+        self.button.setMenu(self._menu)
+
+    def words(self) -> tuple[str, ...]:
+        """Return the sources that are entered."""
+        return tuple(part.strip() for part in self.text().split(self._SEPARATOR) if part.strip())
+
+    def enter(self, words: tuple[str, ...]) -> None:
+        """Enter sources."""
+        self.setText(f"{self._SEPARATOR} ".join(words))
+
+    def _fill(self) -> None:
+        """Offer what there is at the moment."""
+        self._menu.clear()
+        for title, source in self._offered():
+            self._menu.addAction(
+                shown_plain(title).replace("&", "&&"), lambda source=source: self.enter((source,))
+            )
+        self._menu.addSeparator()
+        self._menu.addAction(tr("File…"), self._choose_file)
+        self._menu.addAction(tr("Level ground"), self.clear)
+
+    @staticmethod
+    def _offered() -> list[tuple[str, str]]:
+        """Titles and names of sources."""
+        project = QgsProject.instance()
+        found = []
+        provider = project.elevationProperties().terrainProvider()
+        terrain = provider.layer() if provider is not None and hasattr(provider, "layer") else None
+        if isinstance(terrain, QgsRasterLayer) and _file_of(terrain):
+            found.append(
+                (tr("Terrain of the project ({name})").format(name=terrain.name()), _file_of(terrain))
+            )
+        layers = [layer for layer in project.mapLayers().values() if isinstance(layer, QgsRasterLayer)]
+        found += [(one.name(), _file_of(one)) for one in layers if one.bandCount() == 1 and _file_of(one)]
+        found.append((tr("Terrain Tiles (Terrarium, public)"), TERRARIUM))
+        found.append((tr("Synthetic landscape (offline)"), WORLD))
+        return found
+
+    def _choose_file(self) -> None:
+        path, _ = QFileDialog.getOpenFileName(self, tr("Heights of the ground"), "", tr("Raster files (*)"))
+        if path:
+            self.enter((*self.words(), path))
+
+
+def _file_of(layer: QgsRasterLayer) -> str:
+    """What a layer's heights are read from; empty where the core has no way to it."""
+    return str(layer.source()) if layer.providerType() == "gdal" else ""

@@ -1,0 +1,284 @@
+"""Flights over relief: their heights, what they are refused for, and that their images leave nothing out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pyproj
+import pytest
+from osgeo import gdal
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.opening import named_source
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
+from terrainav.core.picture.heights import heights_of
+
+from tests.support import rasters
+
+WEST, NORTH, SIDE = 320_000.0, 4_298_000.0, 500
+UTM = (WEST, 2.0, 0.0, NORTH, 0.0, -2.0)
+TO_UTM = pyproj.Transformer.from_crs(4326, 32618, always_xy=True)
+GEOCENTRIC = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
+GRID = PixelGrid(max_zoom=20, native_zoom=20)
+CAMERA = Camera(78.8, 4 / 3)
+
+
+def hills(x, y):
+    return 60.0 + 25.0 * np.sin(x / 90.0) * np.cos(y / 70.0)
+
+
+def tower(x, y):
+    return hills(x, y) + 40.0 * ((np.abs(x - 500) < 5) & (np.abs(y - 500) < 5))
+
+
+@pytest.fixture(scope="module")
+def dem(tmp_path_factory):
+    """Paths of surfaces by name, as files of 2 m pixels."""
+    x, y = (np.meshgrid(np.arange(SIDE) * 2.0 + 1.0, np.arange(SIDE) * 2.0 + 1.0))[:2]
+    folder = tmp_path_factory.mktemp("dem")
+    found = {}
+    for name, values in {"hills": hills(x, y), "tower": tower(x, y), "level": np.full(x.shape, 41.5)}.items():
+        found[name] = str(
+            rasters.write(folder / f"{name}.tif", values[np.newaxis], UTM, 32618, data_type=gdal.GDT_Float32)
+        )
+    holed = hills(x, y)
+    holed[240:260, 240:260] = -9999.0
+    found["hole"] = str(
+        rasters.write(
+            folder / "hole.tif", holed[np.newaxis], UTM, 32618, nodata=-9999.0, data_type=gdal.GDT_Float32
+        )
+    )
+    return found
+
+
+def box(west, south, east, north):
+    """Box by metres from the corner of the relief, southward for the second and the fourth."""
+    to_degrees = pyproj.Transformer.from_crs(32618, 4326, always_xy=True)
+    lon, lat = to_degrees.transform([WEST + west, WEST + east], [NORTH - north, NORTH - south])
+    return Box(lat[0], lon[0], lat[1], lon[1])
+
+
+AREA = box(330.0, 700.0, 640.0, 380.0)
+
+
+def flown(mission, grid=GRID):
+    return plan(mission, grid, heights_of(mission))
+
+
+def ground_below(made, surface=hills):
+    x, y = TO_UTM.transform(made.lon_deg, made.lat_deg)
+    return surface(x - WEST, NORTH - y)
+
+
+def test_above_the_ground_each_capture_is_so_high_over_what_is_below(dem):
+    made = flown(Mission(AREA, 80.0, elevation=(dem["hills"],), overlap_along=0.6, overlap_across=0.4))
+    # The model is bilinear in cells of 2 m.
+    assert made.ground_m == pytest.approx(ground_below(made), abs=0.02)
+    assert made.agl_m == pytest.approx(80.0, abs=1e-9)
+    assert made.height_m == pytest.approx(made.ground_m + 80.0)
+    assert np.ptp(made.height_m) > 20.0
+
+
+def test_above_the_takeoff_all_are_as_high(dem):
+    made = flown(Mission(AREA, 80.0, elevation=(dem["hills"],), height_above="takeoff"))
+    x, y = TO_UTM.transform(AREA.west_deg, AREA.north_deg)
+    assert made.height_m == pytest.approx(hills(x - WEST, NORTH - y) + 80.0, abs=0.02)
+    assert made.agl_m == pytest.approx(made.height_m - ground_below(made), abs=0.02)
+
+
+def test_above_the_ellipsoid_all_are_where_they_are_asked_for(dem):
+    made = flown(Mission(AREA, 150.0, elevation=(dem["hills"],), height_above="ellipsoid"))
+    assert made.height_m == pytest.approx(150.0)
+
+
+def test_points_have_their_own_heights(dem):
+    x, y = np.array([400.0, 500.0, 612.0]), np.array([400.0, 523.0, 700.0])
+    lon, lat = pyproj.Transformer.from_crs(32618, 4326, always_xy=True).transform(WEST + x, NORTH - y)
+    points = Points(tuple(zip(lat.tolist(), lon.tolist(), (50.0, 90.0, 130.0))))
+    made = flown(Mission(points, 50.0, elevation=(dem["hills"],)))
+    assert made.agl_m == pytest.approx([50.0, 90.0, 130.0])
+    assert made.height_m == pytest.approx(hills(x, y) + np.array([50.0, 90.0, 130.0]), abs=0.02)
+
+
+def test_a_climb_rate_is_kept_and_never_takes_height_away(dem):
+    asked = {"overlap_along": 0.7, "overlap_across": 0.4, "elevation": (dem["tower"],)}
+    plain, slow = (flown(Mission(AREA, 70.0, **asked, **more)) for more in ({}, {"climb_m_per_s": 1.5}))
+    assert len(plain) == len(slow)
+    way = pyproj.Geod(ellps="WGS84").inv(
+        slow.lon_deg[:-1], slow.lat_deg[:-1], slow.lon_deg[1:], slow.lat_deg[1:]
+    )[2]
+    steepest = 1.5 / slow.mission.flight.airspeed_m_per_s
+    assert (np.abs(np.diff(slow.height_m)) <= steepest * way + 1e-6).all()
+    assert (np.abs(np.diff(plain.height_m)) > steepest * way).any()
+    assert (slow.height_m >= plain.height_m - 1e-9).all()
+
+
+def test_a_clearance_is_kept_over_everything_within_its_distance(dem):
+    asked = {"elevation": (dem["tower"],), "clearance_m": 45.0, "clearance_distance_m": 60.0}
+    made = flown(Mission(AREA, 60.0, **asked, overlap_along=0.5, overlap_across=0.5))
+    x, y = TO_UTM.transform(made.lon_deg, made.lat_deg)
+    away = np.hypot(x - WEST - 500.0, NORTH - y - 500.0)
+    top = tower(np.array([500.0]), np.array([500.0]))[0]
+    near = away < 55.0
+    assert near.sum() > 3
+    assert (made.height_m[near] >= top + 45.0 - 0.5).all()
+    assert made.agl_m.min() >= 60.0 - 1e-9
+    assert (made.agl_m[away > 120.0] < 95.0).all()
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [
+        ({"clearance_m": 70.0}, "clearance 70 m and height 60 m above ground"),
+        ({"height_above": "ellipsoid"}, r"the surface there rises to 9[0-9]\.\d m"),
+        (
+            {"height_above": "takeoff", "clearance_m": 50.0, "clearance_distance_m": 100.0},
+            "50 m of clearance are to be kept",
+        ),
+        ({"frame": "map"}, r"the ground is from [\d.]+ to \d\d\.\d m high, and seen from aside"),
+    ],
+)
+def test_what_cannot_be_flown_is_refused_with_its_place(dem, values, said):
+    with pytest.raises(InvalidInput, match=said):
+        flown(Mission(AREA, 60.0, elevation=(dem["tower"],), overlap_along=0.6, overlap_across=0.6, **values))
+
+
+def test_a_hole_below_a_capture_and_an_area_beyond_the_relief_are_named(dem):
+    with pytest.raises(InvalidInput, match=r"no height at latitude 38\.\d+, longitude -77\.\d+"):
+        flown(Mission(AREA, 60.0, elevation=(dem["hole"],), overlap_along=0.6, overlap_across=0.6))
+    filled = Mission(AREA, 60.0, elevation=(dem["hole"], dem["level"]), overlap_along=0.6, overlap_across=0.6)
+    assert len(flown(filled)) > 10
+    with pytest.raises(InvalidInput, match="no height at latitude 10"):
+        flown(Mission(Box(10.001, 20.0, 10.0, 20.001), 60.0, elevation=(dem["hills"],)))
+
+
+def test_a_mission_with_relief_is_not_planned_without_its_heights(dem):
+    with pytest.raises(InvalidInput, match="is planned without its heights"):
+        plan(Mission(AREA, 60.0, elevation=(dem["hills"],)), GRID)
+
+
+@pytest.mark.parametrize("how", ["a number", "a file"])
+def test_level_heights_are_the_level_ground_that_they_say(dem, how):
+    asked = {"overlap_along": 0.3, "overlap_across": 0.3}
+    heights = ("41.5",) if how == "a number" else (dem["level"],)
+    ours = flown(Mission(AREA, 90.0, elevation=heights, **asked))
+    plain = plan(Mission(AREA, 90.0, ground_height_m=41.5, **asked), GRID)
+    assert ours.size_px is None
+    assert ours.relief is None
+    for one, other in zip(ours.windows, plain.windows):
+        np.testing.assert_array_equal(one, other)
+    assert ours.height_m == pytest.approx(plain.height_m)
+    assert ours.corners.lat_deg == pytest.approx(plain.corners.lat_deg, abs=1e-12)
+
+
+def seen_by(made, lat, lon, height_m, margin=0.0):
+    """How many captures have points in their images, occlusion left out: pinholes in geocentric coordinates."""
+    points = np.stack(GEOCENTRIC.transform(lon, lat, height_m), axis=-1)
+    tan_x, tan_y = made.mission.camera.half_tangents
+    count = np.zeros(len(lat), int)
+    cameras = np.stack(GEOCENTRIC.transform(made.lon_deg, made.lat_deg, made.height_m), axis=-1)
+    for index in range(len(made)):
+        phi, lam = np.radians(made.lat_deg[index]), np.radians(made.lon_deg[index])
+        east = np.array([-np.sin(lam), np.cos(lam), 0.0])
+        up = np.array([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)])
+        north = np.cross(up, east)
+        yaw, tilt = np.radians(made.poses.yaw_deg[index]), np.radians(made.poses.tilt_deg[index])
+        heading = np.sin(yaw) * east + np.cos(yaw) * north
+        right = np.cos(yaw) * east - np.sin(yaw) * north
+        axis = np.sin(tilt) * heading - np.cos(tilt) * up
+        top = np.cos(tilt) * heading + np.sin(tilt) * up
+        vectors = points - cameras[index]
+        depth = vectors @ axis
+        x, y = vectors @ right / depth / tan_x, vectors @ top / depth / tan_y
+        count += (depth > 0) & (np.abs(x) <= 1.0 + margin) & (np.abs(y) <= 1.0 + margin)
+    return count
+
+
+@pytest.mark.parametrize("kind", ["hills", "tower"])
+@pytest.mark.parametrize(
+    "values",
+    [
+        {},
+        {"height_above": "takeoff"},
+        {"height_above": "ellipsoid"},
+        {"grid_angle_deg": 30.0},
+        {"climb_m_per_s": 2.0},
+    ],
+    ids=["ground", "takeoff", "ellipsoid", "turned", "slow"],
+)
+def test_nothing_of_an_area_is_left_out_and_the_least_overlap_is_kept(dem, kind, values):
+    agl = 190.0 if values.get("height_above") == "ellipsoid" else 90.0
+    made = flown(Mission(AREA, agl, elevation=(dem[kind],), overlap_along=0.5, overlap_across=0.5, **values))
+    rng = np.random.default_rng(4)
+    lat = rng.uniform(AREA.south_deg, AREA.north_deg, 3000)
+    lon = rng.uniform(AREA.west_deg, AREA.east_deg, 3000)
+    x, y = TO_UTM.transform(lon, lat)
+    height = (hills if kind == "hills" else tower)(x - WEST, NORTH - y)
+    count = seen_by(made, lat, lon, height)
+    assert count.min() >= 1
+    inner = (
+        np.abs(lat - (AREA.north_deg + AREA.south_deg) / 2) < 0.3 * (AREA.north_deg - AREA.south_deg)
+    ) & (np.abs(lon - (AREA.east_deg + AREA.west_deg) / 2) < 0.3 * (AREA.east_deg - AREA.west_deg))
+    # Half of each image along and across again: every point in the middle is in four images, but for rounding.
+    assert (count[inner] >= 4).mean() > 0.99
+    assert made.coverage.complete
+
+
+def test_the_higher_the_ground_the_tighter_the_rows(dem):
+    plain = plan(Mission(AREA, 90.0, overlap_along=0.5, overlap_across=0.5), GRID)
+    made = flown(Mission(AREA, 90.0, elevation=(dem["hills"],), overlap_along=0.5, overlap_across=0.5))
+    assert len(made) > len(plain)
+    assert made.overlap.least_along >= 0.49
+    assert made.overlap.least_across >= 0.49
+
+
+def test_polygons_and_wind_go_over_relief(dem):
+    ring = ((AREA.west_deg, AREA.north_deg), (AREA.west_deg, AREA.south_deg), (AREA.east_deg, AREA.south_deg))
+    asked = {"overlap_along": 0.4, "overlap_across": 0.4, "elevation": (dem["hills"],)}
+    still = flown(Mission(Polygon((ring,)), 90.0, **asked))
+    windy = flown(Mission(Polygon((ring,)), 90.0, wind=Wind(6.0, 250.0, 0.2), **asked))
+    assert len(still) == len(windy)
+    moved = windy.height_m - still.height_m
+    assert 0.01 < np.abs(moved).max() < 20.0
+    assert windy.nominal.agl_m == pytest.approx(still.agl_m)
+
+
+def test_corners_and_outlines_lie_on_the_relief(dem):
+    made = flown(Mission(AREA, 90.0, tilt_deg=35.0, elevation=(dem["hills"],)))
+    lat, lon = made.corners.lat_deg.ravel(), made.corners.lon_deg.ravel()
+    x, y = TO_UTM.transform(lon, lat)
+    for index in range(0, len(made), 7):
+        part = slice(4 * index, 4 * index + 4)
+        seen = seen_by_one(made, index, lat[part], lon[part], hills(x[part] - WEST, NORTH - y[part]))
+        assert np.abs(seen) == pytest.approx(1.0, abs=1e-3)
+    ring = made.outline(3)
+    assert len(ring.lat_deg) == 64
+    lon_ring = made.lon_deg[3] + ring.dlon_deg
+    x, y = TO_UTM.transform(lon_ring, ring.lat_deg)
+    seen = seen_by_one(made, 3, ring.lat_deg, lon_ring, hills(x - WEST, NORTH - y))
+    assert seen == pytest.approx(ring.image_xy, abs=1e-3)
+
+
+def seen_by_one(made, index, lat, lon, height_m):
+    """Image points (n, 2) of ground points, from -1 to 1, by geocentric coordinates."""
+    points = np.stack(GEOCENTRIC.transform(lon, lat, height_m), axis=-1)
+    camera = np.array(GEOCENTRIC.transform(made.lon_deg[index], made.lat_deg[index], made.height_m[index]))
+    phi, lam = np.radians(made.lat_deg[index]), np.radians(made.lon_deg[index])
+    east = np.array([-np.sin(lam), np.cos(lam), 0.0])
+    up = np.array([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)])
+    vectors = (points - camera) @ np.stack([east, np.cross(up, east), up], axis=1)
+    found, _ = made.mission.camera.image_xy(
+        vectors[np.newaxis], *(angle[index : index + 1] for angle in made.poses.attitude)
+    )
+    return found[0]
+
+
+def test_the_synthetic_source_is_planned_over_a_file(dem):
+    mission = Mission(AREA, 90.0, elevation=(dem["hills"],))
+    made = plan(mission, named_source("world").grid, heights_of(mission))
+    assert made.size_px is not None
+    assert made.accuracy.relief
+    assert made.accuracy.bound_px <= mission.accuracy.error_budget_px

@@ -1,0 +1,346 @@
+"""Pictures over relief: what each pixel sees, its colour, what stands in front of what, and the products beside."""
+
+from __future__ import annotations
+
+import csv
+import json
+
+import numpy as np
+import pyproj
+import pytest
+from osgeo import gdal
+from PIL import Image
+from terrainav.core.capture.runner import capture
+from terrainav.core.errors import InvalidInput
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.products import sighting
+from terrainav.core.picture.shot import draw, parts_of, shot_of
+
+from tests.support import rasters
+
+WEST, NORTH, SIDE, CELL = 320_000.0, 4_298_000.0, 300, 2.0
+TO_UTM = pyproj.Transformer.from_crs(4326, 32618, always_xy=True)
+TO_DEGREES = pyproj.Transformer.from_crs(32618, 4326, always_xy=True)
+GEOCENTRIC = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
+#: Middle of the tower, half its width, and its height.
+TOWER, HALF, HIGH = (300.0, 300.0), 7.0, 30.0
+
+
+def hills(x, y):
+    return 60.0 + 12.0 * np.sin(x / 60.0) * np.cos(y / 50.0)
+
+
+def grid_points():
+    return np.meshgrid((np.arange(SIDE) + 0.5) * CELL, (np.arange(SIDE) + 0.5) * CELL)
+
+
+def with_tower(x, y):
+    return hills(x, y) + HIGH * ((np.abs(x - TOWER[0]) < HALF) & (np.abs(y - TOWER[1]) < HALF))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Heights with and without a tower, and imagery of 0.5 m that tells positions; or red roofs on blue ground."""
+    folder = tmp_path_factory.mktemp("relief")
+    x, y = grid_points()
+    transform = (WEST, CELL, 0.0, NORTH, 0.0, -CELL)
+    found = {}
+    for name, values in (("hills", hills(x, y)), ("tower", with_tower(x, y))):
+        found[name] = str(
+            rasters.write(
+                folder / f"{name}.tif", values[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32
+            )
+        )
+    fine = np.meshgrid((np.arange(4 * SIDE) + 0.5) / 2.0, (np.arange(4 * SIDE) + 0.5) / 2.0)
+    colours = np.stack([40.0 + fine[0] / 4.0, 230.0 - fine[1] / 4.0, np.full_like(fine[0], 90.0)])
+    photo = (WEST, 0.5, 0.0, NORTH, 0.0, -0.5)
+    found["photo"] = str(rasters.write(folder / "photo.tif", np.rint(colours), photo, 32618))
+    roof = (np.abs(fine[0] - TOWER[0]) < HALF - 1.0) & (np.abs(fine[1] - TOWER[1]) < HALF - 1.0)
+    painted = np.stack([255.0 * roof, np.zeros_like(roof), 255.0 * ~roof])
+    found["roofs"] = str(rasters.write(folder / "roofs.tif", painted, photo, 32618))
+    return found
+
+
+def one(files, heights="hills", x=300.0, y=330.0, agl=90.0, photo="photo", **values):
+    lon, lat = TO_DEGREES.transform(WEST + x, NORTH - y)
+    values = {"elevation": (files[heights],), "source": files[photo], "image_px": 320, **values}
+    mission = Mission(Points(((lat, lon, agl),)), agl, **values)
+    source = open_source(mission.imagery.source)
+    return plan(mission, source.grid, heights_of(mission)), source
+
+
+def picture(made, source, index=0):
+    parts = parts_of(made, source, index)
+    pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
+    return draw(shot_of(made, index), parts, pixels, masked=True)
+
+
+def axes(made):
+    """Camera in geocentric metres, and its right, top and axis there."""
+    camera = np.array(GEOCENTRIC.transform(made.lon_deg[0], made.lat_deg[0], made.height_m[0]))
+    phi, lam = np.radians(made.lat_deg[0]), np.radians(made.lon_deg[0])
+    east = np.array([-np.sin(lam), np.cos(lam), 0.0])
+    up = np.array([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)])
+    north = np.cross(up, east)
+    yaw, tilt = (np.radians(angle[0]) for angle in (made.poses.yaw_deg, made.poses.tilt_deg))
+    heading = np.sin(yaw) * east + np.cos(yaw) * north
+    right = np.cos(yaw) * east - np.sin(yaw) * north
+    return (
+        camera,
+        right,
+        np.cos(tilt) * heading + np.sin(tilt) * up,
+        np.sin(tilt) * heading - np.cos(tilt) * up,
+    )
+
+
+TILTS = [(0.0, 0.0), (30.0, 75.0), (55.0, 200.0)]
+
+
+@pytest.mark.parametrize(("tilt", "yaw"), TILTS)
+@pytest.mark.parametrize("heights", ["hills", "tower"])
+def test_ground_points_lie_on_the_surface_and_where_a_pinhole_sees_them(files, heights, tilt, yaw):
+    made, _ = one(files, heights, tilt_deg=tilt, yaw_deg=yaw)
+    width, height = made.size_px
+    seen = sighting(made, 0, made.size_px)
+    there = np.isfinite(seen.depth_m)
+    assert there.mean() > 0.8
+    camera, right, top, axis = axes(made)
+    points = np.stack(
+        GEOCENTRIC.transform(seen.lon_deg[there], seen.lat_deg[there], seen.height_m[there]), axis=-1
+    )
+    vectors = points - camera
+    depth = vectors @ axis
+    tan_x, tan_y = made.mission.camera.half_tangents
+    focal_x, focal_y = width / (2.0 * tan_x), height / (2.0 * tan_y)
+    row, column = np.nonzero(there)
+    x, y = vectors @ right / depth * focal_x + width / 2.0, height / 2.0 - vectors @ top / depth * focal_y
+    assert x == pytest.approx(column + 0.5, abs=0.02)
+    assert y == pytest.approx(row + 0.5, abs=0.02)
+    assert seen.depth_m[there] == pytest.approx(depth, rel=1e-5)
+    # On the surface: between the centres of its own pixels heights are bilinear.
+    east, north = TO_UTM.transform(seen.lon_deg[there], seen.lat_deg[there])
+    j, i = (east - WEST) / CELL - 0.5, (NORTH - north) / CELL - 0.5
+    z = (hills if heights == "hills" else with_tower)(*grid_points()).astype(np.float32).astype(float)
+    j0, i0 = np.clip(np.floor(j).astype(int), 0, SIDE - 2), np.clip(np.floor(i).astype(int), 0, SIDE - 2)
+    u, v = j - j0, i - i0
+    own = (z[i0, j0] * (1 - u) + z[i0, j0 + 1] * u) * (1 - v) + (
+        z[i0 + 1, j0] * (1 - u) + z[i0 + 1, j0 + 1] * u
+    ) * v
+    assert seen.height_m[there] == pytest.approx(own, abs=5e-3)
+
+
+@pytest.mark.parametrize(("tilt", "yaw"), TILTS[1:])
+def test_nothing_stands_between_the_camera_and_what_it_sees(files, tilt, yaw):
+    made, _ = one(
+        files, "tower", tilt_deg=tilt, yaw_deg=yaw, x=300.0, y=300.0 + 60.0 * np.cos(np.radians(yaw))
+    )
+    seen = sighting(made, 0, made.size_px)
+    at = np.flatnonzero(np.isfinite(seen.depth_m))[::37]
+    lat, lon, high = (values.ravel()[at] for values in (seen.lat_deg, seen.lon_deg, seen.height_m))
+    ends = np.stack(GEOCENTRIC.transform(lon, lat, high), axis=-1)
+    camera = axes(made)[0]
+    z = with_tower(*grid_points())
+    back = pyproj.Transformer.from_crs(4978, 4979, always_xy=True)
+    for share in np.linspace(0.02, 0.995, 400):
+        between = camera + share * (ends - camera)
+        lon_b, lat_b, h = back.transform(*between.T)
+        east, north = TO_UTM.transform(lon_b, lat_b)
+        j, i = (east - WEST) / CELL - 0.5, (NORTH - north) / CELL - 0.5
+        inside = (j > 0) & (j < SIDE - 1) & (i > 0) & (i < SIDE - 1)
+        j0, i0 = np.clip(np.floor(j).astype(int), 0, SIDE - 2), np.clip(np.floor(i).astype(int), 0, SIDE - 2)
+        u, v = j - j0, i - i0
+        own = (z[i0, j0] * (1 - u) + z[i0, j0 + 1] * u) * (1 - v) + (
+            z[i0 + 1, j0] * (1 - u) + z[i0 + 1, j0 + 1] * u
+        ) * v
+        assert (h - own)[inside].min() > -0.02
+
+
+@pytest.mark.parametrize(("tilt", "yaw"), TILTS)
+def test_each_pixel_has_the_colour_of_the_ground_that_it_sees(files, tilt, yaw):
+    made, source = one(files, tilt_deg=tilt, yaw_deg=yaw)
+    shown = picture(made, source)
+    seen = sighting(made, 0, made.size_px)
+    there = shown.pixels[..., 3] > 0
+    east, north = TO_UTM.transform(seen.lon_deg[there], seen.lat_deg[there])
+    wanted = np.stack([40.0 + (east - WEST) / 4.0, 230.0 - (NORTH - north) / 4.0], axis=-1)
+    off = np.abs(shown.pixels[there][:, :2] - wanted)
+    # Four metres are a grey level: rounding, and the mean over a pixel's ground.
+    assert np.percentile(off, 99) < 1.2
+    assert off.max() < 4.0
+    assert shown.unmapped_share == pytest.approx(1.0 - there.mean(), abs=1e-9)
+
+
+def test_normals_are_those_of_the_ground(files):
+    made, _ = one(files, tilt_deg=20.0)
+    seen = sighting(made, 0, made.size_px)
+    there = np.isfinite(seen.depth_m)
+    east, north = TO_UTM.transform(seen.lon_deg[there], seen.lat_deg[there])
+    x, y = east - WEST, NORTH - north
+    by_x = 12.0 / 60.0 * np.cos(x / 60.0) * np.cos(y / 50.0)
+    by_y = -12.0 / 50.0 * np.sin(x / 60.0) * np.sin(y / 50.0)
+    # Grid north is not true north.
+    turn = np.radians(pyproj.Proj(32618).get_factors(made.lon_deg[0], made.lat_deg[0]).meridian_convergence)
+    slope_east = by_x * np.cos(turn) + by_y * np.sin(turn) * -1.0
+    slope_north = -by_y * np.cos(turn) - by_x * np.sin(turn)
+    wanted = np.stack([-slope_east, -slope_north, np.ones_like(x)], axis=-1)
+    wanted /= np.linalg.norm(wanted, axis=-1, keepdims=True)
+    assert np.abs(seen.normals[there] - wanted).max() < 0.02
+    assert np.linalg.norm(seen.normals[there], axis=-1) == pytest.approx(1.0)
+
+
+def test_walls_are_marked_and_have_the_colour_of_the_roof_or_the_ground(files):
+    made, source = one(files, "tower", tilt_deg=45.0, y=360.0, agl=70.0, photo="roofs")
+    shown = picture(made, source)
+    seen = sighting(made, 0, made.size_px)
+    assert 0.02 < seen.steep.mean() < 0.3
+    assert shown.facade_share == pytest.approx(seen.steep.mean())
+    wall = seen.height_m[seen.steep]
+    assert np.ptp(wall) > 0.8 * HIGH
+    red, blue = (shown.pixels[seen.steep][:, channel].astype(int) for channel in (0, 2))
+    # The upper half as the roof, the lower as the ground, and nothing smeared between.
+    assert ((red > 200) | (blue > 200)).mean() > 0.95
+    base = hills(*TOWER)
+    upper, lower = wall > base + 0.6 * HIGH, wall < base + 0.4 * HIGH
+    assert (red[upper] > 200).mean() > 0.95
+    assert (blue[lower] > 200).mean() > 0.95
+
+
+def test_what_lies_beyond_the_model_is_no_ground(files):
+    made, source = one(files, x=560.0, y=300.0, yaw_deg=90.0, tilt_deg=30.0)
+    shown = picture(made, source)
+    assert 0.3 < shown.unmapped_share < 0.9
+    assert shown.sky_share == 0.0
+    assert (shown.pixels[..., 3] == 0).mean() == pytest.approx(shown.unmapped_share)
+
+
+def test_the_sky_is_behind_the_relief(files):
+    made, source = one(files, "tower", tilt_deg=75.0, agl=25.0, y=380.0, upsample=True, image_px=160)
+    shown = picture(made, source)
+    assert shown.sky_share > 0.15
+    # The tower stands up against it.
+    seen = sighting(made, 0, made.size_px)
+    assert np.nanmax(seen.height_m) > hills(*TOWER) + 0.95 * HIGH
+
+
+def box():
+    lon, lat = TO_DEGREES.transform([WEST + 240.0, WEST + 360.0], [NORTH - 240.0, NORTH - 340.0])
+    return Box(lat[0], lon[0], lat[1], lon[1])
+
+
+def test_a_capture_over_relief_is_whole(files, tmp_path):
+    mission = Mission(
+        box(),
+        70.0,
+        elevation=(files["tower"],),
+        source=files["photo"],
+        tilt_deg=25.0,
+        overlap_along=0.3,
+        overlap_across=0.3,
+        image_px=200,
+        products=("depth", "points", "normals", "facades"),
+        map_types=("satellite", "roadmap"),
+    )
+    source = open_source(mission.imagery.source, as_stored=True)
+    made = plan(mission, source.grid, heights_of(mission))
+    result = capture(made, source, tmp_path / "out")
+    assert not result.failed
+    assert result.written == 2 * len(made)
+    with (tmp_path / "out" / "satellite" / "meta_data.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["height_m"]) for row in rows] == pytest.approx(made.height_m)
+    assert np.array([float(row["agl_m"]) for row in rows]) == pytest.approx(70.0)
+    assert max(float(row["facade_share"]) for row in rows) > 0.0
+    planned = (tmp_path / "out" / "plan.csv").read_text().splitlines()
+    at = planned[0].split(",").index("height_m")
+    assert [float(line.split(",")[at]) for line in planned[1:]] == pytest.approx(made.height_m)
+    name = made.names[0]
+    depth = gdal.Open(str(tmp_path / "out" / "depth" / f"{name}.tif"))
+    assert depth.GetRasterBand(1).DataType == gdal.GDT_Float32
+    seen = sighting(made, 0, made.size_px)
+    np.testing.assert_array_equal(depth.ReadAsArray(), seen.depth_m.astype(np.float32))
+    points = gdal.Open(str(tmp_path / "out" / "points" / f"{name}.tif"))
+    assert points.GetRasterBand(1).DataType == gdal.GDT_Float64
+    np.testing.assert_array_equal(points.ReadAsArray()[2], seen.height_m)
+    np.testing.assert_array_equal(points.ReadAsArray()[0], seen.lon_deg)
+    normals = gdal.Open(str(tmp_path / "out" / "normals" / f"{name}.tif")).ReadAsArray()
+    assert np.nanmax(np.abs(np.linalg.norm(normals, axis=0) - 1.0)) < 1e-6
+    faces = gdal.Open(str(tmp_path / "out" / "facades" / f"{name}.tif")).ReadAsArray()
+    assert set(np.unique(faces)) <= {0, 255}
+    # Ground control points lie on the relief, and GDAL reads their heights.
+    picture_file = gdal.Open(str(tmp_path / "out" / "satellite" / f"{name}.tif"))
+    heights = [point.GCPZ for point in picture_file.GetGCPs()]
+    assert np.ptp(heights) > 1.0
+    for point in picture_file.GetGCPs()[::5]:
+        x, y = TO_UTM.transform(point.GCPX, point.GCPY)
+        assert pytest.approx(with_tower(x - WEST, NORTH - y), abs=HIGH) == point.GCPZ
+    told = json.loads((tmp_path / "out" / "mission.json").read_text())
+    assert told["terrain"]["elevation"] == [files["tower"]]
+    assert Mission.load(tmp_path / "out" / "mission.json") == made.mission.with_(crs=told["imagery"]["crs"])
+
+
+def test_a_capture_that_goes_on_leaves_the_same_files(files, tmp_path):
+    mission = Mission(
+        box(), 70.0, elevation=(files["tower"],), source=files["photo"], image_px=120, products=("depth",)
+    )
+    source = open_source(mission.imagery.source, as_stored=True)
+    made = plan(mission, source.grid, heights_of(mission))
+    capture(made, source, tmp_path / "whole")
+    stopped = capture(made, source, tmp_path / "parts", only=[0, 1])
+    assert stopped.written == 2
+    again = plan(mission, source.grid, heights_of(mission))
+    capture(again, source, tmp_path / "parts", resume=True, workers=1)
+    for path in sorted((tmp_path / "whole").rglob("*.tif")):
+        other = tmp_path / "parts" / path.relative_to(tmp_path / "whole")
+        assert other.read_bytes() == path.read_bytes(), path.name
+
+
+def test_photographs_say_the_cameras_altitude(files, tmp_path):
+    mission = Mission(
+        box(), 70.0, elevation=(files["hills"],), source=files["photo"], image_px=120, image_format="jpg"
+    )
+    source = open_source(mission.imagery.source)
+    made = plan(mission, source.grid, heights_of(mission))
+    capture(made, source, tmp_path)
+    for index in (0, len(made) - 1):
+        with Image.open(tmp_path / "satellite" / f"{made.names[index]}.jpg") as image:
+            altitude = image.getexif().get_ifd(0x8825)[6]
+        assert float(altitude) == pytest.approx(made.height_m[index], abs=1e-3)
+    lines = (tmp_path / "satellite" / "geo.txt").read_text().splitlines()[1:]
+    assert [float(line.split()[3]) for line in lines] == pytest.approx(made.height_m, abs=6e-4)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 40.0])
+def test_products_of_level_ground(tmp_path, tilt):
+    area = Box(40.001, 10.0, 40.0, 10.001)
+    mission = Mission(
+        area,
+        100.0,
+        ground_height_m=12.0,
+        tilt_deg=tilt,
+        image_px=200,
+        products=("depth", "points", "normals"),
+    )
+    source = open_source("world")
+    made = plan(mission, source.grid)
+    capture(made, source, tmp_path, only=[0])
+    name = made.names[0]
+    depth = gdal.Open(str(tmp_path / "depth" / f"{name}.tif")).ReadAsArray()
+    points = gdal.Open(str(tmp_path / "points" / f"{name}.tif")).ReadAsArray()
+    shape = gdal.Open(str(tmp_path / "satellite" / f"{name}.tif"))
+    assert depth.shape == (shape.RasterYSize, shape.RasterXSize)
+    assert points[2] == pytest.approx(12.0)
+    ends = np.stack(GEOCENTRIC.transform(*points.reshape(3, -1)), axis=-1)
+    camera, _, _, axis = axes(made)
+    assert depth.ravel() == pytest.approx((ends - camera) @ axis, rel=1e-6)
+    if not tilt:
+        assert depth == pytest.approx(100.0, abs=0.01)
+
+
+def test_a_plan_over_level_ground_has_no_rays_over_relief():
+    made = plan(Mission(Box(40.001, 10.0, 40.0, 10.001), 100.0), open_source("world").grid)
+    with pytest.raises(InvalidInput, match="the ground is level"):
+        made.tracing(0)
