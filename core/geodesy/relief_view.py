@@ -26,6 +26,8 @@ _MOST_CELLS = 1 << 21
 _LEAST_CELLS = 700.0
 #: Farthest that relief is looked for, and the highest that there is, metres.
 _FARTHEST_M, _HIGHEST_M = 700_000.0, 9_000.0
+#: Share by which ground at one distance bulges between the rays that are looked at.
+_BULGE = 1.03
 #: Share by which rays are followed farther than they need, and a length that is divided by at least.
 _MARGIN, _LEAST = 1.01, 1e-12
 #: Points along each edge of an image whose rays tell what ground it sees.
@@ -146,6 +148,7 @@ class Tracing:
                 directions = rays.at(column + 0.5, row + 0.5)
                 after = begin_m / np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
                 met = surface.first_hits(paths, directions, after, np.full(len(row), farthest))
+                met = _or_below(surface, met, after, paths.at(directions, after))
                 hits = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
                 for whole, values in zip(hits, met):
                     whole[row, column] = values
@@ -175,10 +178,12 @@ class Tracing:
         begin_m, cell_m = 0.0, self.relief.cell_m(lat, lon)
         while begin_m < reach_m.max():
             end_m = float(reach_m.max())
-            points = self._points(directions, begin_m / level, np.minimum(reach_m, end_m) / level)
+            points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
             if float(np.prod(np.ptp(points[:, :2], axis=0) / cell_m)) > _MOST_CELLS:
                 end_m = max(_LEAST_CELLS * cell_m, 2.0 * begin_m)
-                points = self._points(directions, begin_m / level, np.minimum(reach_m, end_m) / level)
+                points = self._points(
+                    directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level
+                )
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
             yield self.relief.surface(at_lat, lon + dlon, cell_m), begin_m, end_m
             begin_m, cell_m = end_m, 2.0 * cell_m
@@ -305,6 +310,17 @@ class Tracing:
             )
             found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
         return found
+
+
+def _or_below(surface: Surface, met: Hits, after: Floats, start: Floats) -> Hits:
+    """Hits (n,), and where rays begin below a surface, as coarser ones may be higher than those before, that place.
+
+    ``start`` (3, n) are columns, rows and heights where rays begin.
+    """
+    column, row, height = start
+    with np.errstate(invalid="ignore"):
+        below = np.isnan(met.t) & (surface.heights(column, row) >= height)
+    return Hits(*(np.where(below, begun, one) for begun, one in zip((after, column, row), met)))
 
 
 class _Seen(NamedTuple):

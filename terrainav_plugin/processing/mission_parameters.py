@@ -43,6 +43,8 @@ _OTHERWISE = ("agl_m", "source", "map_types", "img_size")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
 #: pixels, and texts are empty then.
 _IF_GIVEN = ("image_px", "start", "date", "crs")
+#: Lists of what may have spaces, with ; between.
+_OF_PATHS = ("elevation", "surface")
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 
@@ -111,10 +113,14 @@ def _id_of(field: Field) -> str:
 def _value(run: Run, field: Field) -> Any:
     """Value of a field's parameter; None where it is not given and need not be."""
     name = _id_of(field)
+    if field.choices and field.kind is tuple:
+        return tuple(filter(None, run.algorithm.parameterAsEnumStrings(run.parameters, name, run.context)))
     if field.choices:
         return run.choice(name)
     if field.kind is str:
         return run.text(name).strip() or None
+    if field.name in _OF_PATHS:
+        return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:
         return tuple(run.text(name).split())
     if (field.optional or field.name in _IF_GIVEN) and run.parameters.get(name) is None:
@@ -128,7 +134,8 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.choices:
         several = field.kind is tuple
         usual = list(field.default) if several else field.default
-        return _choice(name, title, tuple(field.choices), usual, several=several)
+        # What stands for nothing is no choice to be made.
+        return _choice(name, title, tuple(filter(None, field.choices)), usual or None, several=several)
     if field.kind is bool:
         return QgsProcessingParameterBoolean(name, title, field.default)
     if field.kind in (str, tuple):

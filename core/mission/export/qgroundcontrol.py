@@ -113,12 +113,13 @@ def _commands(plan: Plan) -> Iterator[tuple[int, int, Sequence[Number]]]:
     """Command, frame and the seven parameters of each item."""
     flown = waypoints(plan)
     first = next(flown)
-    yield NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, first.lat_deg, first.lon_deg, first.agl_m)
+    yield NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, first.lat_deg, first.lon_deg, first.above_first_m)
     speed = plan.mission.flight.airspeed_m_per_s
     yield DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0)
     yield DO_MOUNT_CONTROL, FRAME_MISSION, (first.gimbal_pitch_deg, 0, 0, 0, 0, 0, _MOUNT_BY_MAVLINK)
     for one in chain([first], flown):
-        yield (NAV_WAYPOINT, FRAME_RELATIVE, (0, 0, 0, one.heading_deg, one.lat_deg, one.lon_deg, one.agl_m))
+        place = (one.lat_deg, one.lon_deg, one.above_first_m)
+        yield NAV_WAYPOINT, FRAME_RELATIVE, (0, 0, 0, one.heading_deg, *place)
         # One picture, at once; the last four are for the camera to choose.
         yield IMAGE_START_CAPTURE, FRAME_MISSION, (0, 0, 1, None, None, None, None)
     yield NAV_RETURN_TO_LAUNCH, FRAME_MISSION, (0, 0, 0, 0, 0, 0, 0)

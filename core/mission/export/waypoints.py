@@ -29,6 +29,8 @@ class Waypoint(NamedTuple):
         Longitude in [-180, 180).
     heading_deg : float
         Of the aircraft, which is where the top of the picture points, in [0, 360).
+    above_first_m : float
+        Height above the ground below the first capture; the height above ground where that is level.
     gimbal_pitch_deg : float
         -90 straight down, 0 to the horizon.
     time : str
@@ -41,6 +43,7 @@ class Waypoint(NamedTuple):
     lat_deg: float
     lon_deg: float
     agl_m: float
+    above_first_m: float
     heading_deg: float
     gimbal_pitch_deg: float
     time: str
@@ -60,6 +63,7 @@ def waypoints(plan: Plan) -> Iterator[Waypoint]:
     """
     meant = plan.poses if plan.nominal is None else plan.nominal
     lon = wrap_lon_deg(meant.lon_deg)
+    above_first = meant.agl_m + (plan.ground_m - plan.ground_m[0])
     for part in parts(len(plan)):
         backwards = meant.tilt_deg[part] < 0.0
         heading = np.mod(meant.yaw_deg[part] + 180.0 * backwards, 360.0)
@@ -74,6 +78,7 @@ def waypoints(plan: Plan) -> Iterator[Waypoint]:
                 meant.lat_deg[part].tolist(),
                 lon[part].tolist(),
                 meant.agl_m[part].tolist(),
+                above_first[part].tolist(),
                 heading.tolist(),
                 (np.abs(meant.tilt_deg[part]) - 90.0).tolist(),
                 clock(plan.mission.flight.start, plan.times_s[part]),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pyproj
 import pytest
@@ -11,6 +13,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
@@ -282,3 +285,19 @@ def test_the_synthetic_source_is_planned_over_a_file(dem):
     assert made.size_px is not None
     assert made.accuracy.relief
     assert made.accuracy.bound_px <= mission.accuracy.error_budget_px
+
+
+def test_exports_for_drones_have_the_heights_that_their_programs_count(dem, tmp_path):
+    """QGroundControl's from the take-off, Litchi's and Google Earth's from the ground below."""
+    made = flown(Mission(AREA, 80.0, elevation=(dem["hills"],), height_above="takeoff"))
+    write_plan(made, tmp_path / "one.plan")
+    told = json.loads((tmp_path / "one.plan").read_text())["mission"]
+    assert told["plannedHomePosition"][2] == pytest.approx(made.ground_m[0])
+    altitudes = [item["params"][6] for item in told["items"] if item["command"] == 16]
+    assert np.array(altitudes) + made.ground_m[0] == pytest.approx(made.height_m)
+    assert np.ptp(altitudes) < 1e-6
+    ((litchi,), *_) = (
+        sorted(tmp_path.glob("*.csv")) for _ in [write_plan(made, tmp_path / "one.litchi.csv")]
+    )
+    heights = [float(line.split(",")[2]) for line in litchi.read_text().splitlines()[1:]]
+    assert np.array(heights) == pytest.approx(made.agl_m, abs=0.006)

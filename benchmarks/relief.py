@@ -1,0 +1,242 @@
+"""Pictures over relief: what tracing takes beside a march of every pixel, and the pictures of docs/relief.md.
+
+    python benchmarks/relief.py                       # times, over hills and over the embedded world's houses
+    python benchmarks/relief.py --dsm dsm.tif         # over a surface of your own, too
+    python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
+
+A march goes along each ray in steps of half a cell until it is below the surface: it is what most simulators do, and
+passes by whatever is thinner than its step. Times are of one thread's processor time, the best of several.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import numpy as np
+from PIL import Image, ImageDraw
+from terrainav.core.elevation.relief import open_relief
+from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.relief import Surface
+from terrainav.core.geodesy.relief_view import Relief, Tracing
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.products import sighting
+from terrainav.core.picture.shot import draw, parts_of, shot_of
+
+CAMERA, SIZE = Camera(78.8, 4.0 / 3.0), (640, 480)
+TILTS, HEIGHTS_M = (0.0, 30.0, 60.0, 85.0), (120.0, 500.0)
+REPEATS = 3
+TOWN = (35.1408, -89.8606)
+JPEG_QUALITY = 82
+
+
+class Hills:
+    """Smooth hills of 512 x 512 cells of about a metre, wherever they are asked for."""
+
+    title, attribution = "hills", ""
+
+    def __init__(self) -> None:
+        rng = np.random.default_rng(7)
+        wide = sum(
+            np.kron(rng.normal(0.0, 8.0 * size / 128, (512 // size + 2,) * 2), np.ones((size, size)))[
+                :512, :512
+            ]
+            for size in (128, 64, 32)
+        )
+        for _ in range(24):
+            wide = (
+                wide + np.roll(wide, 1, 0) + np.roll(wide, -1, 0) + np.roll(wide, 1, 1) + np.roll(wide, -1, 1)
+            ) / 5
+        grid = PixelGrid(max_zoom=17, native_zoom=17)
+        u, v = grid.plane.forward(np.array([45.0]), np.array([7.0]))
+        world = grid.world_px(17)
+        self.surface_ = Surface(grid, 17, int(u[0] * world) - 256, int(v[0] * world) - 256, wide)
+
+    def surface(self, *_: object) -> Surface:
+        """The hills."""
+        return self.surface_
+
+    def cell_m(self, *_: float) -> float:
+        """Size of their cells."""
+        return 0.84
+
+
+def march(surface: Surface, tracing: Tracing, height_m: float) -> np.ndarray:
+    """Follow every ray in steps of half a cell; depths (height, width)."""
+    rays = tracing.rays
+    lat, lon = tracing.place
+    paths, farthest, _ = surface.paths(lat, lon, height_m, rays, 0.05)
+    x, y = np.meshgrid(np.arange(rays.width) + 0.5, np.arange(rays.height) + 0.5)
+    coefficients = paths.coefficients(rays.at(x.ravel(), y.ravel()))
+    speed = np.hypot(coefficients[0, 0], coefficients[0, 1]) + 1e-9
+    step = np.minimum(0.5 / speed, farthest / 32.0)
+    found = np.full(x.size, np.nan)
+    index, t = np.arange(x.size), np.zeros(x.size)
+    top = float(np.nanmax(surface.heights_m))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.clip((height_m - top) / -coefficients[0, 2], 0.0, farthest)
+    while len(index):
+        t = t + step
+        part = coefficients[:, :, index]
+        column, row, height = _along(paths.start, part, t)
+        below = height <= surface.heights(column, row)
+        found[index[below]] = t[below]
+        keep = ~below & (t < farthest)
+        index, t, step = index[keep], t[keep], step[keep]
+    return found.reshape(x.shape)
+
+
+def _along(start: np.ndarray, coefficients: np.ndarray, t: np.ndarray) -> np.ndarray:
+    total = coefficients[-1] * t
+    for term in coefficients[-2::-1]:
+        total = (total + term) * t
+    return total + start[:, np.newaxis]
+
+
+def timed(work: Callable[[], object]) -> float:
+    """Seconds of this thread's processor time, the best of several."""
+    best = np.inf
+    for _ in range(REPEATS):
+        begin = time.thread_time()
+        work()
+        best = min(best, time.thread_time() - begin)
+    return float(best)
+
+
+def _traced(scene: Scene, height_m: float, relief: Relief, lowest_m: float) -> Tracing:
+    found = Tracing(scene, height_m, relief, lowest_m, 0.02)
+    _ = found.depth_m
+    return found
+
+
+def _box(lat: float, lon: float, room_m: float) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of a box about a place."""
+    up, aside = room_m / 111e3, room_m / 111e3 / np.cos(np.radians(lat))
+    return np.array([lat - up, lat + up]), np.array([lon - aside, lon + aside])
+
+
+def measure(name: str, relief: Relief, lat: float, lon: float) -> None:
+    """Print a row for each tilt and height."""
+    below = relief.surface(np.array([lat]), np.array([lon]), 0.0)
+    ground = float(below.heights(*below.position(np.array([lat]), np.array([lon])))[0])
+    for agl in HEIGHTS_M:
+        for tilt in TILTS:
+            pose = Poses(*(np.array([value]) for value in (lat, lon, agl, 30.0, tilt, 0.0)))
+            height = ground + agl
+
+            lowest = float(np.nanmin(below.heights_m)) - 20.0
+            traced = partial(_traced, Scene(CAMERA, *SIZE, pose), height, relief, lowest)
+            own, tracing = timed(traced), traced()
+            surface = relief.surface(*_box(lat, lon, 3.0 * agl))
+            slow = timed(partial(march, surface, tracing, height))
+            off = np.abs(march(surface, tracing, height) - tracing.depth_m)
+            missed = np.nanmean(off > 1.0) * 100.0
+            print(
+                f"| {name} | {agl:g} m | {tilt:g} | {own * 1e3:.0f} ms | {slow * 1e3:.0f} ms | "
+                f"{slow / own:.1f} | {missed:.2f} % |",
+                flush=True,
+            )
+
+
+def shot(
+    source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: float, at: tuple[float, float]
+):
+    """Picture and depth of one capture."""
+    area = Points(((at[0], at[1], agl),))
+    mission = Mission(
+        area, agl, CAMERA, source=source, elevation=elevation, tilt_deg=tilt, yaw_deg=yaw, upsample=True
+    )
+    opened = open_source(source)
+    made = plan(mission, opened.grid, heights_of(mission))
+    pixels = {part.window: opened.fetch("satellite", part.window) for part in parts_of(made, opened, 0)}
+    picture = draw(shot_of(made, 0), parts_of(made, opened, 0), pixels).pixels[..., :3]
+    return picture, sighting(made, 0, made.size_px)
+
+
+def side_by_side(path: Path, pictures: list[tuple[str, np.ndarray]]) -> None:
+    """Write pictures beside each other, each with its title."""
+    width = sum(picture.shape[1] for _, picture in pictures) + 8 * (len(pictures) - 1)
+    sheet = Image.new("RGB", (width, pictures[0][1].shape[0] + 26), "white")
+    pen, left = ImageDraw.Draw(sheet), 0
+    for title, picture in pictures:
+        pen.text((left + 4, 7), title, fill="black")
+        sheet.paste(Image.fromarray(picture), (left, 26))
+        left += picture.shape[1] + 8
+    sheet.save(path, quality=JPEG_QUALITY)
+    print(path)
+
+
+def shaded(depth: np.ndarray) -> np.ndarray:
+    """Depth as grey, near ones bright, on a logarithmic scale; black where there is no ground."""
+    near, far = np.nanmin(depth), np.nanpercentile(depth, 98)
+    share = np.log(depth / near) / np.log(far / near)
+    grey = np.where(np.isnan(share), 0.0, 255.0 - 215.0 * np.clip(share, 0.0, 1.0))
+    return np.repeat(grey.astype(np.uint8)[..., np.newaxis], 3, axis=2)
+
+
+def draw_pages(folder: Path, dsm: str | None) -> None:
+    """Make the pictures of docs/relief.md."""
+    level, _ = shot("world", (), 60.0, 60.0, 20.0, TOWN)
+    over, seen = shot("world", ("world",), 60.0, 60.0, 20.0, TOWN)
+    side_by_side(
+        folder / "relief-town.jpg",
+        [("level ground", level), ("over relief", over), ("its depth, near is bright", shaded(seen.depth_m))],
+    )
+    if dsm is None:
+        return
+    from osgeo import gdal
+
+    raster = gdal.Open(dsm)
+    z = raster.ReadAsArray().astype(float)
+    down, across = np.gradient(np.kron(z, np.ones((4, 4))), raster.GetGeoTransform()[1])
+    grey = np.clip(140.0 - 60.0 * (across + down), 0.0, 255.0)
+    own = Path("/tmp") / "relief-shade.tif"  # noqa: S108  one file of this run's
+    made = gdal.GetDriverByName("GTiff").Create(str(own), grey.shape[1], grey.shape[0], 3, gdal.GDT_Byte)
+    x0, dx, _, y0, _, dy = raster.GetGeoTransform()
+    made.SetGeoTransform((x0, dx / 4, 0.0, y0, 0.0, dy / 4))
+    made.SetProjection(raster.GetProjection())
+    for band, share in enumerate((1.0, 0.97, 0.88), 1):
+        made.GetRasterBand(band).WriteArray((grey * share).astype(np.uint8))
+    made.FlushCache()
+    del made
+    at = (38.8096, -77.0528)
+    level, _ = shot(str(own), (f"{float(np.median(z))}",), 100.0, 35.0, 10.0, at)
+    over, seen = shot(str(own), (dsm,), 100.0, 35.0, 10.0, at)
+    side_by_side(
+        folder / "relief-surface.jpg",
+        [("level ground", level), ("over relief", over), ("its depth, near is bright", shaded(seen.depth_m))],
+    )
+
+
+def main() -> None:
+    """Measure, or make pictures."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--dsm", help="a surface in a projected CRS")
+    parser.add_argument("--pictures", type=Path, help="folder to make the page's pictures in")
+    asked = parser.parse_args()
+    if asked.pictures:
+        draw_pages(asked.pictures, asked.dsm)
+        return
+    print("| surface | height | tilt | traced | march | times | off by over 1 m |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    measure("hills", Hills(), 45.0, 7.0)
+    if asked.dsm:
+        measure("surface", open_relief([asked.dsm]), 38.8105, -77.0526)
+
+
+if __name__ == "__main__":
+    main()
