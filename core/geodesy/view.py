@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,6 +28,8 @@ KERNEL_REACH_PX = 4
 _EXTENT_TOLERANCE_PX = 0.1
 #: Extents that tiles are counted under in one go, for any number of cameras.
 _EXTENTS_COUNTED = 1 << 19
+#: Numbers up to which it is counted how often each occurs; more are sorted.
+_MOST_COUNTED = 1 << 22
 #: Rays traced in one go.
 _BATCH = 1 << 17
 #: Sides of the cells begun with, and of those below which every pixel gets a ray of its own, px.
@@ -215,10 +218,27 @@ class View:
         found: set[tuple[int, int, int]] = set()
         u = float(self.grid.meridian_u(np.asarray(lon_deg)))
         for zoom, west, east, north, south in self.extents():
-            spans = self._tile_spans(zoom, u, west, east, north, south)
-            for x0, x1, y0, y1 in np.unique(np.stack(spans), axis=1).T.tolist():
-                found.update((zoom, x, y) for x in range(x0, x1 + 1) for y in range(y0, y1 + 1))
+            first_x, last_x, first_y, last_y = self._tile_spans(zoom, u, west, east, north, south)
+            if not len(first_x):
+                continue
+            # One number for each span, as many pixels share theirs.
+            corner = int(first_x.min()), int(first_y.min())
+            parts = (first_x - corner[0], first_y - corner[1], last_x - first_x, last_y - first_y)
+            sizes = [int(part.max()) + 1 for part in parts]
+            for x, y, wide, high in zip(*np.unravel_index(_distinct(parts, sizes), sizes)):
+                x0, y0 = corner[0] + int(x), corner[1] + int(y)
+                found.update(
+                    (zoom, x0 + i, y0 + j) for i in range(int(wide) + 1) for j in range(int(high) + 1)
+                )
         return sorted(found)
+
+
+def _distinct(parts: tuple[Numbers, ...], sizes: list[int]) -> Numbers:
+    """Numbers, each once, of tuples of whole numbers (n,) below sizes, as `numpy.ravel_multi_index` gives them."""
+    numbers = np.ravel_multi_index(parts, sizes)
+    if math.prod(sizes) > _MOST_COUNTED:
+        return np.unique(numbers)
+    return np.flatnonzero(np.bincount(numbers))
 
 
 def view(

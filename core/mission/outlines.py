@@ -187,7 +187,8 @@ def _straight(plan: Plan, part: slice) -> NDArray[np.bool_]:
     if plan.grid.own is not None:
         # The map ends before meridians come so near to each other.
         small &= np.ptp(lon, axis=1) < _LEAST_TURN_DEG
-    return np.asarray(small & hit.all(axis=1) & (plan.poles[part] == 0))
+    # Over relief every edge is bent.
+    return np.asarray(small & hit.all(axis=1) & (plan.poles[part] == 0) & (plan.relief is None))
 
 
 def _rectangles(west: float, south: float, east: float, north: float) -> list[Ring]:

@@ -55,6 +55,8 @@ Kept = TypeVar("Kept")
 
 #: Views and outlines kept of the captures looked at last: those of one row share one.
 _KEPT = 16
+#: Captures over relief whose outlines are worked out together.
+_OUTLINED = 128
 #: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
 _VIEWS_COUNTED = 500
 #: The same of turned rows in still air, whose views differ by the plane's convergence and by latitude alone.
@@ -184,8 +186,7 @@ class Plan:
     def outline(self, index: int) -> Outline:
         """Outline of the ground that a capture sees; longitudes count from the camera's. Captures of a row share it."""
         if self.relief is not None:
-            one = self.poses.take(slice(index, index + 1))
-            found = self.relief.outline(one, self.height_m[index : index + 1])
+            found = self._outlines_over_relief(index)
             if found is not None:
                 return found
 
@@ -256,6 +257,18 @@ class Plan:
             return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance, by_rays=by_rays)
 
         return self._kept("views", index, made)
+
+    def _outlines_over_relief(self, index: int) -> Outline | None:
+        """Outline of a capture; those of its neighbours are worked out with it, and kept."""
+        relief, block = self.relief, index // _OUTLINED
+        kept: dict[int, list[Outline | None]] = self.__dict__.get("_blocks_of_outlines", {})
+        if relief is not None and block not in kept:
+            part = slice(block * _OUTLINED, (block + 1) * _OUTLINED)
+            found = relief.outlines(self.poses.take(part), self.height_m[part])
+            # Replaced as a whole, as in `_kept`.
+            kept = {**dict(list(kept.items())[1 - _KEPT :]), block: found}
+            self.__dict__["_blocks_of_outlines"] = kept
+        return kept[block][index % _OUTLINED]
 
     def _kept(self, what: str, index: int, make: Callable[[Poses], Kept]) -> Kept:
         """What belongs to a capture's run of poses, made when first asked for; the last few are kept."""

@@ -140,16 +140,17 @@ class ReliefBelow:
         """Ground corners that captures see."""
         return self.seen(poses, height_m, CORNERS)[0]
 
-    def outline(self, pose: Poses, height_m: Floats) -> Outline | None:
-        """Outline of the ground that one capture sees; None where a part of its edge sees none."""
+    def outlines(self, poses: Poses, height_m: Floats) -> list[Outline | None]:
+        """Outlines of the ground that captures see; None of one where a part of its edge sees none."""
         along = np.linspace(-1.0, 1.0, _ALONG_EDGE, endpoint=False)
         ones = np.ones_like(along)
         x, y = np.concatenate([along, ones, -along, -ones]), np.concatenate([-ones, along, ones, -along])
-        seen, _ = self.seen(pose, height_m, tuple(zip(x.tolist(), y.tolist())))
-        if not seen.hit.all():
-            return None
-        dlon = seen.lon_deg[0] - pose.lon_deg[0]
-        return Outline(seen.lat_deg[0], dlon, np.zeros(len(x), bool), np.stack([x, y], axis=1), 0)
+        seen, _ = self.seen(poses, height_m, tuple(zip(x.tolist(), y.tolist())))
+        level, image_xy = np.zeros(len(x), bool), np.stack([x, y], axis=1)
+        return [
+            Outline(lat, lon - own, level, image_xy, 0) if hit.all() else None
+            for lat, lon, hit, own in zip(*seen, poses.lon_deg.tolist())
+        ]
 
     def text(self) -> Message:
         """What is flown over, in words."""

@@ -63,8 +63,10 @@ class HeightsLine(WordsLine):
         """Titles and names of sources."""
         project = QgsProject.instance()
         found = []
-        provider = project.elevationProperties().terrainProvider()
-        terrain = provider.layer() if provider is not None and hasattr(provider, "layer") else None
+        # Projects have a terrain since QGIS 3.26, of one height or of a layer.
+        properties = getattr(project, "elevationProperties", None)
+        provider = None if properties is None else properties().terrainProvider()
+        terrain = provider.layer() if hasattr(provider, "layer") else None
         if isinstance(terrain, QgsRasterLayer) and _file_of(terrain):
             found.append(
                 (tr("Terrain of the project ({name})").format(name=terrain.name()), _file_of(terrain))

@@ -1,0 +1,133 @@
+"""Missions over relief in the real application: a layer of heights is chosen, the flight previewed and captured."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import replace
+
+import numpy as np
+import pyproj
+import pytest
+from osgeo import gdal
+from qgis.core import QgsProject, QgsRasterLayer
+from qgis.PyQt.QtWidgets import QToolButton
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
+
+from tests.plugin.test_capture import capture, images
+from tests.plugin.test_own_crs import UTM, draw, middle_of
+from tests.support import rasters
+
+SIDE, CELL = 500, 2.0
+
+
+def ridge(x, y):
+    """Heights by metres from the middle: a ridge of 40 m from north to south."""
+    return 100.0 + 40.0 * np.exp(-((x / 60.0) ** 2)) + 0.0 * y
+
+
+@pytest.fixture
+def dem(tmp_path):
+    """A layer of heights about the place, in the project."""
+    middle_x, middle_y = middle_of(UTM)
+    west, north = middle_x - SIDE * CELL / 2.0, middle_y + SIDE * CELL / 2.0
+    offset = (np.arange(SIDE) + 0.5) * CELL - SIDE * CELL / 2.0
+    x, y = np.meshgrid(offset, -offset)
+    folder = tmp_path / "heights of the ground"
+    folder.mkdir()
+    path = rasters.write(
+        folder / "ridge.tif",
+        ridge(x, y)[np.newaxis],
+        (west, CELL, 0.0, north, 0.0, -CELL),
+        UTM[0],
+        data_type=gdal.GDT_Float32,
+    )
+    layer = QgsRasterLayer(str(path), "Ridge", "gdal")
+    assert layer.isValid()
+    return QgsProject.instance().addMapLayer(layer)
+
+
+def choose(desk, title):
+    """Choose a source of heights by its button, as the mouse does."""
+    section = desk.form.relief
+    section.unfold()
+    button = section.findChild(QToolButton, "elevation_choose")
+    menu = button.menu()
+    menu.aboutToShow.emit()
+    (action,) = [action for action in menu.actions() if action.text() == title]
+    action.trigger()
+
+
+def set_up(desk, **values):
+    asked = {"source": "world", "folder": str(desk.folder), "agl": 90.0, "overlap_along": 0.3, **values}
+    desk.form.set_state(replace(desk.session.state(), **asked))
+
+
+def test_a_layer_of_heights_is_flown_over(desk, dem):
+    set_up(desk, tilt_deg=25.0, image_px=160, products=("depth",))
+    choose(desk, "Ridge")
+    assert desk.session.state().elevation == (dem.source(),)
+    planned = draw(desk, UTM, 100.0)
+    made = planned.plan
+    assert planned.mission.terrain.elevation == (dem.source(),)
+    assert made.relief is not None
+    x, y = pyproj.Transformer.from_crs(4326, UTM[0], always_xy=True).transform(made.lon_deg, made.lat_deg)
+    middle_x, middle_y = middle_of(UTM)
+    assert made.ground_m == pytest.approx(ridge(x - middle_x, y - middle_y), abs=0.1)
+    assert made.agl_m == pytest.approx(90.0)
+
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    drawn = {one["name"]: one.geometry() for one in desk.layer("Planned images").getFeatures()}
+    assert set(drawn) == set(made.names)
+    # Footprints bend over the ridge: they are no trapezia any more.
+    ring = next(iter(drawn.values())).vertices()
+    assert sum(1 for _ in ring) > 8
+
+    capture(desk)
+    assert len(images(desk)) == len(made)
+    with next(desk.folder.rglob("meta_data.csv")).open(newline="") as file:
+        heights = [float(row["height_m"]) for row in csv.DictReader(file)]
+    assert heights == pytest.approx(made.height_m)
+    assert len(list(desk.folder.rglob("depth/*.tif"))) == len(made)
+    # What is captured is what the core captures.
+    again = plan(planned.mission, made.grid, heights_of(planned.mission))
+    assert again.names == made.names
+
+
+def test_sources_are_typed_and_cleared(desk, dem):
+    set_up(desk)
+    line = desk.form.relief.entries["elevation"]
+    line.setText(f"{dem.source()}; 12.5")
+    assert desk.session.state().elevation == (dem.source(), "12.5")
+    choose(desk, "Level ground")
+    assert desk.session.state().elevation == ()
+    choose(desk, "Synthetic landscape (offline)")
+    assert desk.session.state().elevation == ("world",)
+    set_up(desk, elevation=(dem.source(), "terrarium"))
+    assert line.text() == f"{dem.source()}; terrarium"
+
+
+def test_a_hole_below_the_flight_is_said_at_the_entry(desk, dem):
+    set_up(desk, elevation=(dem.source(),))
+    desk.enter_box("35.20", "-89.80", "35.199", "-89.799")
+    desk.wait(lambda: bool(desk.message("elevation") or desk.dock.problem.text()))
+    assert "no height at latitude 35.199" in desk.message("elevation")
+    assert "“Elevation”" in desk.message("elevation")
+    assert "--" not in desk.message("elevation")
+
+
+def test_missions_over_relief_come_back_from_their_files(desk, dem, tmp_path):
+    set_up(
+        desk,
+        elevation=(dem.source(),),
+        height_above="takeoff",
+        clearance_m=5.0,
+        products=("depth", "normals"),
+    )
+    planned = draw(desk, UTM, 60.0)
+    planned.mission.save(tmp_path / "mission.json")
+    assert Mission.load(tmp_path / "mission.json") == planned.mission
+    assert planned.mission.terrain.height_above == "takeoff"
+    assert planned.mission.output.products == ("depth", "normals")
