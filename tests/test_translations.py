@@ -220,7 +220,7 @@ def test_the_spanish_guide_names_things_as_the_plugin_does(translations):
         "TerrAInav|Ver|Paneles|Controlador temporal|Opciones…|Configuración|Atajos de teclado…|Estilos|"
         "Mensajes del registro|Proyecto|Nuevo".split("|")
     )
-    of_the_guide = {"N", "Esc", "+", "Claves", "Fechas"}
+    of_the_guide = {"N", "Esc", "+", "…", "Claves", "Fechas"}
     page = (ROOT / "docs" / "guide.es.md").read_text(encoding="utf-8")
     pressed = {
         part.strip()
