@@ -25,6 +25,8 @@ _FITTED, _MARGIN = 6, 1.05
 _ROWS = 32
 #: Levels of blocks in which rays may fall to the ground, and turns of Newton's method that find where.
 _STEEP_LEVELS, _TURNS = 8, 3
+#: Share of what points may be off by that Newton's method leaves.
+_SETTLED = 0.05
 #: Steps along a ray at most: rays that graze a surface without end are given up, which is said.
 _MOST_STEPS = 1 << 14
 #: Cells gone through one by one before blocks are tried again.
@@ -141,6 +143,11 @@ class Surface:
         return float(np.nanmin(self.heights_m))
 
     @cached_property
+    def highest_m(self) -> float:
+        """Greatest height."""
+        return float(np.nanmax(self.heights_m))
+
+    @cached_property
     def _tops(self) -> _Pyramid:
         h = np.where(np.isnan(self.heights_m), -np.inf, self.heights_m)
         return _Pyramid.of(np.maximum(np.maximum(h[:-1, :-1], h[:-1, 1:]), np.maximum(h[1:, :-1], h[1:, 1:])))
@@ -164,7 +171,7 @@ class Surface:
         i = np.clip(np.where(inside, row, 0.0).astype(np.int64), 0, rows - 1)
         j = np.clip(np.where(inside, column, 0.0).astype(np.int64), 0, columns - 1)
         x, y = column - j, row - i
-        a, b, c, d = self.corners_m[i * columns + j].T
+        a, b, c, d = self.corners_m.take(i * columns + j, axis=0).T
         return np.where(inside, a + b * x + c * y + d * x * y, np.nan)
 
     def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
@@ -172,7 +179,7 @@ class Surface:
         rows, columns = self.cells
         i = np.clip(row.astype(np.int64), 0, rows - 1)
         j = np.clip(column.astype(np.int64), 0, columns - 1)
-        _, b, c, d = self.corners_m[i * columns + j].T
+        _, b, c, d = self.corners_m.take(i * columns + j, axis=0).T
         return b + d * (row - i), c + d * (column - j)
 
     def first_hits(self, paths: Paths, rays_enu: Floats, after: Floats, farthest: Floats) -> Hits:
@@ -263,12 +270,7 @@ class Surface:
             for at in np.meshgrid(*(np.linspace(0.0, side, _FITTED) for side in (rays.width, rays.height)))
         )
         directions = rays.at(x, y)
-        rows, columns = self.cells
-        corner_lat, corner_lon = self.places(
-            np.array([0.0, columns, 0.0, columns]), np.array([0.0, 0.0, rows, rows])
-        )
-        corners = sight_lines(np.array(lat_deg), np.array(height_m), corner_lat, corner_lon - lon_deg)
-        away = float(np.hypot(corners[:, 0], corners[:, 1]).max())
+        away = self.away_m(lat_deg, lon_deg, height_m)
         with np.errstate(divide="ignore"):
             down = np.where(directions[:, 2] < 0.0, (height_m - self.lowest_m) / -directions[:, 2], np.inf)
         farthest = _MARGIN * np.minimum(down, away / np.maximum(np.hypot(*directions[:, :2].T), _SLOWEST))
@@ -282,6 +284,13 @@ class Surface:
         found, off = fitted(lat_deg, height_m, directions, farthest, coordinates, tolerances)
         return found, float(farthest.max()), tolerance_px * float((off / tolerances).sum()) / 3.0
 
+    def away_m(self, lat_deg: float, lon_deg: float, height_m: float) -> float:
+        """Level distance of its farthest corner from a camera."""
+        rows, columns = self.cells
+        lat, lon = self.places(np.array([0.0, columns, 0.0, columns]), np.array([0.0, 0.0, rows, rows]))
+        corners = sight_lines(np.array(lat_deg), np.array(height_m), lat, lon - lon_deg)
+        return float(np.hypot(corners[:, 0], corners[:, 1]).max())
+
     def places(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Latitudes and longitudes of columns and rows (any shape)."""
         world = self.grid.world_px(self.zoom)
@@ -290,25 +299,32 @@ class Surface:
         )
 
     def image_hits(
-        self, paths: Paths, rays: PixelRays, after: float, farthest: float, tolerance_px: float
+        self, paths: Paths, rays: PixelRays, after: Floats, farthest: float, tolerance_px: float
     ) -> Hits:
         """First points that the rays of the pixels' centres of an image meet, (height, width) each.
 
         Pixels are followed in bundles, each from where the larger one that holds it has surely met nothing. Where rays
-        fall more steeply than the ground around them does, there is one point to be found, by Newton's method;
-        elsewhere each ray goes on from cell to cell.
+        fall more steeply than the ground around them does, there is one point to be found: where the bundle's middle
+        ray meets the ground, its tangent plane tells where the others do, and Newton's method what that is off by.
+        Elsewhere each ray goes on from cell to cell.
 
         Parameters
         ----------
         paths : Paths
             Of column, row and height.
-        after, farthest : float
-            t between which points count.
+        after : array (height, width)
+            t from which points count; infinite for pixels that are not asked for.
+        farthest : float
+            t up to which they do.
         tolerance_px : float
             What points may be off by, along the ray, in pixels of the image.
         """
         forms = rays.forms(paths)
-        t = np.full((1, 1), after)
+        least, finer = [after], 1
+        for side in _BUNDLES_PX[::-1]:
+            least.append(_least(least[-1], side // finer))
+            finer = side
+        t, larger = least.pop(), _BUNDLES_PX[0]
         for side in _BUNDLES_PX:
             x, y = (_edges(length, side) for length in (rays.width, rays.height))
             middle = _on_grid(forms, (x[:-1] + x[1:]) / 2.0, (y[:-1] + y[1:]) / 2.0)
@@ -324,15 +340,19 @@ class Surface:
             )  # fmt: skip
             spread = _ROUNDING * np.stack([spread[:, :2].max(axis=1), spread[:, 2]], axis=1)
             flat, pairs = (len(forms), 3, -1), (len(forms), 2, -1)
-            begin = _finer(t, middle.shape[2:]).ravel()
-            ends = np.full(len(begin), farthest)
-            clear, there = self.clear(
-                paths.start, middle.reshape(flat), begin, ends, spread.reshape(pairs), 0
+            begin = (
+                t if side == larger else np.maximum(least.pop(), _finer(t, middle.shape[2:], larger // side))
             )
-            t = np.where(there, clear, np.inf).reshape(middle.shape[2:])
+            ends = np.full(begin.size, farthest)
+            clear, there = self.clear(
+                paths.start, middle.reshape(flat), begin.ravel(), ends, spread.reshape(pairs), 0
+            )
+            t, larger = np.where(there, clear, np.inf).reshape(middle.shape[2:]), side
+            if np.isinf(t).all():
+                return Hits(*(np.full(after.shape, np.nan) for _ in range(3)))
         falls = self._falling(paths.start, middle.reshape(flat), spread.reshape(pairs), t.ravel(), farthest)
         falling = [one.reshape(t.shape) for one in falls]
-        return self._pixels(paths.start, forms, rays, t, falling, farthest, tolerance_px)
+        return self._pixels(paths.start, forms, rays, (after, t, *falling), farthest, tolerance_px)
 
     def _falling(
         self, start: Floats, middle: Floats, spread: Floats, after: Floats, farthest: float
@@ -367,63 +387,109 @@ class Surface:
         start: Floats,
         forms: list[Floats],
         rays: PixelRays,
-        t: Floats,
-        falling: list[Floats],
+        bundles: tuple[Floats, ...],
         farthest: float,
         tolerance_px: float,
     ) -> Hits:
         """First points of pixels, of bundles that are clear up to t; infinite where they meet nothing."""
+        after, t, falls, reach = bundles
         side = _BUNDLES_PX[-1]
         found = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
-        pixel = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
+        close = tolerance_px * min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         x_px = np.arange(rays.width) + 0.5
         for top in range(0, rays.height, _ROWS):
             bottom = min(top + _ROWS, rays.height)
             part = slice(top // side, -(-bottom // side))
-            lines = (bottom - top, rays.width)
-            coefficients = _on_grid(forms, x_px, np.arange(top, bottom) + 0.5)
-            first, falls, reach = (
-                values[part].repeat(side, axis=0).repeat(side, axis=1)[: lines[0], : lines[1]]
-                for values in (t, *falling)
+            if not np.isfinite(t[part]).any():
+                continue
+            y_px = np.arange(top, bottom) + 0.5
+            coefficients = _on_grid(forms, x_px, y_px)
+            shape = coefficients.shape[2:]
+            coefficients = coefficients.reshape(len(forms), 3, -1)
+            within = _SETTLED * close * falls[part]
+            guess = self._guessed(start, forms, (x_px, y_px), (t[part], within))
+            first, within, until = (
+                _finer(one, shape, side).ravel() for one in (t[part], within, reach[part])
             )
-            open_ = np.isfinite(first)
-            at, off = self._newton(start, coefficients, np.where(open_ & (falls > 0.0), first, 1.0))
-            column, row = along(start[:2, np.newaxis], coefficients[:, :2], at)
-            rows, columns = self.cells
-            good = open_ & (np.abs(off) <= pixel * falls * at)
-            good &= (column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows) & (at <= reach)
-            for values, new in zip(found, (at, column, row)):
-                np.copyto(values[top:bottom], new, where=good)
-            rest = np.flatnonzero(open_ & ~good)
-            if len(rest):
-                own = coefficients.reshape(len(forms), 3, -1)[:, :, rest]
-                exact = self._exact(start, own, first.ravel()[rest], np.full(len(rest), farthest))
-                for values, new in zip(found, exact):
-                    values[top:bottom].ravel()[rest] = new
+            first = np.maximum(first, after[top:bottom].ravel())
+            rest = np.isfinite(first)
+            some = np.flatnonzero(rest & (within > 0.0))
+            hits = self._newton(
+                start,
+                coefficients.take(some, axis=2),
+                np.fmax(guess.ravel()[some], first[some]),
+                within[some],
+            )
+            good = np.flatnonzero((hits.t >= first[some]) & (hits.t <= until[some]))
+            some = some[good]
+            whole = [values[top:bottom].reshape(-1) for values in found]
+            for values, new in zip(whole, hits):
+                values[some] = new.take(good)
+            rest[some] = False
+            own = np.flatnonzero(rest)
+            if len(own):
+                ends = np.full(len(own), farthest)
+                exact = self._exact(start, coefficients.take(own, axis=2), first[own], ends)
+                for values, new in zip(whole, exact):
+                    values[own] = new
         return found
 
-    def _newton(self, start: Floats, coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
-        """Values of t (rows, columns) where rays meet the cells below them, and metres by which they are off."""
+    def _guessed(
+        self,
+        start: Floats,
+        forms: list[Floats],
+        px: tuple[Floats, Floats],
+        bundles: tuple[Floats, Floats],
+    ) -> Floats:
+        """Values of t where rays at x and y meet the plane of the ground that their bundles' middle rays meet."""
+        t, within = bundles
+        side, shape = _BUNDLES_PX[-1], (len(px[1]), len(px[0]))
+        middles = [np.minimum(at[::side] + (side - 1) / 2.0, at[-1]) for at in px]
+        some = np.flatnonzero(np.isfinite(t) & (within > 0.0))
+        coefficients = _on_grid(forms, *middles).reshape(len(forms), 3, -1).take(some, axis=2)
+        met = self._newton(start, coefficients, t.ravel()[some], within.ravel()[some])
+        with np.errstate(invalid="ignore"):
+            across, down = self.slopes(met.column, met.row)
+        fall = [_slope(coefficients[:, axis], met.t) for axis in range(3)]
+        rises = (fall, forms[0][:, 0, 1], forms[0][:, 1, 0])
+        facing, *turns = (rise[2] - across * rise[0] - down * rise[1] for rise in rises)
+        values = np.full((3, t.size), np.nan)
+        values[:, some] = met.t, turns[0] / facing, turns[1] / facing
+        met_t, by_x, by_y = (_finer(one.reshape(t.shape), shape, side) for one in values)
+        off_x, off_y = (at - middle.repeat(side)[: len(at)] for at, middle in zip(px, middles))
+        guess: Floats = met_t / (1.0 + by_x * off_x + by_y * off_y[:, np.newaxis])
+        return guess
+
+    def _newton(self, start: Floats, coefficients: Floats, t: Floats, within: Floats) -> Hits:
+        """Points (n,) near t where rays meet the ground, off by metres of height for t at most; NaN if not found."""
         rows, columns = self.cells
-        off = t
+        found = Hits(*(np.full(len(t), np.nan) for _ in range(3)))
+        index = np.arange(len(t))
         for turn in range(_TURNS + 1):
-            x, y, h = along(start[:, np.newaxis], coefficients, t)
-            j = np.minimum(np.maximum(x, 0.0), columns - 1.0).astype(np.int32)
-            i = np.minimum(np.maximum(y, 0.0), rows - 1.0).astype(np.int32)
-            corners = self.corners_m[i * np.int32(columns) + j]
-            x -= j
-            y -= i
-            across = corners[..., 1] + corners[..., 3] * y
-            off = h - (corners[..., 0] + across * x + corners[..., 2] * y)
-            if turn == _TURNS:
-                break
-            down = corners[..., 2] + corners[..., 3] * x
-            per_x, per_y, per_h = (_slope(coefficients[:, axis], t) for axis in range(3))
+            x, y, h = along(start, coefficients, t)
             with np.errstate(divide="ignore", invalid="ignore"):
+                j = np.minimum(np.maximum(x, 0.0), columns - 1.0).astype(np.int32)
+                i = np.minimum(np.maximum(y, 0.0), rows - 1.0).astype(np.int32)
+                a, b, c, d = self.corners_m.take(i * np.int32(columns) + j, axis=0).T
+                u, v = x - j, y - i
+                across = b + d * v
+                off = h - (a + across * u + c * v)
+                good = np.abs(off) <= within * t
+                inside = (x >= 0.0) & (x <= columns) & (y >= 0.0) & (y <= rows)
+            at = np.flatnonzero(good & inside)
+            for whole, part in zip(found, (t, x, y)):
+                whole[index.take(at)] = part.take(at)
+            if turn == _TURNS or good.all():
+                break
+            left = np.flatnonzero(~good)
+            index, within, t, off, across, down = _only(left, index, within, t, off, across, c + d * u)
+            coefficients = coefficients.take(left, axis=2)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                per_x, per_y, per_h = (_slope(coefficients[:, axis], t) for axis in range(3))
                 step = off / (per_h - across * per_x - down * per_y)
-            # Holes, and rays along the ground, lead nowhere.
-            t = np.where(np.abs(step) <= t, t - step, t)
-        return t, off
+                # Holes, and rays along the ground, lead nowhere.
+                t = np.where(np.abs(step) <= t, t - step, t)
+        return found
 
     def clear(
         self,
@@ -456,9 +522,9 @@ class Surface:
         tops = self._tops
         t_found, there = np.array(after, np.float64), np.zeros(len(after), bool)
         index = np.flatnonzero(after <= farthest)
-        t, end, c = t_found[index], farthest[index], coefficients[:, :, index]
+        t, end, c = t_found.take(index), farthest.take(index), coefficients.take(index, axis=2)
         start = _of_rays(start, index)
-        s = None if spread is None else spread[:, :, index]
+        s = None if spread is None else spread.take(index, axis=2)
         level = np.full(len(index), tops.levels - 1)
         for _ in range(_MOST_STEPS):
             if not len(index):
@@ -493,11 +559,11 @@ class Surface:
             level = np.where(free, np.minimum(level + 1, tops.levels - 1), np.maximum(level - 1, least_level))
             done = stuck | gone
             if done.any():
-                t_found[index[done]], there[index[done]] = t[done], stuck[done]
-                keep = ~done
-                index, t, end, level, c = index[keep], t[keep], end[keep], level[keep], c[:, :, keep]
-                start = _of_rays(start, keep)
-                s = None if s is None else s[:, :, keep]
+                at, keep = np.flatnonzero(done), np.flatnonzero(~done)
+                t_found[index.take(at)], there[index.take(at)] = t.take(at), stuck.take(at)
+                index, t, end, level = _only(keep, index, t, end, level)
+                start, c = _of_rays(start, keep), c.take(keep, axis=2)
+                s = None if s is None else s.take(keep, axis=2)
         t_found[index], there[index] = t, True
         return t_found, there
 
@@ -521,8 +587,9 @@ class Surface:
         for count in range(_MOST_STEPS):
             if count % _STEPS_AT_ONCE == _STEPS_AT_ONCE - 1:
                 t, there = self.clear(start, c, t, end, None, 0)
-                index, t, end, c = index[there], t[there], end[there], c[:, :, there]
-                start = _of_rays(start, there)
+                left = np.flatnonzero(there)
+                index, t, end = _only(left, index, t, end)
+                start, c = _of_rays(start, left), c.take(left, axis=2)
                 fresh = True
             else:
                 fresh = count == 0
@@ -541,24 +608,30 @@ class Surface:
                 to_x = np.where(per_x != 0.0, (j + (per_x > 0.0) - x) / per_x, np.inf)
                 to_y = np.where(per_y != 0.0, (i + (per_y > 0.0) - y) / per_y, np.inf)
             across = to_x <= to_y
-            t_next = np.minimum(t + np.maximum(np.where(across, to_x, to_y), 0.0), end)
+            t_next = np.minimum(t + np.maximum(np.minimum(to_x, to_y), 0.0), end)
             x_next, y_next, h_next = along(start, c, t_next)
             inside = (j >= 0) & (j < columns) & (i >= 0) & (i < rows)
             cell = np.where(inside, i * columns + j, 0)
-            u, v, u_next, v_next = (np.clip(at, 0.0, 1.0) for at in (x - j, y - i, x_next - j, y_next - i))
-            share = _first_share(self.corners_m[cell], u, v, h, u_next, v_next, h_next)
-            hit, under = inside & (share <= 1.0), inside & np.isnan(share)
-            if hit.any():
-                part = share[hit]
-                found.t[index[hit]] = t[hit] + part * (t_next - t)[hit]
-                found.column[index[hit]] = np.clip(x[hit] + part * (x_next - x)[hit], j[hit], j[hit] + 1)
-                found.row[index[hit]] = np.clip(y[hit] + part * (y_next - y)[hit], i[hit], i[hit] + 1)
-            keep = ~hit & ~under & (t_next < end) & ~self._leaves(x, y, per_x, per_y, 0.0)
-            j = np.where(across, j + np.sign(per_x).astype(np.int64), j)[keep]
-            i = np.where(across, i, i + np.sign(per_y).astype(np.int64))[keep]
-            index, t, end, c = index[keep], t_next[keep], end[keep], c[:, :, keep]
-            start = _of_rays(start, keep)
-            x, y, h = x_next[keep], y_next[keep], h_next[keep]
+            u, v, u_next, v_next = (
+                np.minimum(np.maximum(at, 0.0), 1.0) for at in (x - j, y - i, x_next - j, y_next - i)
+            )
+            share = _first_share(self.corners_m.take(cell, axis=0), u, v, h, u_next, v_next, h_next)
+            hit = np.flatnonzero(inside & (share <= 1.0))
+            part, ray = share.take(hit), index.take(hit)
+            for whole, one, one_next in zip(found, (t, x, y), (t_next, x_next, y_next)):
+                begin = one.take(hit)
+                whole[ray] = begin + part * (one_next.take(hit) - begin)
+            # Neither met nor, from the start, beneath.
+            keep = np.flatnonzero(
+                ((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y, 0.0)
+            )
+            j += across * np.sign(per_x).astype(np.int64)
+            i += ~across * np.sign(per_y).astype(np.int64)
+            index, t, end, x, y, h, j, i = _only(keep, index, t_next, end, x_next, y_next, h_next, j, i)
+            start, c = _of_rays(start, keep), c.take(keep, axis=2)
+        # Rounding leads rays that meet the surface's outermost edge beyond it.
+        for values, most in ((found.column, columns), (found.row, rows)):
+            np.clip(values, 0, most, out=values)
         return found
 
 
@@ -586,9 +659,14 @@ def _first_share(
         return np.where(above < -_TOUCHING_M, np.nan, np.where(above <= 0.0, 0.0, share))
 
 
+def _only(which: NDArray[Any], *arrays: NDArray[Any]) -> list[Any]:
+    """Values of each array at some indices."""
+    return [values.take(which) for values in arrays]
+
+
 def _of_rays(start: Floats, which: NDArray[Any]) -> Floats:
     """Starts of some rays: one for all, or (c, n) of each its own."""
-    return start if start.ndim == 1 else start[:, which]
+    return start if start.ndim == 1 else start.take(which, axis=1)
 
 
 def _speed(coefficients: Floats, t: Floats) -> tuple[Floats, Floats]:
@@ -606,12 +684,16 @@ def _edges(length: int, side: int) -> Floats:
     return np.append(np.arange(0, length, side), length).astype(np.float64)
 
 
-def _finer(values: Floats, shape: tuple[int, ...]) -> Floats:
-    """Values of larger bundles for each of the smaller ones in them."""
-    if values.size == 1:
-        return np.broadcast_to(values, shape)
-    step = _BUNDLES_PX[0] // _BUNDLES_PX[1]
+def _finer(values: Floats, shape: tuple[int, ...], step: int) -> Floats:
+    """Values of larger bundles for each of the smaller ones in them, of which there are so many."""
     return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
+
+
+def _least(values: Floats, side: int) -> Floats:
+    """Least values of each bundle of pixels."""
+    rows, columns = (np.arange(0, length, side) for length in values.shape)
+    least: Floats = np.minimum.reduceat(np.minimum.reduceat(values, rows, axis=0), columns, axis=1)
+    return least
 
 
 def _polynomial(factors: Floats, t: Floats) -> Floats:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .accuracy import Scene
 from .ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from .mercator import PixelGrid, wrap_lon_deg
+from .paths import Paths
 from .relief import Hits, PixelRays, Surface
 from .view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_offsets
 
@@ -30,6 +31,8 @@ _FARTHEST_M, _HIGHEST_M = 700_000.0, 9_000.0
 _BULGE = 1.03
 #: Share by which rays are followed farther than they need, and a length that is divided by at least.
 _MARGIN, _LEAST = 1.01, 1e-12
+#: Share of the Earth's curvature that there is everywhere, and metres for what is left out.
+_CURVED, _CURVED_M = 0.98, 1.0
 #: Points along each edge of an image whose rays tell what ground it sees.
 _ALONG_EDGE = 9
 #: Faces steeper than this, metres of height per metre, are not seen from above: no map has their colours.
@@ -135,25 +138,49 @@ class Tracing:
         """What rays meet on surfaces from near to far; those behind have the pixels that meet nothing before."""
         rays, (lat, lon) = self.rays, self.place
         found: list[_Seen] = []
+        unmet, after = np.ones((rays.height, rays.width), bool), np.zeros((rays.height, rays.width))
         for surface, begin_m, _ in self._surfaces():
             if not np.isfinite(surface.heights_m).any():
                 continue
+            if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
+                # The relief ends before.
+                continue
+            if begin_m > 0.0:
+                after = np.where(unmet, begin_m / self._ways[0], np.inf)
             paths, farthest, _ = surface.paths(lat, lon, self.height_m, rays, self.tolerance_px / 2.0)
-            if not found:
-                hits = surface.image_hits(paths, rays, 0.0, farthest, self.tolerance_px / 2.0)
-            else:
-                row, column = np.nonzero(np.isnan(np.fmax.reduce([one.hits.t for one in found])))
-                if not len(row):
-                    break
-                directions = rays.at(column + 0.5, row + 0.5)
-                after = begin_m / np.maximum(np.hypot(directions[:, 0], directions[:, 1]), _LEAST)
-                met = surface.first_hits(paths, directions, after, np.full(len(row), farthest))
-                met = _or_below(surface, met, after, paths.at(directions, after))
-                hits = Hits(*(np.full((rays.height, rays.width), np.nan) for _ in range(3)))
-                for whole, values in zip(hits, met):
-                    whole[row, column] = values
+            hits = surface.image_hits(paths, rays, after, farthest, self.tolerance_px / 2.0)
+            if begin_m > 0.0:
+                self._begin_below(surface, paths, after, hits)
+            unmet &= np.isnan(hits.t)
             found.append(_Seen(surface, hits, paths.forms[0][:2, :2]))
+            if not unmet.any():
+                break
         return found
+
+    @cached_property
+    def _ways(self) -> tuple[Floats, Floats]:
+        """Level and upward parts of the pixels' rays, (height, width)."""
+        x, y = np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5
+        east, north, up = (
+            origin + x * per_x + y[:, np.newaxis] * per_y
+            for origin, per_x, per_y in zip(self.rays.origin, self.rays.per_x, self.rays.per_y)
+        )
+        return np.maximum(np.hypot(east, north), _LEAST), up
+
+    def _begin_below(self, surface: Surface, paths: Paths, after: Floats, hits: Hits) -> None:
+        """Let rays that begin below a surface, as coarser ones may be higher than those before, meet it there."""
+        level, up = self._ways
+        with np.errstate(invalid="ignore"):
+            # The Earth falls away by the square of the way, over its radius twice, within some percent.
+            height = self.height_m + after * (up + _CURVED * after * level**2 / (2.0 * WGS84.a_m))
+            row, column = np.nonzero(
+                np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + _CURVED_M)
+            )
+            t = after[row, column]
+            at_column, at_row, height = paths.at(self.rays.at(column + 0.5, row + 0.5), t)
+            below = surface.heights(at_column, at_row) >= height
+        for whole, part in zip(hits, (t, at_column, at_row)):
+            whole[row[below], column[below]] = part[below]
 
     def _surfaces(self) -> Iterator[tuple[Surface, float, float]]:
         """Surfaces, from near to far, and the level distances from the camera between which each counts.
@@ -310,17 +337,6 @@ class Tracing:
             )
             found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
         return found
-
-
-def _or_below(surface: Surface, met: Hits, after: Floats, start: Floats) -> Hits:
-    """Hits (n,), and where rays begin below a surface, as coarser ones may be higher than those before, that place.
-
-    ``start`` (3, n) are columns, rows and heights where rays begin.
-    """
-    column, row, height = start
-    with np.errstate(invalid="ignore"):
-        below = np.isnan(met.t) & (surface.heights(column, row) >= height)
-    return Hits(*(np.where(below, begun, one) for begun, one in zip((after, column, row), met)))
 
 
 class _Seen(NamedTuple):
