@@ -2,6 +2,7 @@
 
     python benchmarks/relief.py                       # times, over hills and over the embedded world's houses
     python benchmarks/relief.py --dsm dsm.tif         # over a surface of your own, too
+    python benchmarks/relief.py --scenes 10000        # rays of random scenes beside a march through space, in PROJ
     python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
 
 A march goes along each ray in steps of half a cell until it is below the surface: it is what most simulators do, and
@@ -12,11 +13,14 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
@@ -150,6 +154,16 @@ def measure(name: str, relief: Relief, lat: float, lon: float) -> None:
             )
 
 
+def scenes(count: int) -> None:
+    """Print how many rays of random scenes are off the surface, or pass by ground."""
+    from tests.core.geodesy.test_relief import random_scene
+
+    rays, off, before = np.sum([random_scene(seed) for seed in range(count)], axis=0)
+    print(
+        f"{count} scenes, {rays} rays: {off} off the surface by more than the bound, {before} passed by ground"
+    )
+
+
 def shot(
     source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: float, at: tuple[float, float]
 ):
@@ -227,7 +241,11 @@ def main() -> None:
     )
     parser.add_argument("--dsm", help="a surface in a projected CRS")
     parser.add_argument("--pictures", type=Path, help="folder to make the page's pictures in")
+    parser.add_argument("--scenes", type=int, help="random scenes to look at")
     asked = parser.parse_args()
+    if asked.scenes:
+        scenes(asked.scenes)
+        return
     if asked.pictures:
         draw_pages(asked.pictures, asked.dsm)
         return

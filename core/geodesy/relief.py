@@ -534,9 +534,10 @@ class Surface:
             # Within the width of a block, in whatever direction, no ray leaves the blocks around.
             size = np.ldexp(1.0, level)
             per_t = np.maximum(np.abs(per_x), np.abs(per_y))
-            wide, deep = np.zeros(1), np.zeros(1)
+            wide, widens, deep = np.zeros(1), np.zeros(1), np.zeros(1)
             if s is not None:
-                wide, per_t = _polynomial(s[:, 0], t), per_t + _slope(s[:, 0], t)
+                wide, widens = _polynomial(s[:, 0], t), _slope(s[:, 0], t)
+                per_t = per_t + widens
             # Blocks that are not much wider than the bundle hold it back at every step.
             roomy = wide <= 0.5 * size
             step = np.where(roomy, size - wide, 0.0) / (_SPEEDING * np.maximum(per_t, _SLOWEST))
@@ -552,7 +553,7 @@ class Surface:
             stuck = ~free & ((level <= least_level) | ~roomy)
             gone = ~stuck & (
                 (ahead >= end) & free
-                | self._leaves(x, y, per_x, per_y, wide)
+                | self._leaves(x, y, per_x, per_y, wide, widens)
                 | (h + deep < self.lowest_m - _TOUCHING_M)
             )
             t = np.where(free, ahead, np.where(partly, reach, t))
@@ -567,14 +568,22 @@ class Surface:
         t_found[index], there[index] = t, True
         return t_found, there
 
-    def _leaves(self, x: Floats, y: Floats, per_x: Floats, per_y: Floats, wide: Floats | float) -> Bools:
-        """Which bundles are beside the surface and go away from it."""
+    def _leaves(
+        self,
+        x: Floats,
+        y: Floats,
+        per_x: Floats,
+        per_y: Floats,
+        wide: Floats | float = 0.0,
+        widens: Floats | float = 0.0,
+    ) -> Bools:
+        """Which rays, or bundles that are so wide and widen so fast, are beside the surface and go away from it."""
         rows, columns = self.cells
         beside: Bools = (
-            ((x + wide < 0.0) & (per_x <= 0.0))
-            | ((x - wide > columns) & (per_x >= 0.0))
-            | ((y + wide < 0.0) & (per_y <= 0.0))
-            | ((y - wide > rows) & (per_y >= 0.0))
+            ((x + wide < 0.0) & (per_x + widens <= 0.0))
+            | ((x - wide > columns) & (per_x - widens >= 0.0))
+            | ((y + wide < 0.0) & (per_y + widens <= 0.0))
+            | ((y - wide > rows) & (per_y - widens >= 0.0))
         )
         return beside
 
@@ -623,7 +632,7 @@ class Surface:
                 whole[ray] = begin + part * (one_next.take(hit) - begin)
             # Neither met nor, from the start, beneath.
             keep = np.flatnonzero(
-                ((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y, 0.0)
+                ((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y)
             )
             j += across * np.sign(per_x).astype(np.int64)
             i += ~across * np.sign(per_y).astype(np.int64)

@@ -202,6 +202,58 @@ def test_images_over_the_earth_meet_the_relief_where_a_march_through_space_does(
     assert not from_above.any()
 
 
+def random_scene(seed, count=24):
+    """Rays looked at in a random scene, those whose point is off the surface, and those with ground before theirs."""
+    rng = np.random.default_rng(seed)
+    crs, lat, lon = PLACES[rng.integers(len(PLACES))]
+    z = 400.0 + rng.uniform(0.2, 3.0) * heights(rng.choice(list(KINDS)), *rng.integers(2, SIDE, 2))
+    surface = surface_about(crs, lat, lon, z)
+    agl, tilt = 50.0 * 60.0 ** rng.random(), rng.uniform(0.0, 85.0)
+    away = rng.uniform(-1.0, 1.0, 2) * (max(z.shape) * CELL + agl * min(np.tan(np.radians(tilt)), 2.0)) / 2.0
+    camera_lat = lat + (away[0] if lat > -89.0 else abs(away[0])) / 111e3
+    camera_lon = lon + away[1] / 111e3 / max(np.cos(np.radians(camera_lat)), 0.01)
+    height = float(np.nanmax(z)) + agl
+    rays = image_rays(rng.uniform(0.0, 360.0), tilt, rng.uniform(-15.0, 15.0))
+    paths, farthest, _ = surface.paths(camera_lat, camera_lon, height, rays, 1e-3)
+    hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-3)
+    met = np.flatnonzero(np.isfinite(hits.t.ravel()))
+    some = rng.integers(0, WIDTH * HEIGHT, count)
+    if len(met):
+        some[: count // 2] = rng.choice(met, count // 2)
+    directions, found = centres(rays)[some], hits.t.ravel()[some]
+    there = np.isfinite(found)
+    pixel = float(np.linalg.norm(rays.per_x))
+    x, y, h = on_earth(surface, camera_lat, camera_lon, height, found[there, np.newaxis] * directions[there])
+    steep = 1.0 + max(np.nanmax(np.abs(np.diff(z, axis=axis))) for axis in (0, 1))
+    # Points on the outermost edge may lie beyond it by what they may be off by.
+    x, y = np.clip(x, 0.0, z.shape[1] - 1.0), np.clip(y, 0.0, z.shape[0] - 1.0)
+    off = ~(np.abs(bilinear(z, x, y) - h) <= 3e-3 * pixel * found[there] * steep + 1e-6)
+    # From above all relief on.
+    down = np.maximum(-directions[:, 2], 1e-9)
+    begin = np.minimum(0.98 * agl / down, farthest)[:, np.newaxis]
+    reach = np.where(there, found * (1.0 - 1e-6), np.minimum(farthest, 2.0 * (agl + 100.0) / down))[
+        :, np.newaxis
+    ]
+    t = begin + np.linspace(0.0, 1.0, 1500) * np.maximum(reach - begin, 0.0)
+    x, y, h = on_earth(
+        surface, camera_lat, camera_lon, height, t[..., np.newaxis] * directions[:, np.newaxis]
+    )
+    over = h - bilinear(z, x, y)
+    # Rays that come in from beneath, through the side of the model, see nothing.
+    entry = over[np.arange(count), np.argmax(np.isfinite(over), axis=1)]
+    over[entry < 0.05] = np.nan
+    before = np.isfinite(over[:, :-1]) & (over[:, :-1] > 0.01) & (over[:, 1:] < -0.01)
+    return count, int(off.sum()), int(before.any(axis=1).sum())
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(30), *(pytest.param(n, marks=pytest.mark.thorough) for n in range(30, 300))]
+)
+def test_random_scenes_are_seen_as_a_march_does(seed):
+    _, off, before = random_scene(seed)
+    assert (off, before) == (0, 0)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("tilt", [0.0, 30.0, 60.0, 80.0])
 def test_bundles_find_what_single_rays_do(kind, tilt):
