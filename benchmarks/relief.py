@@ -19,8 +19,6 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
@@ -39,6 +37,7 @@ from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import sighting
 from terrainav.core.picture.shot import draw, parts_of, shot_of
 
+ROOT = Path(__file__).resolve().parents[1]
 CAMERA, SIZE = Camera(78.8, 4.0 / 3.0), (640, 480)
 TILTS, HEIGHTS_M = (0.0, 30.0, 60.0, 85.0), (120.0, 500.0)
 REPEATS = 3
@@ -156,6 +155,7 @@ def measure(name: str, relief: Relief, lat: float, lon: float) -> None:
 
 def scenes(count: int) -> None:
     """Print how many rays of random scenes are off the surface, or pass by ground."""
+    sys.path.insert(0, str(ROOT))
     from tests.core.geodesy.test_relief import random_scene
 
     rays, off, before = np.sum([random_scene(seed) for seed in range(count)], axis=0)

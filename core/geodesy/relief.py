@@ -68,8 +68,8 @@ class PixelRays(NamedTuple):
 
     def at(self, x_px: Floats, y_px: Floats) -> Floats:
         """Rays (n, 3) of image points (n,)."""
-        rays: Floats = self.origin + x_px[:, np.newaxis] * self.per_x + y_px[:, np.newaxis] * self.per_y
-        return rays
+        parts = [o + x_px * per_x + y_px * per_y for o, per_x, per_y in zip(*self[:3])]
+        return np.stack(parts).T
 
     def forms(self, paths: Paths) -> list[Floats]:
         """Coefficients of paths as polynomials in x and y: of tᵏ an array (c, k + 1, k + 1), of powers of y and x."""
@@ -141,6 +141,11 @@ class Surface:
     def lowest_m(self) -> float:
         """Least height."""
         return float(np.nanmin(self.heights_m))
+
+    @cached_property
+    def has_holes(self) -> bool:
+        """Whether there is no ground somewhere."""
+        return bool(np.isnan(self.heights_m).any())
 
     @cached_property
     def highest_m(self) -> float:

@@ -294,21 +294,20 @@ class Tracing:
             return []
         at_column, at_row, t = (values[row, column] for values in (one.hits.column, one.hits.row, one.hits.t))
         slope_east, slope_north = one.slopes(at_column, at_row)
-        steep = np.hypot(slope_east, slope_north) > STEEP
-        rays = self.rays.at(column + 0.5, row + 0.5)
+        steep = slope_east * slope_east + slope_north * slope_north > STEEP**2
+        ray_east, ray_north, ray_up = rays = self.rays.at(column + 0.5, row + 0.5).T
         # Where the plane of the ground, n·p = const, meets the neighbours' rays.
-        with np.errstate(divide="ignore", invalid="ignore"):
-            normal = (-slope_east, -slope_north, 1.0)
-            facing = sum(part * ray for part, ray in zip(normal, rays.T))
-            facing = np.minimum(facing, -_GRAZING * np.abs(rays[:, 2]) - _LEAST)
-            steps: list[tuple[Floats, Floats]] = []
-            for per in (self.rays.per_x, self.rays.per_y):
-                ahead = np.where(steep, 0.0, sum(part * way for part, way in zip(normal, per)) / facing)
-                east, north = (t * (per[axis] - ahead * rays[:, axis]) for axis in (0, 1))
-                steps.append((east, north))
+        facing = np.minimum(
+            ray_up - slope_east * ray_east - slope_north * ray_north, -_GRAZING * np.abs(ray_up) - _LEAST
+        )
+        steps: list[tuple[Floats, Floats]] = []
+        for per in (self.rays.per_x, self.rays.per_y):
+            ahead = (per[2] - slope_east * per[0] - slope_north * per[1]) / facing
+            ahead[steep] = 0.0
+            steps.append((t * (per[0] - ahead * rays[0]), t * (per[1] - ahead * rays[1])))
         if steep.any():
             at_column[steep], at_row[steep] = one.beside_faces(at_column[steep], at_row[steep])
-        if np.isnan(one.surface.heights_m).any():
+        if one.surface.has_holes:
             # Where the model ends pixels that reach beyond it show nothing whole.
             whole = one.is_ground_about(at_column, at_row, steps)
             steps = [(east[whole], north[whole]) for east, north in steps]
@@ -316,18 +315,16 @@ class Tracing:
             at_column, at_row = at_column[whole], at_row[whole]
             if not len(row):
                 return []
-        _, lon = self.place
-        onto = _onto(one.surface, grid, lon, at_column, at_row)
+        onto = _onto(one.surface, grid, self.place[1], at_column, at_row)
         du, v = onto(at_column, at_row)
         turn = onto.slopes(at_column, at_row) @ one.per_metre
         spans = [
             (turn[0, 0] * east + turn[0, 1] * north, turn[1, 0] * east + turn[1, 1] * north)
             for east, north in steps
         ]
-        per_x, per_y = (np.hypot(*span) for span in spans)
-        detail = pixel_detail(per_x, per_y, grid, zooms)
+        per_x, per_y = (np.sqrt(across * across + down * down) for across, down in spans)
         found = []
-        for zoom, samples_x, samples_y, at in detail_groups(detail):
+        for zoom, samples_x, samples_y, at in detail_groups(pixel_detail(per_x, per_y, grid, zooms)):
             off_x, off_y = sample_offsets(samples_x, samples_y)
             sub_du, sub_v = (
                 place[at, np.newaxis]

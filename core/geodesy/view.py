@@ -21,7 +21,8 @@ Numbers = NDArray[np.int64]
 #: A zoom serves while its pixels, seen in the image, are between this and half of it: rounding to the nearest.
 _NEAREST = 2.0**0.5
 #: Most samples along one axis whose mean makes a pixel that looks at the ground at a slant. More is left to the zoom.
-_MOST_SAMPLES = 8
+_MOST_POWER = 3
+_MOST_SAMPLES = 1 << _MOST_POWER
 #: Pixels around a sample that kernels of any kind reach to either side (3), and one for the mesh's error.
 KERNEL_REACH_PX = 4
 #: Error of the mesh that says which tiles and which zoom serve a part of the image, where rays give the positions.
@@ -285,14 +286,14 @@ def pixel_detail(per_x: Floats, per_y: Floats, grid: PixelGrid, zooms: tuple[int
     world = float(grid.world_px(0))
     short, long_ = np.minimum(per_x, per_y), np.maximum(per_x, per_y)
     finest = np.maximum(np.maximum(short, long_ / _MOST_SAMPLES) * world, np.finfo(float).tiny)
-    zoom = np.clip(np.floor(np.log2(_NEAREST / finest)), *zooms)
-    samples = (
-        np.clip(
-            2.0 ** np.ceil(np.log2(np.maximum(per * world * 2.0**zoom / _NEAREST, 1.0))), 1, _MOST_SAMPLES
-        )
-        for per in (per_x, per_y)
-    )
-    return Detail(zoom.astype(np.int64), *(count.astype(np.int64) for count in samples))
+    # Numbers are a share of at least one half of a power of two.
+    zoom = np.minimum(np.maximum(np.frexp(_NEAREST / finest)[1] - 1, zooms[0]), zooms[1])
+    samples = []
+    for per in (per_x, per_y):
+        share, power = np.frexp(np.ldexp(per * (world / _NEAREST), zoom))
+        powers = np.clip(power - (share == 0.5), 0, _MOST_POWER).astype(np.int64)
+        samples.append(np.left_shift(1, powers))
+    return Detail(zoom.astype(np.int64), *samples)
 
 
 def fitting_detail(span: float, grid: PixelGrid, zooms: tuple[int, int]) -> int:
