@@ -69,7 +69,8 @@ class PixelRays(NamedTuple):
     def at(self, x_px: Floats, y_px: Floats) -> Floats:
         """Rays (n, 3) of image points (n,)."""
         parts = [o + x_px * per_x + y_px * per_y for o, per_x, per_y in zip(*self[:3])]
-        return np.stack(parts).T
+        rays: Floats = np.stack(parts).T
+        return rays
 
     def forms(self, paths: Paths) -> list[Floats]:
         """Coefficients of paths as polynomials in x and y: of tᵏ an array (c, k + 1, k + 1), of powers of y and x."""
