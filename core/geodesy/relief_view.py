@@ -134,6 +134,25 @@ class Tracing:
         return PixelRays(rays.origin, rays.per_x, rays.per_y, *self.scene.one_size_px)
 
     @cached_property
+    def level_m(self) -> float | None:
+        """Height of level ground over which every pixel shows what it does over the relief.
+
+        It moves none by more than half of what points may be off by; None where no level ground does.
+        """
+        rays = self.rays
+        x, y = (at.ravel() for at in np.meshgrid((0.0, float(rays.width)), (0.0, float(rays.height))))
+        pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
+        pixel /= float((rays.at(x, y) ** 2).sum(axis=1).max())
+        low, high = np.inf, -np.inf
+        for surface, _, _ in self._surfaces():
+            if surface.has_holes:
+                return None
+            low, high = min(low, surface.lowest_m), max(high, surface.highest_m)
+            if high - low > self.tolerance_px * pixel * (self.height_m - high):
+                return None
+        return (low + high) / 2.0
+
+    @cached_property
     def _seen(self) -> list[_Seen]:
         """What rays meet on surfaces from near to far; those behind have the pixels that meet nothing before."""
         rays, (lat, lon) = self.rays, self.place

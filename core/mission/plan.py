@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TypeVar
 
@@ -219,8 +219,16 @@ class Plan:
         return self._level_view(index)
 
     def view_of(self, tracing: Tracing) -> View:
-        """How the picture of a camera frame over relief is made, whose rays are traced."""
-        return tracing.view(self.grid, sampled_zooms(self.mission, self.grid))
+        """How the picture of a camera frame over relief is made, whose rays are traced.
+
+        Where level ground moves no pixel by more than half of what it may, the other half is left to its view.
+        """
+        zooms, level_m = sampled_zooms(self.mission, self.grid), tracing.level_m
+        if level_m is None:
+            return tracing.view(self.grid, zooms)
+        poses = tracing.scene.poses._replace(agl_m=np.array([tracing.height_m - level_m]))
+        scene = replace(tracing.scene, poses=poses, ground=WGS84.raised(level_m))
+        return self._view_over_level(scene, tracing.tolerance_px / 2.0)
 
     def tracing(self, index: int, size_px: tuple[int, int] | None = None) -> Tracing:
         """Rays of one capture over the relief, of its picture or of one of another size.
@@ -247,16 +255,19 @@ class Plan:
         size = self.size_px
         if size is None:
             raise InvalidInput("view of a map frame: its picture is a window of the source as it is")
-        mission, tolerance = self.mission, self.accuracy.mesh_tolerance_px
+        tolerance = self.accuracy.mesh_tolerance_px
         if self.relief is not None:
             tolerance = COARSEST_MESH_PX
 
         def made(pose: Poses) -> View:
-            scene = Scene(mission.camera, *size, pose, self.ground)
-            by_rays = tolerance == 0.0 or mission.accuracy.resampling == "lanczos"
-            return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance, by_rays=by_rays)
+            return self._view_over_level(Scene(self.mission.camera, *size, pose, self.ground), tolerance)
 
         return self._kept("views", index, made)
+
+    def _view_over_level(self, scene: Scene, tolerance_px: float) -> View:
+        mission = self.mission
+        by_rays = tolerance_px == 0.0 or mission.accuracy.resampling == "lanczos"
+        return view(scene, self.grid, sampled_zooms(mission, self.grid), tolerance_px, by_rays=by_rays)
 
     def _outlines_over_relief(self, index: int) -> Outline | None:
         """Outline of a capture; those of its neighbours are worked out with it, and kept."""

@@ -12,6 +12,7 @@ from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.relief_view import Tracing
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
@@ -55,6 +56,10 @@ def files(tmp_path_factory):
                 folder / f"{name}.tif", values[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32
             )
         )
+    lake = np.where(x < 290.0, 60.0, hills(x, y))
+    found["lake"] = str(
+        rasters.write(folder / "lake.tif", lake[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32)
+    )
     fine = np.meshgrid((np.arange(4 * SIDE) + 0.5) / 2.0, (np.arange(4 * SIDE) + 0.5) / 2.0)
     colours = np.stack([40.0 + fine[0] / 4.0, 230.0 - fine[1] / 4.0, np.full_like(fine[0], 90.0)])
     photo = (WEST, 0.5, 0.0, NORTH, 0.0, -0.5)
@@ -68,7 +73,8 @@ def files(tmp_path_factory):
 def one(files, heights="hills", x=300.0, y=330.0, agl=90.0, photo="photo", **values):
     lon, lat = TO_DEGREES.transform(WEST + x, NORTH - y)
     values = {"elevation": (files[heights],), "source": files[photo], "image_px": 320, **values}
-    mission = Mission(Points(((lat, lon, agl),)), agl, **values)
+    places = ((lat, lon, agl), *values.pop("also", ()))
+    mission = Mission(Points(places), agl, **values)
     source = open_source(mission.imagery.source)
     return plan(mission, source.grid, heights_of(mission)), source
 
@@ -95,6 +101,26 @@ def axes(made):
         np.cos(tilt) * heading + np.sin(tilt) * up,
         np.sin(tilt) * heading - np.cos(tilt) * up,
     )
+
+
+@pytest.mark.parametrize("tilt", [0.0, 40.0])
+def test_captures_of_level_ground_in_a_mission_over_relief_are_made_as_over_level_ground(
+    files, tilt, monkeypatch
+):
+    """A lake among hills: no ray is traced for its pictures, which are those of traced rays all the same."""
+    lon, lat = TO_DEGREES.transform(WEST + 400.0, NORTH - 330.0)
+    made, source = one(files, "lake", x=150.0, agl=60.0, tilt_deg=tilt, also=((lat, lon, 60.0),))
+    assert made.relief is not None
+    assert not made.view(0).samples
+    assert made.view(0).patches
+    assert made.view(1).samples
+    assert not made.view(1).patches
+    quick = picture(made, source).pixels[..., :3].astype(int)
+    monkeypatch.setattr(Tracing, "level_m", None)
+    assert made.view(0).samples
+    assert not made.view(0).patches
+    slow = picture(made, source).pixels[..., :3].astype(int)
+    assert np.abs(quick - slow).max() <= 2
 
 
 TILTS = [(0.0, 0.0), (30.0, 75.0), (55.0, 200.0)]
