@@ -19,8 +19,8 @@ Coordinates = Callable[[Floats, Floats, Floats], Floats]
 _HIGHEST_DEGREE = 6
 #: Points of a ray that polynomials are fitted to, and points in between at which they are compared.
 _FITTED, _COMPARED = 8, 13
-#: Degree of the ways of single rays.
-_SEPARATE = 3
+#: Degree of the ways of single rays, and metres up to which one less is as good: third powers over R squared.
+_SEPARATE, _SHORT_M = 3, 2_000.0
 #: Factor on the largest difference found for points that are not looked at.
 _BETWEEN = 2.0
 
@@ -68,7 +68,12 @@ def along(start: Floats, coefficients: Floats, t: Floats) -> Floats:
 
 
 def separate(
-    lat_deg: Floats, height_m: Floats, rays_enu: Floats, farthest: Floats, coordinates: Coordinates
+    lat_deg: Floats,
+    height_m: Floats,
+    rays_enu: Floats,
+    farthest: Floats,
+    ends: tuple[Floats, Floats, Floats],
+    coordinates: Coordinates,
 ) -> tuple[Floats, Floats]:
     """Ways of rays of as many cameras, each a polynomial of its own.
 
@@ -79,23 +84,28 @@ def separate(
     rays_enu : array (n, 3)
     farthest : array (n,)
         t up to which each is followed.
+    ends : tuple of array (n,)
+        Latitudes, longitudes from each one's camera, and heights of the points there.
     coordinates : callable
-        Of latitudes, longitudes from each one's camera, and heights, (n,) each; (n, c).
+        Of such positions; (n, c).
 
     Returns
     -------
     start : array (c, n)
     coefficients : array (degree, c, n)
-        Of t, t², … : through the cameras and points along the rays, so that what is left is of fourth order.
+        Of t, t², … : through the cameras, the ends and points between, so that little is left.
     """
     start = coordinates(lat_deg, np.zeros_like(lat_deg), height_m).T
-    shares = (np.arange(_SEPARATE) + 1.0) / _SEPARATE
+    longest = float((farthest * np.linalg.norm(rays_enu, axis=1)).max())
+    degree = _SEPARATE if longest > _SHORT_M else _SEPARATE - 1
+    shares = (np.arange(degree) + 1.0) / degree
     values = []
-    for share in shares:
+    for share in shares[:-1]:
         points = (share * farthest)[:, np.newaxis] * rays_enu
         values.append(coordinates(*positions(lat_deg, height_m, points)).T - start)
-    inverse = np.linalg.inv(np.vander(shares, _SEPARATE + 1, increasing=True)[:, 1:])
-    powers = np.arange(_SEPARATE) + 1.0
+    values.append(coordinates(*ends).T - start)
+    inverse = np.linalg.inv(np.vander(shares, degree + 1, increasing=True)[:, 1:])
+    powers = np.arange(degree) + 1.0
     coefficients: Floats = np.einsum("ij,jcn->icn", inverse, np.stack(values))
     return start, coefficients / farthest ** powers[:, np.newaxis, np.newaxis]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -198,6 +198,13 @@ class ReliefBelow:
         return base + agl, self._ground.heights(*self._ground.position(lat_deg, lon_deg))
 
     @cached_property
+    def _lowest_near(self) -> Callable[[Floats, Floats], Floats]:
+        """Least height of the ground within a cell of positions (n,)."""
+        upside_down = replace(self._ground, heights_m=-self._ground.heights_m)
+        highest = _highest_around(upside_down, 0.0)
+        return lambda lat_deg, lon_deg: -highest(lat_deg, lon_deg)
+
+    @cached_property
     def _tops(self) -> Callable[[Floats, Floats], Floats]:
         """Greatest height that may be seen from positions (n,)."""
         return _highest_around(self._surface, self.radius_m)
@@ -225,12 +232,16 @@ class ReliefBelow:
         near &= (at_lon >= west - wide) & (at_lon <= east + wide)
         at_lat, at_lon = at_lat[near], at_lon[near]
         wanted, ground = self.wanted_m(at_lat, at_lon)
-        over = wanted - self._tops(at_lat, at_lon)
-        over = np.where(np.isnan(ground), np.inf, over)
+        if mission.terrain.height_above == GROUND:
+            # Captures stand between cells, where the ground may be lower than in their middles.
+            wanted = self._lowest_near(at_lat, at_lon) + mission.flight.agl_m
+        over = np.where(np.isnan(ground), np.inf, wanted - self._tops(at_lat, at_lon))
         edges = np.linspace(south - room, north + room, _LATITUDES + 1)
         bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, _LATITUDES - 1)
         least = np.full(_LATITUDES, np.inf)
         np.minimum.at(least, bins, over)
+        # Between the middles of bins it is told from both of them.
+        least[1:-1] = np.minimum(np.minimum(least[:-2], least[1:-1]), least[2:])
         centres = (edges[1:] + edges[:-1]) / 2.0
         metres = np.radians(centres - centres[0]) * WGS84.b_m
         known = np.isfinite(least)
