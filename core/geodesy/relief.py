@@ -236,9 +236,9 @@ class Surface:
             def coordinates(points_lat: Floats, points_dlon: Floats, up: Floats) -> Floats:
                 return np.stack([*self.position(points_lat, lon_deg[some] + points_dlon), up], axis=1)  # noqa: B023
 
-            ends = level.lat_deg[some], level.dlon_deg[some], np.full(len(some), lowest_m - 1.0)
+            last = level.lat_deg[some], level.dlon_deg[some], np.full(len(some), lowest_m - 1.0)
             start, coefficients = separate(
-                lat_deg[some], height_m[some], rays_enu[some], farthest[some], ends, coordinates
+                lat_deg[some], height_m[some], rays_enu[some], farthest[some], last, coordinates
             )
             t, _ = self.clear(start, coefficients, np.zeros(len(some)), farthest[some], None, 0)
             hits = self._exact(start, coefficients, t, farthest[some])
