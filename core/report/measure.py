@@ -16,7 +16,17 @@ from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
 from ..mission.flight import fly, intervals_s, legs
-from ..mission.methods import TRACED, Method, camera_frame, choose_pixels, exact_footprint, map_frame, mesh
+from ..mission.methods import (
+    COARSEST_MESH_PX,
+    TRACED,
+    Method,
+    camera_frame,
+    choose_pixels,
+    exact_footprint,
+    map_frame,
+    mesh,
+    over_relief,
+)
 from ..mission.parts import Flight
 from ..mission.plan import Plan
 from ..mission.wind import Wind
@@ -36,6 +46,8 @@ Progress = Callable[[str], None]
 _FOOTPRINTS_TIMED = 20_000
 #: Tolerances of the meshes that the plan's own is compared with, px.
 _TOLERANCES_PX = (1.0, 0.3, 0.1, 0.03, 0.01, 0.003, 0.001)
+#: The same of rays over relief.
+_RELIEF_TOLERANCES_PX = (0.1, 0.001)
 #: Kernel that meshes are timed with where the mission's own needs a ray for every pixel.
 _OF_MESHES = "bilinear"
 #: Captures whose flight is timed.
@@ -255,7 +267,7 @@ def _pictures(
     usable = [one for one in ladder if not one.method.outside]
     kernel = plan.mission.accuracy.resampling if plan.mission.accuracy.resampling != BY_RAYS else _OF_MESHES
     usual = next((one.tolerance_px for one in ladder if one.own), None)
-    meshes = [Way(one.tolerance_px, kernel) for one in usable]
+    meshes = [Way(one.tolerance_px, kernel, one.level) for one in usable]
     kernels = [] if usual is None else [Way(usual, name) for name in KERNELS]
     ways = list(dict.fromkeys([*meshes, *kernels]))
     frames, on_map_made = bench.camera_frames(ways, map_frame=not on_map.outside)
@@ -276,11 +288,10 @@ def _pictures(
             if one.method.outside
             else Measured(
                 one.method,
-                # Rays are the camera frame's own positions, whose error is that of the picture.
-                positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0,
-                made[Way(one.tolerance_px, kernel)].seconds,
+                _pixels_error_px(plan, one),
+                made[Way(one.tolerance_px, kernel, one.level)].seconds,
                 one.own and plan.accuracy.pixels is not None,
-                made[Way(one.tolerance_px, kernel)].size_bytes,
+                made[Way(one.tolerance_px, kernel, one.level)].size_bytes,
             )
             for one in ladder
         ),
@@ -288,16 +299,29 @@ def _pictures(
     )
 
 
+def _pixels_error_px(plan: Plan, one: PixelMethod) -> float | None:
+    if plan.relief is not None:
+        return positions.relief_error_px(plan, None if one.level else one.tolerance_px)
+    # Rays are the camera frame's own positions, whose error is that of the picture.
+    return positions.mesh_error_px(plan, one.tolerance_px) if one.tolerance_px else 0.0
+
+
 class PixelMethod(NamedTuple):
-    """A way to place a camera frame's pixels: its mesh's tolerance, 0 for rays, and whether it is the plan's own."""
+    """A way to place a camera frame's pixels: its mesh's tolerance, 0 for rays, and whether it is the plan's own.
+
+    Over relief the tolerance is that of the rays; ``level`` says that the ground is taken as level all the same.
+    """
 
     method: Method
     tolerance_px: float
     own: bool
+    level: bool = False
 
 
 def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
     """Meshes from coarse to fine, and rays: the one that the plan has, or would have, and others to compare it with."""
+    if plan.relief is not None:
+        return _relief_methods(plan, scene)
     others_px = camera_frame(scene).bound_px + exact_footprint(scene).bound_px
     choice = plan.accuracy.pixels or choose_pixels(plan.mission, scene, others_px)
     own_px = 0.0 if choice.method.name == TRACED.name else choice.method.bound_px
@@ -316,6 +340,19 @@ def pixel_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
         meshes.append(PixelMethod(choice.method, own_px, True))
         meshes.sort(key=lambda one: one.tolerance_px, reverse=True)
     return [*meshes, PixelMethod(TRACED, 0.0, not own_px)]
+
+
+def _relief_methods(plan: Plan, scene: Scene) -> list[PixelMethod]:
+    """Level ground, which relief is not bound to stay near to, and rays over relief from coarse to fine."""
+    own_px = plan.accuracy.mesh_tolerance_px
+    level = Method("pixels", "level ground", math.inf, math.inf)
+    found = [PixelMethod(level, COARSEST_MESH_PX, False, level=True)]
+    for tolerance_px in sorted({own_px, *_RELIEF_TOLERANCES_PX}, reverse=True):
+        method = replace(over_relief(scene, own_px), bound_px=tolerance_px)
+        if tolerance_px != own_px:
+            method = replace(method, name=f"relief, {tolerance_px:g} px")
+        found.append(PixelMethod(method, tolerance_px, tolerance_px == own_px))
+    return found
 
 
 def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Saving]:

@@ -243,7 +243,7 @@ def _conditioning(plan: Plan) -> list[Markup]:
         element("h3", "Condition number of the scene"),
         element("p", sentences.condition_text(accuracy.condition)),
         element("h3", "Terrain"),
-        element("p", sentences.terrain_text(accuracy.terrain_px_per_m)),
+        element("p", sentences.terrain_text(accuracy.terrain_px_per_m, accuracy.relief)),
     ]
 
 

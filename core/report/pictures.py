@@ -20,7 +20,7 @@ from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
 from ..geodesy.frames import map_windows, runs_on
-from ..geodesy.view import view
+from ..geodesy.view import View, view
 from ..imagery.source import Part, Source, Window, tile_parts
 from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
@@ -29,7 +29,7 @@ from ..picture.map_frame import assemble, resized, window_of
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
 from ..world import WorldSource
-from .positions import scene_of, spread
+from .positions import level_below, scene_of, spread
 
 Pixels = NDArray[np.uint8]
 #: Kernel that only single samples can have: it needs a ray for every pixel.
@@ -52,10 +52,14 @@ _FINEST = "lanczos"
 
 
 class Way(NamedTuple):
-    """How a camera frame is made: tolerance of its mesh in px (0 for rays) and kernel."""
+    """How a camera frame is made: tolerance of its mesh in px (0 for rays), or of its rays over relief, and kernel.
+
+    Of a plan over relief ``level`` says that the ground is taken as level all the same, as high as below the camera.
+    """
 
     tolerance_px: float
     kernel: str
+    level: bool = False
 
 
 class Made(NamedTuple):
@@ -134,29 +138,42 @@ class Bench:
 
         The captures of a row share their view, whose seconds count once a row.
         """
-        plan, scene = self.plan, self._scene()
-        zooms, rows = sampled_zooms(plan.mission, plan.grid), len(runs_on(plan.grid, plan.poses)[0])
-        kinds = list(dict.fromkeys((way.tolerance_px, way.kernel == BY_RAYS) for way in ways))
-        looks = [partial(view, scene, plan.grid, zooms, kind[0], by_rays=kind[1]) for kind in kinds]
-        seen = {kind: look() for kind, look in zip(kinds, looks)}
+        plan = self.plan
+        rows = len(runs_on(plan.grid, plan.poses)[0]) if plan.relief is None else len(plan)
+        # What ways have in common that differ by their kernels.
+        kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
+        looks = {kind: partial(self._view, kind) for kind in kinds}
+        seen = {kind: look() for kind, look in looks.items()}
         draws: list[Callable[[], Pixels]] = []
-        for way in ways:
-            one = seen[way.tolerance_px, way.kernel == BY_RAYS]
+        for way, kind in zip(ways, kinds):
+            one = seen[kind]
             parts = camera_parts(one, self.lon_deg)
             draws.append(partial(render, one, self.lon_deg, parts, self.tiles.of(parts), way.kernel))
         if map_frame:
             draws.append(self._map_frame())
-        works: list[Callable[[], Any]] = [*looks, *draws]
+        works: list[Callable[[], Any]] = [*looks.values(), *draws]
         done = timed_together(works, self.effort)
-        looking = {kind: seconds for kind, (_, seconds) in zip(kinds, done)}
+        looking = {kind: seconds for kind, (_, seconds) in zip(looks, done)}
         found = []
-        for way, (picture, drawing) in zip(ways, done[len(kinds) :]):
-            seconds = drawing + looking[way.tolerance_px, way.kernel == BY_RAYS] * (rows / len(plan))
+        for kind, (picture, drawing) in zip(kinds, done[len(looks) :]):
+            seconds = drawing + looking[kind] * (rows / len(plan))
             found.append(Made(seconds * self.enlarged, self._file_bytes(picture)))
         if not map_frame:
             return found, None
         picture, seconds = done[-1]
         return found, Made(seconds * self.enlarged, self._file_bytes(picture))
+
+    def _view(self, way: Way) -> View:
+        plan = self.plan
+        zooms = sampled_zooms(plan.mission, plan.grid)
+        if plan.relief is not None and not way.level:
+            return replace(plan.tracing(self.index, self.size_px), tolerance_px=way.tolerance_px).view(
+                plan.grid, zooms
+            )
+        scene = self._scene()
+        if way.level:
+            scene = level_below(plan, self.index, scene)
+        return view(scene, plan.grid, zooms, way.tolerance_px, by_rays=way.kernel == BY_RAYS)
 
     def _map_frame(self) -> Callable[[], Pixels]:
         """What makes the map frame of the capture."""
@@ -178,9 +195,8 @@ class Bench:
         plan = self.plan
         if plan.size_px is None:
             return resized(self._map_frame()(), plan.mission.output.img_size)
-        scene, zooms = self._scene(), sampled_zooms(plan.mission, plan.grid)
-        kernel, tolerance = plan.mission.accuracy.resampling, plan.accuracy.mesh_tolerance_px
-        seen = view(scene, plan.grid, zooms, tolerance, by_rays=kernel == BY_RAYS)
+        kernel = plan.mission.accuracy.resampling
+        seen = self._view(Way(plan.accuracy.mesh_tolerance_px, kernel))
         parts = camera_parts(seen, self.lon_deg)
         picture = render(seen, self.lon_deg, parts, self.tiles.of(parts), kernel)
         return resized(picture, plan.mission.output.img_size)

@@ -160,7 +160,7 @@ def _label_points(
     groups: list[tuple[float, float, list[str]]] = []
     wide, high = (_SAME_PLACE * math.log10(ends[1] / ends[0]) for ends in (axes.get_xlim(), axes.get_ylim()))
     for x, y, one in points:
-        name = one.method.name.removeprefix("mesh, ")
+        name = one.method.name.removeprefix("mesh, ").removeprefix("relief, ")
         for at_x, at_y, names in groups:
             if abs(math.log10(x / at_x)) < wide and abs(math.log10(y / at_y)) < high:
                 names.append(name)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Optional
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import CORNERS, Camera, Poses
+from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Footprint, outline
 from ..geodesy.frames import map_frame_edges, runs_on
 from ..geodesy.mercator import wrap_lon_deg
@@ -131,6 +133,56 @@ def mesh_error_px(plan: Plan, tolerance_px: float) -> Error:
     return max(found, default=None)
 
 
+def level_below(plan: Plan, index: int, scene: Scene) -> Scene:
+    """Scene of a capture over relief, its ground level and as high as it is below the camera."""
+    height, ground = float(plan.height_m[index]), float(plan.ground_m[index])
+    poses = scene.poses._replace(agl_m=np.array([height - ground]))
+    return replace(scene, poses=poses, ground=WGS84.raised(ground))
+
+
+def relief_error_px(plan: Plan, tolerance_px: float | None) -> Error:
+    """Greatest error of pixels over relief, by rays that may be off by a tolerance, or over level ground for None.
+
+    Each is put on the surface at the latitude and longitude that its method says, and seen again from there; what
+    stands in front of it is left out.
+    """
+    found: list[float] = []
+    for index in spread(len(plan), _IMAGES).tolist():
+        scene = scene_of(plan, np.array([index], np.intp))
+        across, down = (int(size) for size in scene.one_size_px)
+        step = max(max(across, down) // _RAYS, 1)
+        row, column = (part.ravel() for part in np.mgrid[0:down:step, 0:across:step])
+        x_px, y_px = column + 0.5, row + 0.5
+        if tolerance_px is None:
+            lat, dlon, height = _level_on_relief(plan, level_below(plan, index, scene), x_px, y_px)
+        else:
+            seen = replace(plan.tracing(index), tolerance_px=tolerance_px).sighting
+            lat, lon, height = (part[row, column] for part in seen[1:4])
+            dlon = lon - float(plan.lon_deg[index])
+        hit = np.isfinite(height)
+        if not hit.any():
+            continue
+        over = replace(
+            scene, poses=scene.poses._replace(agl_m=plan.height_m[index : index + 1]), ground=WGS84
+        )
+        x, y = 2.0 * x_px / across - 1.0, 1.0 - 2.0 * y_px / down
+        one_row = (part[hit][np.newaxis] for part in (lat, dlon, x, y, height))
+        found.append(float(errors_px(over, *one_row).max()))
+    return max(found, default=None)
+
+
+def _level_on_relief(plan: Plan, level: Scene, x_px: Floats, y_px: Floats) -> tuple[Floats, Floats, Floats]:
+    """Where image points see level ground, and how high the relief is there; NaN where neither is."""
+    seen = ImageRays.of(level).ground(x_px, y_px)
+    lon_deg = float(level.poses.lon_deg[0])
+    height = np.full(len(x_px), np.nan)
+    if plan.relief is not None and seen.hit.any():
+        lat, lon = seen.lat_deg[seen.hit], lon_deg + seen.dlon_deg[seen.hit]
+        surface = plan.relief.heights.surface.surface(lat, lon, 0.0)
+        height[seen.hit] = surface.heights(*surface.position(lat, lon))
+    return seen.lat_deg, seen.dlon_deg, height
+
+
 def _traced(rays: ImageRays) -> list[float]:
     """Greatest error of rays through an image, none where it sees no ground that is on the map."""
     across, down = rays.scene.one_size_px
@@ -213,7 +265,9 @@ def map_errors_px(
     return errors_px(scene, lat, across * 360, x, y)
 
 
-def errors_px(scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats) -> Floats:
+def errors_px(
+    scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats, height_m: Floats | float = 0.0
+) -> Floats:
     """Distances in the image between where ground points are put and where the exact camera sees them.
 
     Parameters
@@ -224,13 +278,15 @@ def errors_px(scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats)
         Ground points: geodetic latitude, and longitude from the camera's.
     x, y : array (n, k)
         Image points (right, up) at which a method puts them, -1..1.
+    height_m : array (n, k) or float
+        Of the ground points over the scene's ground.
 
     Returns
     -------
     array (n, k)
         px; infinite for points behind the camera.
     """
-    seen_x, seen_y, in_front = _seen(scene, lat_deg, dlon_deg)
+    seen_x, seen_y, in_front = _seen(scene, lat_deg, dlon_deg, height_m)
     width, height = (
         np.broadcast_to(np.asarray(size, np.float64), scene.poses.lat_deg.shape)[:, np.newaxis]
         for size in (scene.width_px, scene.height_px)
@@ -239,7 +295,9 @@ def errors_px(scene: Scene, lat_deg: Long, dlon_deg: Long, x: Floats, y: Floats)
     return np.where(in_front, np.hypot(across, up), np.inf).astype(np.float64)
 
 
-def _seen(scene: Scene, lat_deg: Long, dlon_deg: Long) -> tuple[Long, Long, NDArray[np.bool_]]:
+def _seen(
+    scene: Scene, lat_deg: Long, dlon_deg: Long, height_m: Floats | float
+) -> tuple[Long, Long, NDArray[np.bool_]]:
     """Image points of ground points, and whether they are in front of the camera."""
     a, b = np.longdouble(scene.ground.a_m), np.longdouble(scene.ground.b_m)
     e2 = (a - b) * (a + b) / a**2
@@ -249,9 +307,10 @@ def _seen(scene: Scene, lat_deg: Long, dlon_deg: Long) -> tuple[Long, Long, NDAr
     point_sin, point_cos = _sin_cos(lat_deg)
     point_normal = a / np.sqrt(1 - e2 * point_sin**2)
     lon_sin, lon_cos = _sin_cos(dlon_deg)
-    outward = point_normal * point_cos * lon_cos - (normal + agl) * cos
-    east = point_normal * point_cos * lon_sin
-    polar = point_normal * (1 - e2) * point_sin - (normal * (1 - e2) + agl) * sin
+    high = np.asarray(height_m, np.longdouble)
+    outward = (point_normal + high) * point_cos * lon_cos - (normal + agl) * cos
+    east = (point_normal + high) * point_cos * lon_sin
+    polar = (point_normal * (1 - e2) + high) * point_sin - (normal * (1 - e2) + agl) * sin
     return _image(
         scene.camera, scene.poses.attitude, (east, cos * polar - sin * outward, cos * outward + sin * polar)
     )

@@ -160,8 +160,14 @@ def condition_text(condition: float) -> str:
     return f"{effect} That is ill-conditioned: positions near the horizon are no better than the pose."
 
 
-def terrain_text(px_per_m: float) -> str:
-    """What relief may add to the errors."""
+def terrain_text(px_per_m: float, relief: str = "") -> str:
+    """What relief may add to the errors, or what may be wrong with the heights of it."""
+    if relief:
+        about = "without limit at the horizon" if math.isinf(px_per_m) else f"up to {px_per_m:.2g} px"
+        return (
+            f"The ground is {relief}. The bounds are those of the methods on these heights: every metre that the "
+            f"heights are off by adds {about}."
+        )
     if math.isinf(px_per_m):
         return (
             "The ground is taken as smooth, at one height. Relief is not in the bounds: at the horizon it "

@@ -20,6 +20,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import sighting
 from terrainav.core.picture.shot import draw, parts_of, shot_of
+from terrainav.core.report.measure import measure
 
 from tests.support import rasters
 
@@ -370,3 +371,27 @@ def test_a_plan_over_level_ground_has_no_rays_over_relief():
     made = plan(Mission(Box(40.001, 10.0, 40.0, 10.001), 100.0), open_source("world").grid)
     with pytest.raises(InvalidInput, match="the ground is level"):
         made.tracing(0)
+
+
+def test_the_report_says_what_level_ground_is_off_by_and_that_rays_keep_their_bound(files):
+    made, source = one(files, "tower", x=330.0, y=330.0)
+    found = measure(made, source, quick=True)
+    level, *rays = found.stages["pixels"]
+    assert level.method.name == "level ground"
+    # A pinhole that looks straight down: what is h high stands farther out by f r (1 / (H - h) - 1 / H).
+    width, height = made.size_px
+    high = float(made.height_m[0] - made.ground_m[0])
+    tan_x, tan_y = made.mission.camera.half_tangents
+    step = max(width, height) // 48
+    row, column = np.mgrid[0:height:step, 0:width:step]
+    x = ((column + 0.5) / width * 2.0 - 1.0) * tan_x
+    y = ((row + 0.5) / height * 2.0 - 1.0) * tan_y
+    rise = with_tower(330.0 + x * high, 330.0 + y * high) - float(made.ground_m[0])
+    wanted = np.hypot(x * width / 2.0 / tan_x, y * height / 2.0 / tan_y) * (high / (high - rise) - 1.0)
+    assert level.error_px == pytest.approx(np.abs(wanted).max(), rel=0.05)
+    assert level.error_px > 10.0
+    assert [one.chosen for one in rays].count(True) == 1
+    for one_of in rays:
+        assert one_of.error_px <= one_of.method.bound_px
+        assert one_of.seconds is not None
+    assert found.within
