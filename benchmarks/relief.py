@@ -5,8 +5,9 @@
     python benchmarks/relief.py --scenes 10000        # rays of random scenes beside a march through space, in PROJ
     python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
 
-A march goes along each ray in steps of half a cell until it is below the surface: it is what most simulators do, and
-passes by whatever is thinner than its step. Times are of one thread's processor time, the best of several.
+A march goes along each ray in steps of half a cell until it is below the surface, and halves the last one ten times: it
+is what most simulators do. It passes by what is thinner than its step: rays whose points are over a metre apart. Times
+are of one thread's processor time, the best of several.
 """
 
 from __future__ import annotations
@@ -95,10 +96,24 @@ def march(surface: Surface, tracing: Tracing, height_m: float) -> np.ndarray:
         part = coefficients[:, :, index]
         column, row, height = _along(paths.start, part, t)
         below = height <= surface.heights(column, row)
-        found[index[below]] = t[below]
+        if below.any():
+            found[index[below]] = _halved(surface, paths.start, part[:, :, below], t[below], step[below])
         keep = ~below & (t < farthest)
         index, t, step = index[keep], t[keep], step[keep]
     return found.reshape(x.shape)
+
+
+def _halved(
+    surface: Surface, start: np.ndarray, coefficients: np.ndarray, t: np.ndarray, step: np.ndarray
+) -> np.ndarray:
+    """Where rays meet the surface in their last step, to a thousandth of it."""
+    above, below = t - step, t
+    for _ in range(10):
+        middle = (above + below) / 2.0
+        column, row, height = _along(start, coefficients, middle)
+        under = height <= surface.heights(column, row)
+        above, below = np.where(under, above, middle), np.where(under, middle, below)
+    return below
 
 
 def _along(start: np.ndarray, coefficients: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -249,7 +264,7 @@ def main() -> None:
     if asked.pictures:
         draw_pages(asked.pictures, asked.dsm)
         return
-    print("| surface | height | tilt | traced | march | times | off by over 1 m |")
+    print("| surface | height | tilt | traced | march | times | passed by |")
     print("| --- | --- | --- | --- | --- | --- | --- |")
     measure("hills", Hills(), 45.0, 7.0)
     if asked.dsm:
