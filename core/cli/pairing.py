@@ -36,9 +36,11 @@ if TYPE_CHECKING:
 
 def run_pairs(arguments: argparse.Namespace) -> int:
     """Capture pairs into a folder."""
+    from ..imagery.opening import SourceOptions
     from ..mission.settings import resolve
     from ..pairs.planning import plan_pairs
     from ..pairs.sheet import check_sheet, contact_sheet
+    from ..picture.heights import heights_for
 
     if not arguments.data_dir and not arguments.dry_run:
         # An empty one is of a variable that is not set: the current folder, which it would stand for, is not meant.
@@ -50,11 +52,19 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     settings = _settings(arguments, values)
     places = _places(arguments, settings)
     source = named(settings, values, None if arguments.dry_run else opened_cache(values))
+    options = SourceOptions(
+        seed=settings.seed,
+        crs=settings.crs,
+        connections=values["connections"],
+        cache=opened_cache(values) if settings.terrain.elevation else None,
+        named_by_user=values[NAMED],
+    )
+    heights = heights_for(settings.terrain, options)
     if arguments.dry_run:
-        _print_plan(plan_pairs(places, settings, source.grid), arguments.json)
+        _print_plan(plan_pairs(places, settings, source.grid, heights), arguments.json)
         return DONE
     with closing(source.open()) as opened, collected() as signals:
-        worked_out = plan_pairs(places, settings, opened.grid)
+        worked_out = plan_pairs(places, settings, opened.grid, heights)
         result = _capture(worked_out, opened, arguments, values, signals)
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
@@ -68,6 +78,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
 def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSettings:
     from ..geodesy.camera import Camera
     from ..mission.cameras import camera_named
+    from ..mission.parts import Terrain
     from ..pairs.planning import DEFAULT_SIZE_PX, PairSettings
 
     (map_type,) = values["map_type"] if len(values["map_type"]) == 1 else (None,)
@@ -94,6 +105,13 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
         error_budget_px=values["error_budget"],
         accept_error=values["accept_error"],
         resampling=values["resampling"],
+        terrain=Terrain(
+            elevation=tuple(values["elevation"] or ()),
+            surface=tuple(values["surface"] or ()),
+            vertical_datum=values["vertical_datum"],
+            height_unit=values["height_unit"],
+            height_offset_m=values["height_offset"],
+        ),
         **more,
     )
 

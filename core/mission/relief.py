@@ -84,12 +84,12 @@ class ReliefBelow:
         self._ends = lat, lon
         first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
         if not np.isfinite(first.heights_m).any():
-            raise _no_ground(float(lat[0]), float(lon[0]))
+            raise no_ground(float(lat[0]), float(lon[0]))
         self._ground = first
         # Cameras that all fly at one height are farther above the valleys, and see more of them.
         wanted, below = self.wanted_m(lat, lon)
         if np.isnan(below).all():
-            raise _no_ground(float(lat[0]), float(lon[0]))
+            raise no_ground(float(lat[0]), float(lon[0]))
         above_m = max(float(np.nanmax(wanted)) - float(np.nanmin(first.heights_m)), 1.0)
         self.radius_m = above_m * self._reach
         around = _widened(lat, lon, self.radius_m + mission.terrain.clearance_distance_m)
@@ -169,7 +169,7 @@ class ReliefBelow:
             at = np.array([lat.max()]), np.array([lon.min()])
         found = float(self._ground.heights(*self._ground.position(*at))[0])
         if math.isnan(found):
-            raise _no_ground(float(at[0][0]), float(at[1][0]))
+            raise no_ground(float(at[0][0]), float(at[1][0]))
         return found
 
     @cached_property
@@ -182,7 +182,7 @@ class ReliefBelow:
         found = self._ground.heights(*self._ground.position(lat_deg, lon_deg))
         missing = np.flatnonzero(np.isnan(found))
         if len(missing):
-            raise _no_ground(float(lat_deg[missing[0]]), float(lon_deg[missing[0]]))
+            raise no_ground(float(lat_deg[missing[0]]), float(lon_deg[missing[0]]))
         return found
 
     def wanted_m(
@@ -246,7 +246,7 @@ class ReliefBelow:
         metres = np.radians(centres - centres[0]) * WGS84.b_m
         known = np.isfinite(least)
         if not known.any():
-            raise _no_ground(south, west)
+            raise no_ground(south, west)
         # The greatest function below that changes by no more than so much: rows find their places by it.
         slope = _STEEPEST
         low = np.minimum(
@@ -332,7 +332,8 @@ def check_clearance(mission: Mission) -> None:
         )
 
 
-def _no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
+def no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
+    """Error of a place without a height."""
     return InvalidInput(
         "no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole",
         lat_deg,

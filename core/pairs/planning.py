@@ -18,8 +18,9 @@ from ..geodesy.mercator import PixelGrid
 from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
 from ..mission.mission import Mission
-from ..mission.parts import Accuracy, Imagery
+from ..mission.parts import ELLIPSOID, Accuracy, Imagery, Terrain
 from ..mission.plan import Plan, plan
+from ..mission.relief import Heights, ReliefBelow, no_ground
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places
 from .views import View, reach_m, spiral, standing_poses
@@ -36,6 +37,8 @@ SATELLITE, DRONE = "satellite", "drone"
 #: A satellite view is made smaller from a window at least as large, so that it is sharp: with pixels so much finer the
 #: zoom nearest to them is one that could serve, and of those the lowest is taken.
 _FINER = 2
+#: Points along each edge of an image over relief, and what it may reach beyond them, as a share of how far they are.
+_ALONG_EDGE, _BULGE_OVER_RELIEF = 9, 1.05
 #: Decimals of the heights and distances that are worked out: 1 mm, the same on machines that differ in the last digit.
 _DECIMALS = 3
 
@@ -65,6 +68,9 @@ class PairSettings:
         Ground left between what is seen in two parts, >= 0.
     allow_shared_ground : bool
         Share places out one by one, even if the same ground is seen in two parts.
+    terrain : Terrain
+        Where heights of the ground and of the surface come from, as a Mission has them: the drone sees the relief, the
+        satellite's view is the map. Its heights above the ground are those above the place.
     upsample, ground_height_m, error_budget_px, accept_error, resampling
         As a Mission has them.
     """
@@ -86,6 +92,7 @@ class PairSettings:
     error_budget_px: float = Accuracy.error_budget_px
     accept_error: bool = False
     resampling: str = "bilinear"
+    terrain: Terrain = field(default_factory=Terrain)
 
     def __post_init__(self) -> None:
         if not self.views:
@@ -116,13 +123,14 @@ class PairSettings:
         """The ground that heights are over."""
         return WGS84.raised(self.ground_height_m)
 
-    def missions(self, places: Sequence[Place]) -> dict[str, Mission]:
+    def missions(self, places: Sequence[Place], heights: Heights | None = None) -> dict[str, Mission]:
         """Missions by name: ``satellite``, and ``drone`` or, where there are several tilts, one for each of them."""
         lat = np.array([place.lat_deg for place in places])
         lon = np.array([place.lon_deg for place in places])
         tilts = list(dict.fromkeys(view.tilt_deg for view in self.views))
         names = [DRONE] if len(tilts) == 1 else [f"{DRONE}_{tilt:g}" for tilt in tilts]
-        drones = {name: self._drone(lat, lon, tilt) for name, tilt in zip(names, tilts)}
+        ground = None if heights is None else _heights_of_places(places, heights)
+        drones = {name: self._drone(lat, lon, tilt, ground) for name, tilt in zip(names, tilts)}
         return {SATELLITE: self._satellite(lat, lon), **drones}
 
     def _mission(self, points: Points, **more: Any) -> Mission:
@@ -158,11 +166,20 @@ class PairSettings:
             accept_error=True,
         )
 
-    def _drone(self, lat_deg: Floats, lon_deg: Floats, tilt_deg: float) -> Mission:
+    def _drone(self, lat_deg: Floats, lon_deg: Floats, tilt_deg: float, ground_m: Floats | None) -> Mission:
+        """Views of one tilt; ``ground_m`` (n,) are the heights of the places, None over level ground."""
         chosen = [view for view in self.views if view.tilt_deg == tilt_deg]
-        standing = [standing_poses(lat_deg, lon_deg, view, self.ground) for view in chosen]
+        ground, above, relief = self.ground, np.zeros(len(lat_deg)), {}
+        if ground_m is not None:
+            # Stand-offs over one height are those over another, to a millionth or so for each ten metres between them.
+            ground, above = WGS84.raised(float(np.median(ground_m))), ground_m
+            relief = {**vars(self.terrain), "height_above": ELLIPSOID}
+        standing = [standing_poses(lat_deg, lon_deg, view, ground) for view in chosen]
         # Place by place, and the views of each in their order.
-        where = np.stack([(poses.lat_deg, poses.lon_deg, poses.agl_m) for poses in standing], axis=-1)
+        where = np.stack(
+            [(poses.lat_deg, poses.lon_deg, np.round(poses.agl_m + above, _DECIMALS)) for poses in standing],
+            axis=-1,
+        )
         return self._mission(
             Points(
                 tuple(map(tuple, where.transpose(1, 2, 0).reshape(-1, 3).tolist())),
@@ -174,6 +191,7 @@ class PairSettings:
             img_size=(*self.image_size_px, 3),
             frame="camera",
             accept_error=self.accept_error,
+            **relief,
         )
 
 
@@ -313,13 +331,17 @@ class PairPlan:
         }
 
 
-def plan_pairs(places: Sequence[Place], settings: PairSettings, grid: PixelGrid) -> PairPlan:
-    """Work a cross-view dataset out on a source's pixel grid; fetches nothing.
+def plan_pairs(
+    places: Sequence[Place], settings: PairSettings, grid: PixelGrid, heights: Heights | None = None
+) -> PairPlan:
+    """Work a cross-view dataset out on a source's pixel grid; fetches no imagery.
 
     Parameters
     ----------
     places : sequence of Place
         Their order is that of the ids.
+    heights : Heights or None
+        Those of the settings' terrain (`picture.heights.heights_for`), where it has some.
 
     Raises
     ------
@@ -328,9 +350,16 @@ def plan_pairs(places: Sequence[Place], settings: PairSettings, grid: PixelGrid)
     """
     if not places:
         raise InvalidInput("no places: needs one or more")
-    plans = {name: plan(mission, grid) for name, mission in settings.missions(places).items()}
+    missions = settings.missions(places, heights)
+    plans = {
+        name: plan(mission, grid, heights if mission.terrain.elevation else None)
+        for name, mission in missions.items()
+    }
     lat = np.array([place.lat_deg for place in places])
     seen_m = reach_m(lat, settings.views, settings.camera, settings.ground)
+    for one in plans.values():
+        if one.relief is not None:
+            seen_m = np.maximum(seen_m, _reach_over_relief_m(one, one.relief, places))
     farthest_m = np.maximum(seen_m, _window_reach_m(plans[SATELLITE]))
     parts = part_places(
         places,
@@ -341,6 +370,33 @@ def plan_pairs(places: Sequence[Place], settings: PairSettings, grid: PixelGrid)
         allow_shared_ground=settings.allow_shared_ground,
     )
     return PairPlan(settings, tuple(places), plans, parts.of, parts.ground_shared, float(farthest_m.max()))
+
+
+def _heights_of_places(places: Sequence[Place], heights: Heights) -> Floats:
+    """Heights of the ground at places, (n,), each from the finest cells around it."""
+    found = np.empty(len(places))
+    for index, place in enumerate(places):
+        at = np.array([place.lat_deg]), np.array([place.lon_deg])
+        surface = heights.ground.surface(*at)
+        found[index] = surface.heights(*surface.position(*at))[0]
+        if math.isnan(found[index]):
+            raise no_ground(place.lat_deg, place.lon_deg)
+    return found
+
+
+def _reach_over_relief_m(drone: Plan, relief: ReliefBelow, places: Sequence[Place]) -> Floats:
+    """Farthest ground from each place, (n,), that the edges of its images see over relief; metres."""
+    along = np.linspace(-1.0, 1.0, _ALONG_EDGE)
+    edge = [(x, y) for x in along for y in along if max(abs(x), abs(y)) == 1.0]
+    each = len(drone) // len(places)
+    found = np.empty(len(places))
+    for index, place in enumerate(places):
+        part = slice(index * each, (index + 1) * each)
+        seen, _ = relief.seen(drone.poses.take(part), drone.height_m[part], tuple(edge))
+        middle = cartesian_m(np.array(place.lat_deg), np.array(place.lon_deg))
+        distance = np.sqrt(np.sum((cartesian_m(seen.lat_deg, seen.lon_deg) - middle) ** 2, axis=-1))
+        found[index] = np.where(seen.hit, distance * _BULGE_OVER_RELIEF, np.inf).max()
+    return found
 
 
 def _window_reach_m(satellite: Plan) -> Floats:

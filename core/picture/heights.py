@@ -6,6 +6,7 @@ from ..elevation.heights import HeightOptions
 from ..elevation.relief import Relief, open_relief
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
+from ..mission.parts import Terrain
 from ..mission.relief import Heights
 
 
@@ -23,10 +24,14 @@ def heights_of(mission: Mission, options: SourceOptions | None = None) -> Height
     InvalidInput, SourceError
         As `elevation.heights.open_heights` does.
     """
-    terrain = mission.terrain
+    asked = options or SourceOptions(seed=mission.imagery.seed, crs=mission.imagery.crs)
+    return heights_for(mission.terrain, asked)
+
+
+def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:
+    """Open the heights that a terrain names; as `heights_of`."""
     if not terrain.elevation:
         return None
-    asked = options or SourceOptions(seed=mission.imagery.seed, crs=mission.imagery.crs)
     wanted = HeightOptions(terrain.vertical_datum, terrain.height_unit, terrain.height_offset_m, asked)
     ground = open_relief(terrain.elevation, wanted)
     if not terrain.surface:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -21,6 +22,7 @@ from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
 from ..mission import Mission
+from ..parts import GROUND
 from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, lay_out
@@ -116,6 +118,7 @@ def framed(
 
         return lay_out(mission, frames, pixel)
 
+    zoom_of = partial(_zoom, mission, framing, relief)
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
         # Turned rows are all alike, as tight as the highest ground needs.
@@ -123,7 +126,7 @@ def framed(
         layout, passes = lay_out_rotated(least, ground_of(mission), grid.own)
         if grid.own is not None:
             # Outer frames leave room for the rounding of their edges to the grid's pixels.
-            room_m = _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(framing.zoom(layout)))
+            room_m = _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom_of(layout)))
             layout, passes = lay_out_rotated(least, ground_of(mission), grid.own, room_m)
     else:
         layout = laid_out(0.0)
@@ -136,12 +139,12 @@ def framed(
             if not (isinstance(mission.area, Points) and mission.area.yaws_deg):
                 # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true.
                 layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
-    zoom = framing.zoom(layout)
+    zoom = zoom_of(layout)
     if not passes and not isinstance(mission.area, Points):
         # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
         # take the lower one, whose pixels are larger.
         layout = laid_out(1.0 / grid.world_px(zoom))
-        lower = framing.zoom(layout)
+        lower = zoom_of(layout)
         if lower != zoom:
             zoom = min(zoom, lower)
             layout = laid_out(1.0 / grid.world_px(zoom))
@@ -158,6 +161,14 @@ def framed(
         edges = framing.edges(poses.take(first), pixel)
     windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
     return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown)
+
+
+def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout: Layout) -> int:
+    """Zoom of a mission's pictures."""
+    if relief is None or mission.terrain.height_above == GROUND:
+        return framing.zoom(layout)
+    # Heights count from elsewhere: images show what is below them.
+    return framing.zoom(layout._replace(agl_m=relief.flown(layout).seen_agl_m))
 
 
 def _latitudes(mission: Mission) -> Floats:

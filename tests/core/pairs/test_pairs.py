@@ -9,20 +9,28 @@ import os
 from dataclasses import replace
 
 import numpy as np
+import pyproj
 import pytest
 from PIL import Image
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import lat_to_v, lon_to_u
+from terrainav.core.geodesy.relief import Surface
+from terrainav.core.imagery.opening import SourceOptions
+from terrainav.core.mission.parts import Terrain
+from terrainav.core.mission.relief import Heights
 from terrainav.core.pairs.capturing import capture_pairs
 from terrainav.core.pairs.parts import TEST, TRAIN
 from terrainav.core.pairs.places import Place
 from terrainav.core.pairs.planning import PairSettings, plan_pairs
 from terrainav.core.pairs.sheet import contact_sheet
 from terrainav.core.pairs.views import rings
+from terrainav.core.picture.heights import heights_for
+from terrainav.core.picture.products import sighting
 from terrainav.core.world import WorldSource
 
 from tests.support.sources import PatternSource, missing
 
+GEOCENTRIC = pyproj.Transformer.from_crs(4979, 4978, always_xy=True)
 PLACES = tuple(Place(35.0 + 0.02 * at, -89.9 + 0.001 * at, f"place {at}") for at in range(5))
 SETTINGS = PairSettings(
     views=rings((100.0, 140.0), 3, (40.0,)), size_px=64, source="pattern", shares=(2.0, 2.0, 1.0)
@@ -334,3 +342,61 @@ def test_the_contact_sheet_shows_places_of_all_parts(pairs, tmp_path, monkeypatc
 def test_sizes_of_images_are_checked(size_px):
     with pytest.raises(InvalidInput, match=f"size of images {size_px} px: must be from 1 to 14,142"):
         replace(SETTINGS, size_px=size_px)
+
+
+def test_over_relief_the_drone_looks_at_the_ground_of_each_place(tmp_path):
+    """Places at different heights: each in the middle of its images, whose pictures are those of the relief."""
+    towns = (
+        Place(35.1408, -89.8606, "town"),
+        Place(35.1608, -89.8606, "wood"),
+        Place(35.1208, -89.86, "field"),
+    )
+    settings = PairSettings(
+        views=rings((60.0,), 2, (45.0,)),
+        size_px=48,
+        shares=(1.0, 1.0, 1.0),
+        terrain=Terrain(elevation=("world",)),
+    )
+    heights = heights_for(settings.terrain, SourceOptions(seed=settings.seed))
+    made = plan_pairs(towns, settings, WorldSource.grid, heights)
+    drone = made.plans["drone"]
+    assert made.plans["satellite"].relief is None
+    assert drone.relief is not None
+    spread = []
+    for index, place in enumerate(towns):
+        at = np.array([place.lat_deg]), np.array([place.lon_deg])
+        below = heights.ground.surface(*at)
+        ground = float(below.heights(*below.position(*at))[0])
+        spread.append(ground)
+        for _, view in made.shots(index):
+            assert drone.height_m[view] == pytest.approx(ground + 60.0, abs=2e-3)
+            # The axis, in geocentric coordinates, passes the place.
+            camera = np.array(
+                GEOCENTRIC.transform(drone.lon_deg[view], drone.lat_deg[view], drone.height_m[view])
+            )
+            point = np.array(GEOCENTRIC.transform(place.lon_deg, place.lat_deg, ground))
+            phi, lam = np.radians(drone.lat_deg[view]), np.radians(drone.lon_deg[view])
+            up = np.array([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)])
+            east = np.array([-np.sin(lam), np.cos(lam), 0.0])
+            yaw = np.radians(drone.poses.yaw_deg[view])
+            heading = np.sin(yaw) * east + np.cos(yaw) * np.cross(up, east)
+            axis = (heading - up) / np.sqrt(2.0)
+            away = point - camera
+            assert np.linalg.norm(away - (away @ axis) * axis) < 0.02
+    assert np.ptp(spread) > 2.0
+    assert capture_pairs(made, WorldSource(), tmp_path).written == 9
+    # Houses hide ground: the depths of an image are not those of a plane.
+    shown = sighting(drone, made.shots(0)[0][1], (48, 48)).depth_m
+    assert np.abs(np.diff(1.0 / shown, n=2, axis=1)).max() > 1e-3
+
+
+def test_a_place_without_a_height_is_named():
+    settings = replace(SETTINGS, terrain=Terrain(elevation=("world",)))
+
+    class Nothing:
+        def surface(self, *_):
+            grid = WorldSource.grid
+            return Surface(grid, 0, 0, 0, np.full((3, 3), np.nan))
+
+    with pytest.raises(InvalidInput, match="no height at latitude 35"):
+        plan_pairs(PLACES, settings, WorldSource.grid, Heights(Nothing(), Nothing()))
