@@ -67,6 +67,7 @@ from stage import (
 )
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
+from terrainav.core.world.source import WorldHeights
 from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 
@@ -93,6 +94,8 @@ MIDLANDS = "52.412_-0.128_52.392_-0.090"
 ORTHOPHOTO_M = (527_800.0, 279_200.0, 529_800.0, 280_600.0)
 #: A mosaic about the South Pole: whole tiles of the embedded world.
 POLAR_CRS, POLAR_ZOOM, POLAR_PX = "EPSG:3031", 17, 2048
+#: A town, its middle, and a few images of it.
+TOWN, TOWN_PLACE = "35.1414_-89.8615_35.1402_-89.8597", (35.1408, -89.8606)
 LARGE = "35.35_-90.10_35.05_-89.70"
 #: Corners and a hole, in degrees.
 POLYGON = (
@@ -516,7 +519,7 @@ def orthophoto(stage: Stage) -> None:
     stage.capture()
     stage.dock.figures.fold.setChecked(True)
     stage.settle()
-    stage.shoot("orthophoto.jpg", stage.part(stage.canvas, stage.dock), stage.form.source, 80_000)
+    stage.shoot("orthophoto.jpg", stage.part(stage.canvas, stage.dock), stage.form.source, FEWER_BYTES)
     stage.dock.figures.fold.setChecked(False)
 
 
@@ -558,6 +561,56 @@ def polar_mosaic(path: Path) -> None:
     made.SetGeoTransform((-half * size_m, size_m, 0.0, half * size_m, 0.0, -size_m))
     made.WriteArray(np.moveaxis(pixels, -1, 0))
     made.FlushCache()
+
+
+def relief(stage: Stage) -> None:
+    """A surface model as a layer, chosen for the elevation by its button: a tilted flight over it, and an image."""
+    stage.begin(TOWN, "town", agl=60.0, tilt_deg=55.0, image_px=800)
+    path = FOLDER / "surface_utm.tif"
+    world_surface(path)
+    QgsProject.instance().addMapLayer(QgsRasterLayer(str(path), "surface_utm"), False)
+    section = stage.form.relief
+    section.unfold()
+    button = section.findChild(QToolButton, "elevation_choose")
+    button.menu().aboutToShow.emit()
+    next(action for action in button.menu().actions() if action.text() == "surface_utm").trigger()
+    stage.plan()
+    stage.preview()
+    stage.zoom(2500)
+    stage.capture()
+    stage.plugin.actions["view_images"].trigger()
+    viewing = stage.session.viewing
+    click_map(at(0.5, 0.45))
+    wait("image", lambda: viewing.seen is not None and not viewing.busy)
+    stage.shoot("relief.jpg", top=section)
+    viewing.stop()
+    viewing.viewer.hide()
+
+
+def world_surface(path: Path) -> None:
+    """Write what stands in the embedded world's town as heights in UTM, half a metre a pixel."""
+    lat, lon = TOWN_PLACE
+    with closing(WorldHeights()) as heights:
+        zoom, side = 18, 1024
+        u, v = (float(at[0]) for at in heights.grid.plane.forward(np.array([lat]), np.array([lon])))
+        world = heights.grid.world_px(zoom)
+        left, top = int(u * world) - side // 2, int(v * world) - side // 2
+        pixels = np.zeros((side, side), np.float32)
+        for part in heights.parts(Window(zoom, left, top, side, side)):
+            tile = part.window
+            row, column = max(int(tile.top_px) - top, 0), max(int(tile.left_px) - left, 0)
+            skip_row, skip_column = max(top - int(tile.top_px), 0), max(left - int(tile.left_px), 0)
+            some = heights.fetch("", tile)[skip_row:, skip_column:, 0][: side - row, : side - column]
+            pixels[row : row + some.shape[0], column : column + some.shape[1]] = some
+        size_m, _ = heights.grid.pixel_size(zoom)
+    made = gdal.GetDriverByName("MEM").Create("", side, side, 1, gdal.GDT_Float32)
+    made.SetProjection(QgsCoordinateReferenceSystem("EPSG:3857").toWkt())
+    half = heights.grid.world_px(zoom) / 2.0
+    made.SetGeoTransform(((left - half) * size_m, size_m, 0.0, (half - top) * size_m, 0.0, -size_m))
+    made.GetRasterBand(1).WriteArray(pixels)
+    gdal.Warp(
+        str(path), made, dstSRS="EPSG:32616", xRes=0.5, yRes=0.5, resampleAlg="bilinear", dstNodata=-9999
+    )
 
 
 # --- scenes: around the panel
@@ -629,6 +682,7 @@ SCENES: dict[str, Callable[[Stage], None]] = {
         cleaning,
         failed,
         orthophoto,
+        relief,
         polar,
         algorithms,
         options,

@@ -31,6 +31,8 @@ _SETTLED = 0.05
 _MOST_STEPS = 1 << 14
 #: Cells gone through one by one before blocks are tried again.
 _STEPS_AT_ONCE = 8
+#: Level of blocks that single rays begin with: they are near the ground already.
+_FIRST_LEVEL = 2
 #: What rounding leaves rays below a surface that they meet: deeper ones have come in from beneath, beyond its edge.
 _TOUCHING_M = 1e-6
 #: Single rays that are followed together, and metres beyond which their ways are no longer told by so few powers.
@@ -532,7 +534,7 @@ class Surface:
         t, end, c = t_found.take(index), farthest.take(index), coefficients.take(index, axis=2)
         start = _of_rays(start, index)
         s = None if spread is None else spread.take(index, axis=2)
-        level = np.full(len(index), tops.levels - 1)
+        level = np.full(len(index), tops.levels - 1 if s is not None else min(_FIRST_LEVEL, tops.levels - 1))
         for _ in range(_MOST_STEPS):
             if not len(index):
                 break

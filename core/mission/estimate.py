@@ -31,6 +31,8 @@ class Costs:
         Size of the written files by format.
     warp_s_per_px : float
         Making a camera frame from its tiles, on one core.
+    trace_s_per_px : float
+        Following its rays over relief, twice, on one core.
     requests_per_s : float or None
         The most that the source allows; None where it has no such limit.
     pixels_from : str
@@ -42,6 +44,7 @@ class Costs:
     encode_s_per_px: dict[str, float]
     bytes_per_px: dict[str, float]
     warp_s_per_px: float = 1e-7
+    trace_s_per_px: float = 4e-6
     requests_per_s: float | None = None
     pixels_from: str = "network"
 
@@ -179,7 +182,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
     encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
     if plan.size_px is not None:
-        encode_s += float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px / cores
+        per_px_s = costs.warp_s_per_px + (costs.trace_s_per_px if plan.relief is not None else 0.0)
+        encode_s += float(np.sum(plan.width_px * plan.height_px)) * per_px_s / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap = plan.coverage, plan.overlap

@@ -21,6 +21,8 @@ from .map_frame import assemble, window_of
 _FOOTPRINTS_TIMED = 10_000
 #: Runs, at least, and steps of the clock that they take together: some systems' are of 16 ms.
 _RUNS, _LEAST_STEPS = 3, 10
+#: Times that a capture over relief is traced.
+_VIEWS_OVER_RELIEF = 2
 
 
 class Cost(NamedTuple):
@@ -63,7 +65,13 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     view, lon = plan.view(index), float(plan.lon_deg[index])
     parts = camera_parts(view, lon)
     blank, resampling = _blank(parts, bands), plan.mission.accuracy.resampling
-    return Cost(footprints_s, _own_s(lambda: render(view, lon, parts, blank, resampling, bands)))
+    seeing_s = 0.0
+    if plan.relief is not None:
+        # Over relief a capture has a view of its own, made to know its tiles and made again to draw it.
+        start = time.thread_time()
+        plan.view(index)
+        seeing_s = _VIEWS_OVER_RELIEF * (time.thread_time() - start)
+    return Cost(footprints_s, seeing_s + _own_s(lambda: render(view, lon, parts, blank, resampling, bands)))
 
 
 def _blank(parts: list[Part], bands: Bands) -> dict[Window, Pixels]:
