@@ -468,9 +468,10 @@ class Surface:
             # Within the width of a block, in whatever direction, no ray leaves the blocks around.
             size = np.ldexp(1.0, level)
             per_t = np.maximum(np.abs(per_x), np.abs(per_y))
-            wide, deep = np.zeros(1), np.zeros(1)
+            wide, widening, deep = np.zeros(1), np.zeros(1), np.zeros(1)
             if s is not None:
-                wide, per_t = _polynomial(s[:, 0], t), per_t + _slope(s[:, 0], t)
+                wide, widening = _polynomial(s[:, 0], t), _slope(s[:, 0], t)
+                per_t = per_t + widening
             # Blocks that are not much wider than the bundle hold it back at every step.
             roomy = wide <= 0.5 * size
             step = np.where(roomy, size - wide, 0.0) / (_SPEEDING * np.maximum(per_t, _SLOWEST))
@@ -486,7 +487,7 @@ class Surface:
             stuck = ~free & ((level <= least_level) | ~roomy)
             gone = ~stuck & (
                 (ahead >= end) & free
-                | self._leaves(x, y, per_x, per_y, wide)
+                | self._leaves(x, y, per_x, per_y, wide, widening)
                 | (h + deep < self.lowest_m - _TOUCHING_M)
             )
             t = np.where(free, ahead, np.where(partly, reach, t))
@@ -501,14 +502,22 @@ class Surface:
         t_found[index], there[index] = t, True
         return t_found, there
 
-    def _leaves(self, x: Floats, y: Floats, per_x: Floats, per_y: Floats, wide: Floats | float) -> Bools:
-        """Which bundles are beside the surface and go away from it."""
+    def _leaves(
+        self,
+        x: Floats,
+        y: Floats,
+        per_x: Floats,
+        per_y: Floats,
+        wide: Floats | float,
+        widening: Floats | float,
+    ) -> Bools:
+        """Which bundles are beside the surface and go away from it, those of their rays too that spread towards it."""
         rows, columns = self.cells
         beside: Bools = (
-            ((x + wide < 0.0) & (per_x <= 0.0))
-            | ((x - wide > columns) & (per_x >= 0.0))
-            | ((y + wide < 0.0) & (per_y <= 0.0))
-            | ((y - wide > rows) & (per_y >= 0.0))
+            ((x + wide < 0.0) & (per_x + widening <= 0.0))
+            | ((x - wide > columns) & (per_x - widening >= 0.0))
+            | ((y + wide < 0.0) & (per_y + widening <= 0.0))
+            | ((y - wide > rows) & (per_y - widening >= 0.0))
         )
         return beside
 
@@ -553,7 +562,7 @@ class Surface:
                 found.t[index[hit]] = t[hit] + part * (t_next - t)[hit]
                 found.column[index[hit]] = np.clip(x[hit] + part * (x_next - x)[hit], j[hit], j[hit] + 1)
                 found.row[index[hit]] = np.clip(y[hit] + part * (y_next - y)[hit], i[hit], i[hit] + 1)
-            keep = ~hit & ~under & (t_next < end) & ~self._leaves(x, y, per_x, per_y, 0.0)
+            keep = ~hit & ~under & (t_next < end) & ~self._leaves(x, y, per_x, per_y, 0.0, 0.0)
             j = np.where(across, j + np.sign(per_x).astype(np.int64), j)[keep]
             i = np.where(across, i, i + np.sign(per_y).astype(np.int64))[keep]
             index, t, end, c = index[keep], t_next[keep], end[keep], c[:, :, keep]
