@@ -123,10 +123,10 @@ def _along(start: np.ndarray, coefficients: np.ndarray, t: np.ndarray) -> np.nda
     return total + start[:, np.newaxis]
 
 
-def timed(work: Callable[[], object]) -> float:
+def timed(work: Callable[[], object], repeats: int = REPEATS) -> float:
     """Seconds of this thread's processor time, the best of several."""
     best = np.inf
-    for _ in range(REPEATS):
+    for _ in range(repeats):
         begin = time.thread_time()
         work()
         best = min(best, time.thread_time() - begin)

@@ -21,6 +21,8 @@ Bools = NDArray[np.bool_]
 _BUNDLES_PX = (64, 16, 4)
 #: Points along each side of an image through which paths are fitted, and how much farther than rays are followed.
 _FITTED, _MARGIN = 6, 1.05
+#: Points along each side whose rays tell how far any of an image goes.
+_REACHED = 81
 #: Rows of an image that are worked on in one go: what they need fits a processor's cache.
 _ROWS = 32
 #: Levels of blocks in which rays may fall to the ground, and turns of Newton's method that find where.
@@ -280,9 +282,17 @@ class Surface:
         )
         directions = rays.at(x, y)
         away = self.away_m(lat_deg, lon_deg, height_m)
-        with np.errstate(divide="ignore"):
-            down = np.where(directions[:, 2] < 0.0, (height_m - self.lowest_m) / -directions[:, 2], np.inf)
-        farthest = _MARGIN * np.minimum(down, away / np.maximum(np.hypot(*directions[:, :2].T), _SLOWEST))
+
+        def ends(rays_enu: Floats) -> Floats:
+            with np.errstate(divide="ignore"):
+                down = np.where(rays_enu[:, 2] < 0.0, (height_m - self.lowest_m) / -rays_enu[:, 2], np.inf)
+            found: Floats = np.minimum(down, away / np.maximum(np.hypot(*rays_enu[:, :2].T), _SLOWEST))
+            return _MARGIN * found
+
+        farthest = ends(directions)
+        # The longest ways lie where rays reach the lowest ground and the edge at once, often between those points.
+        all_x, all_y = np.meshgrid(*(np.linspace(0.0, side, _REACHED) for side in (rays.width, rays.height)))
+        reach = float(ends(rays.at(all_x.ravel(), all_y.ravel())).max())
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         cell = float(self.grid.ground_m_per_px(np.array(lat_deg), np.array(lon_deg), self.zoom))
         tolerances = tolerance_px * pixel / np.array([cell, cell, 1.0]) / 3.0
@@ -291,7 +301,7 @@ class Surface:
             return np.stack([*self.position(lat, lon_deg + dlon), height], axis=1)
 
         found, off = fitted(lat_deg, height_m, directions, farthest, coordinates, tolerances)
-        return found, float(farthest.max()), tolerance_px * float((off / tolerances).sum()) / 3.0
+        return found, reach, tolerance_px * float((off / tolerances).sum()) / 3.0
 
     def away_m(self, lat_deg: float, lon_deg: float, height_m: float) -> float:
         """Level distance of its farthest corner from a camera."""

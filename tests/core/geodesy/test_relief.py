@@ -276,6 +276,22 @@ def test_bundles_find_what_single_rays_do(kind, tilt):
     assert np.median(np.abs(coarse - single.t)[there]) < 0.05 * pixel * np.median(single.t[there])
 
 
+@pytest.mark.parametrize("yaw", [30.0, 75.0, 285.0, 330.0])
+@pytest.mark.parametrize("beside_m", [10.0, 40.0])
+def test_bundles_from_beside_the_surface_spread_over_its_edge(yaw, beside_m):
+    surface = surface_about("EPSG:32616", 35.1, -89.9, heights("hills", SIDE, SIDE))
+    lat, lon = surface.places(np.array([SIDE / 2.0]), np.array([SIDE - 1.0]))
+    lat, lon = float(lat[0]) - beside_m / 111e3, float(lon[0])
+    rays = image_rays(yaw, 20.0, 0.0, 320, 240)
+    height = surface.lowest_m + 400.0
+    paths, farthest, _ = surface.paths(lat, lon, height, rays, 1e-3)
+    hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-3)
+    n = rays.width * rays.height
+    single = surface.first_hits(paths, centres(rays), np.zeros(n), np.full(n, farthest))
+    assert np.isfinite(single.t).any()
+    assert np.array_equal(np.isnan(hits.t.ravel()), np.isnan(single.t))
+
+
 @pytest.mark.parametrize(("crs", "lat", "lon"), PLACES)
 @pytest.mark.parametrize("far", [200.0, 5e3, 40e3])
 def test_paths_are_as_exact_as_they_say(crs, lat, lon, far):
