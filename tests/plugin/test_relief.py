@@ -13,9 +13,13 @@ from qgis.core import QgsProject, QgsRasterLayer
 from qgis.PyQt.QtCore import QEvent, QPointF, Qt
 from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtWidgets import QToolButton
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.products import products
+from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 
 from tests.plugin.test_capture import capture, images
 from tests.plugin.test_own_crs import UTM, draw, middle_of
@@ -199,3 +203,34 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
     finally:
         viewing.stop()
         viewer.hide()
+
+
+def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
+    """Laid on the map, each pixel of the picture is found again at the ground point that its product states."""
+    source = open_source("world")
+    _, lat, lon = UTM
+    mission = Mission(
+        Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=160, source="world"
+    ).with_(elevation=(dem.source(),), products=("points",))
+    made = plan(mission, source.grid, heights_of(mission))
+    width, height = made.size_px
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    # A picture whose colours tell its pixels.
+    told = np.stack([columns, rows, 0 * rows]).astype(np.uint8)
+    raster = gdal.GetDriverByName("GTiff").Create(str(tmp_path / "told.tif"), width, height, 3)
+    raster.WriteArray(told)
+    del raster
+    lay_on_map(made, tmp_path / "told.tif", tmp_path / "laid.tif")
+    laid = gdal.Open(str(tmp_path / "laid.tif"))
+    west, across, _, north, _, down = laid.GetGeoTransform()
+    shown = laid.ReadAsArray().astype(float)
+    ((_, points),) = products(made, 0, (width, height))
+    x, y = pyproj.Transformer.from_crs(4326, 3857, always_xy=True).transform(points[..., 0], points[..., 1])
+    i, j = ((y - north) / down).astype(int), ((x - west) / across).astype(int)
+    inside = (points[..., 3] > 0) & (i >= 0) & (j >= 0) & (i < shown.shape[1]) & (j < shown.shape[2])
+    assert inside.mean() > 0.9
+    at = shown[:, i[inside], j[inside]]
+    opaque = at[3] == 255
+    assert opaque.mean() > 0.95
+    off = np.abs(at[:2] - told[:2, inside])[:, opaque].max(axis=0)
+    assert np.percentile(off, 95) <= 1.5
