@@ -4015,6 +4015,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Depth along the camera's axis; grey where no ground is seen</source>
+        <translation>Profundidad a lo largo del eje de la cámara; gris donde no se ve suelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Depth here: {metres}</source>
+        <translation>Profundidad aquí: {metres}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Depth, grey where no ground is seen</source>
+        <translation>Profundidad; gris donde no se ve suelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Entropy</source>
         <translation>Entropía</translation>
     </message>
@@ -4080,6 +4095,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>No ground here</source>
+        <translation>Aquí no hay suelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Ope&amp;n</source>
         <translation>&amp;Abrir</translation>
     </message>
@@ -4137,6 +4157,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{lat}°, {lon}°</source>
         <translation>{lat}°, {lon}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{metres} m</source>
+        <translation>{metres} m</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>

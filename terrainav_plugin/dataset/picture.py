@@ -1,4 +1,4 @@
-"""A picture read for the screen. On any thread; no file stays open."""
+"""A picture and its depth, read for the screen. On any thread; no file stays open."""
 
 from __future__ import annotations
 
@@ -16,6 +16,20 @@ from .shown import open_shown
 
 _OPAQUE = 255
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
+#: Colours from near to far, evenly spaced: matplotlib's viridis, even to the eye, also to the colour-blind one.
+_VIRIDIS = (
+    (68, 1, 84),
+    (71, 45, 123),
+    (59, 82, 139),
+    (44, 114, 142),
+    (33, 145, 140),
+    (40, 174, 128),
+    (94, 201, 98),
+    (173, 220, 48),
+    (253, 231, 37),
+)
+#: Of pixels that see no ground: grey, as none of the colours is.
+_NO_GROUND = (128, 128, 128)
 
 
 class Picture(NamedTuple):
@@ -42,6 +56,70 @@ class Picture(NamedTuple):
     problem: str = ""
 
 
+class Depth(NamedTuple):
+    """The depth of a picture.
+
+    Parameters
+    ----------
+    metres : array (h, w) of float32
+        Along the optical axis, NaN where no ground is seen; of the pixels that are shown.
+    least_m, most_m : float
+        Of all pixels; NaN where none sees the ground.
+    image : QImage
+        The depth in colours, by its logarithm: near and far are told apart in one picture.
+    """
+
+    metres: np.ndarray
+    least_m: float
+    most_m: float
+    image: QImage
+
+    def at(self, x: float, y: float) -> float:
+        """Metres at a place of the picture, in shares of its width and height from 0 to 1; NaN for no ground."""
+        height, width = self.metres.shape
+        return float(self.metres[min(int(y * height), height - 1), min(int(x * width), width - 1)])
+
+    def metres_of(self, share: float) -> float:
+        """Depth that has the colour at a share of the way from near to far."""
+        return float(self.least_m ** (1.0 - share) * self.most_m**share)
+
+
+def read_depth(path: Path, longest_px: int) -> Depth | None:
+    """Read the depth of a picture, made smaller as `read_picture` does, but never mixed; None where there is none."""
+    if not path.is_file():
+        return None
+    try:
+        file = gdal.Open(str(path))
+        if file is None:
+            return None
+        band, size = file.GetRasterBand(1), _size(file, longest_px)
+        metres = band.ReadAsArray(**size).astype(np.float32)
+        metres[band.GetMaskBand().ReadAsArray(**size) == 0] = np.nan
+    except (RuntimeError, AttributeError):
+        # Without depth the picture is shown all the same.
+        return None
+    metres[~(np.isfinite(metres) & (metres > 0.0))] = np.nan
+    there = metres[~np.isnan(metres)]
+    least, most = (float(there.min()), float(there.max())) if there.size else (np.nan, np.nan)
+    span = np.log(most / least) if most > least else 1.0
+    return Depth(
+        metres, least, most, _image(np.moveaxis(depth_colours(np.log(metres / least) / span), -1, 0))
+    )
+
+
+def legend_image(width: int) -> QImage:
+    """Colours from near to far, one line."""
+    return _image(np.moveaxis(depth_colours(np.linspace(0.0, 1.0, width)[np.newaxis]), -1, 0))
+
+
+def depth_colours(share: np.ndarray) -> np.ndarray:
+    """Colours (..., 3) of shares of the way from near, 0, to far, 1; grey where they are NaN."""
+    at = np.linspace(0.0, 1.0, len(_VIRIDIS))
+    channels = [np.interp(share, at, channel) for channel in zip(*_VIRIDIS)]
+    colours = np.where(np.isnan(share)[..., np.newaxis], _NO_GROUND, np.stack(channels, axis=-1))
+    return np.rint(colours).astype(np.uint8)
+
+
 def read_picture(path: Path, longest_px: int) -> Picture:
     """Read a GeoTIFF, JPEG or PNG, made smaller where its longer side has more than ``longest_px``."""
     if not path.is_file():
@@ -51,9 +129,7 @@ def read_picture(path: Path, longest_px: int) -> Picture:
         if file is None:
             raise RuntimeError(gdal.GetLastErrorMsg())
         width, height = file.RasterXSize, file.RasterYSize
-        share = min(longest_px / max(width, height), 1.0)
-        size = {"buf_xsize": max(round(width * share), 1), "buf_ysize": max(round(height * share), 1)}
-        bands = file.ReadAsArray(resample_alg=gdal.GRIORA_Average, **size)
+        bands = file.ReadAsArray(resample_alg=gdal.GRIORA_Average, **_size(file, longest_px))
         metadata = dict(file.GetMetadata())
     except RuntimeError as wrong:
         return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
@@ -61,6 +137,13 @@ def read_picture(path: Path, longest_px: int) -> Picture:
         reason = gdal.GetLastErrorMsg()
         return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=reason))
     return Picture(path, _image(bands), width, height, metadata)
+
+
+def _size(file: gdal.Dataset, longest_px: int) -> dict[str, int]:
+    """Size at which a file is read for the screen."""
+    width, height = file.RasterXSize, file.RasterYSize
+    share = min(longest_px / max(width, height), 1.0)
+    return {"buf_xsize": max(round(width * share), 1), "buf_ysize": max(round(height * share), 1)}
 
 
 def _image(bands: np.ndarray) -> QImage:

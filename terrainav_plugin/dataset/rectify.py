@@ -16,15 +16,17 @@ from osgeo import gdal
 from ...core.capture.georeference import wkt_1
 from ...core.errors import OutputError
 from ...core.files import partial_file
-from ...core.geodesy.ellipsoid import sight_lines
+from ...core.geodesy.ellipsoid import WGS84, sight_lines
 from ...core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, v_to_lat
 from ...core.mission.outlines import footprint_ring, metres
+from ...core.picture.products import sighting
 from ...core.picture.resampling import sample
 from .shown import open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from ...core.geodesy.relief import Surface
     from ...core.mission.plan import Plan
 
     Flags = NDArray[np.bool_]
@@ -41,6 +43,8 @@ _BATCH = 1 << 17
 _OPTIONS = ("COMPRESS=DEFLATE", "PREDICTOR=2", "ZLEVEL=1", "TILED=YES", "PHOTOMETRIC=RGB", "ALPHA=YES")
 _OVERVIEWS = [2, 4, 8]
 _OPAQUE = 255
+#: Share by which what a pixel of the map sees may be farther than what the picture's pixels there see.
+_BEHIND = 0.01
 
 
 class _Frame(NamedTuple):
@@ -75,11 +79,12 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
     frame = _frame(plan)
     image = _read(picture)
     height, width = image.shape[:2]
+    relief = None if plan.relief is None else _Relief.of(plan, (width, height))
     pixels = np.zeros((frame.height_px, frame.width_px, 4), np.uint8)
     rows = max(_BATCH // frame.width_px, 1)
     for top in range(0, frame.height_px, rows):
         part = pixels[top : top + rows]
-        points, seen = _image_points(plan, frame, top + np.arange(len(part)))
+        points, seen = _image_points(plan, frame, top + np.arange(len(part)), relief)
         x, y = (points[seen, 0] + 1.0) / 2.0 * width, (1.0 - points[seen, 1]) / 2.0 * height
         part[seen] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
     pixels[..., 3] = np.where(pixels[..., 3] > _OPAQUE // 2, _OPAQUE, 0)
@@ -122,7 +127,45 @@ def _outline(plan: Plan) -> tuple[Floats, Floats]:
     return footprint_ring(plan, 0)
 
 
-def _image_points(plan: Plan, frame: _Frame, rows: NDArray[np.int64]) -> tuple[Floats, Flags]:
+class _Relief(NamedTuple):
+    """What a picture sees of relief: the surface, and the farthest that each pixel (h, w) or one beside it sees."""
+
+    surface: Surface
+    depth_m: Floats
+
+    @classmethod
+    def of(cls, plan: Plan, size_px: tuple[int, int]) -> _Relief:
+        """Of a plan's one capture, whose picture has a size."""
+        seen = sighting(plan, 0, size_px)
+        there = np.isfinite(seen.depth_m)
+        surface = plan.relief.heights.surface.surface(seen.lat_deg[there], seen.lon_deg[there])
+        padded = np.pad(np.where(there, seen.depth_m, -np.inf), 1, mode="edge")
+        return cls(surface, np.lib.stride_tricks.sliding_window_view(padded, (3, 3)).max(axis=(2, 3)))
+
+    def vectors(self, plan: Plan, lat: Floats, dlon: Floats) -> Floats:
+        """From the camera to the surface at places, (r, w, 3) in east, north, up; NaN where it has a hole."""
+        lat, dlon = np.broadcast_arrays(lat, dlon)
+        up = self.surface.heights(*self.surface.position(lat.ravel(), (plan.lon_deg[0] + dlon).ravel()))
+        normal = np.stack(_normal(plan, lat, dlon), axis=-1)
+        return (
+            sight_lines(plan.lat_deg, plan.height_m, lat, dlon, WGS84)
+            + normal * up.reshape(lat.shape)[..., None]
+        )
+
+    def sees(self, plan: Plan, points: Floats, vectors: Floats, inside: Flags) -> Flags:
+        """Which places are not hidden behind others."""
+        height, width = self.depth_m.shape
+        column = np.clip((points[inside, 0] + 1.0) / 2.0 * width, 0, width - 1).astype(int)
+        row = np.clip((1.0 - points[inside, 1]) / 2.0 * height, 0, height - 1).astype(int)
+        axis = plan.mission.camera.rays_enu(((0.0, 0.0),), *(angle[0] for angle in plan.poses.attitude))[0]
+        seen = inside.copy()
+        seen[inside] = vectors[inside] @ axis <= self.depth_m[row, column] * (1.0 + _BEHIND)
+        return seen
+
+
+def _image_points(
+    plan: Plan, frame: _Frame, rows: NDArray[np.int64], relief: _Relief | None
+) -> tuple[Floats, Flags]:
     """Image points (r, w, 2) of the map's pixels, and which of them the camera sees, (r, w)."""
     ground = plan.ground
     x_m = frame.west_m + (np.arange(frame.width_px) + 0.5) * frame.pixel_m
@@ -134,25 +177,34 @@ def _image_points(plan: Plan, frame: _Frame, rows: NDArray[np.int64]) -> tuple[F
     else:
         lat, lon = own.from_crs(*np.meshgrid(x_m, y_m))
         dlon = lon - plan.lon_deg[0]
-    vectors = sight_lines(plan.lat_deg, plan.agl_m, lat, dlon, ground)
+    if relief is None:
+        vectors = sight_lines(plan.lat_deg, plan.agl_m, lat, dlon, ground)
+    else:
+        vectors = relief.vectors(plan, lat, dlon)
     points, in_front = plan.mission.camera.image_xy(
         vectors.reshape(1, -1, 3), *(angle for angle in plan.poses.attitude)
     )
     points, in_front = points.reshape(*vectors.shape[:2], 2), in_front.reshape(vectors.shape[:2])
-    return points, in_front & (np.abs(points) <= 1.0).all(axis=-1) & _faces(plan, lat, dlon, vectors)
+    inside = in_front & (np.abs(points) <= 1.0).all(axis=-1)
+    if relief is not None:
+        return points, relief.sees(plan, points, vectors, inside)
+    return points, inside & _faces(plan, lat, dlon, vectors)
 
 
 def _faces(plan: Plan, lat_deg: Floats, dlon_deg: Floats, vectors: Floats) -> Flags:
     """Whether the ground faces the camera, and the Earth does not stand between."""
+    return sum(vectors[..., axis] * part for axis, part in enumerate(_normal(plan, lat_deg, dlon_deg))) < 0.0
+
+
+def _normal(plan: Plan, lat_deg: Floats, dlon_deg: Floats) -> tuple[Floats, Floats, Floats]:
+    """The ground's normal in the axes of the camera: east, north, up."""
     phi, lam, own = np.radians(lat_deg), np.radians(dlon_deg), math.radians(float(plan.lat_deg[0]))
-    # The ground's normal in the axes of the camera: east, north, up.
     outward = np.cos(phi) * np.cos(lam)
-    normal = (
+    return (
         np.cos(phi) * np.sin(lam),
         math.cos(own) * np.sin(phi) - math.sin(own) * outward,
         math.cos(own) * outward + math.sin(own) * np.sin(phi),
     )
-    return sum(vectors[..., axis] * part for axis, part in enumerate(normal)) < 0.0
 
 
 def _read(picture: Path) -> Pixels:

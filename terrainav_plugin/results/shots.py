@@ -13,7 +13,7 @@ from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from ...core.errors import InvalidInput
 from ...core.mission.mission import Mission
 from ..dataset.footprints import FootprintFile, rings_of, stamp_of
-from ..dataset.picture import Picture, read_picture
+from ..dataset.picture import Depth, Picture, read_depth, read_picture
 from ..i18n import tr
 from ..map.mission_group import dataset_of
 
@@ -80,6 +80,8 @@ class Seen(NamedTuple):
         Its row of the dataset's table; empty where there is none yet.
     rejected : bool
         Whether cleaning has moved it out of the way.
+    depth : Depth or None
+        Where the mission wrote it.
     """
 
     shot: Shot
@@ -88,6 +90,7 @@ class Seen(NamedTuple):
     picture: Picture
     row: dict[str, str]
     rejected: bool
+    depth: Depth | None = None
 
 
 class Finder:
@@ -143,7 +146,7 @@ class Finder:
 
 
 def see(shot: Shot, map_type: str, longest_px: int) -> Seen:
-    """Read what is to be shown of an image: its picture, no larger than it is shown, and its row of the table.
+    """Read what is to be shown of an image: picture and depth, no larger than shown, and its row of the table.
 
     Raises
     ------
@@ -158,7 +161,8 @@ def see(shot: Shot, map_type: str, longest_px: int) -> Seen:
     moved = rejected.is_file() and not path.is_file()
     picture = read_picture(rejected if moved else path, longest_px)
     row = _row(folder / map_type / TABLE_FILE, file)
-    return Seen(shot, mission.imagery.map_types, map_type, picture, row, moved)
+    depth = read_depth(folder / "depth" / f"{shot.name}.tif", longest_px)
+    return Seen(shot, mission.imagery.map_types, map_type, picture, row, moved, depth)
 
 
 def _row(table: Path, name: str) -> dict[str, str]:

@@ -9,8 +9,8 @@ from typing import Any
 
 from qgis.core import QgsApplication
 from qgis.gui import QgsDockWidget
-from qgis.PyQt.QtCore import QRect, QSize, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QBrush, QImage, QPainter, QPaintEvent
+from qgis.PyQt.QtCore import QEvent, QPoint, QPointF, QRect, QSize, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QBrush, QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QPen
 from qgis.PyQt.QtWidgets import (
     QComboBox,
     QHBoxLayout,
@@ -20,6 +20,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..dataset.picture import Depth, legend_image
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..plain import plain_label
@@ -31,6 +32,8 @@ _HEIGHTS_PX = (300, 220)
 _SHARES = (1, 1)
 _LEAST_PX = 160
 _USUAL_PX = (400, 300)
+#: Of the legend's colours, and of the circle about the pixel under the mouse.
+_LEGEND_PX, _RING_PX = 10, 5.0
 #: Metadata that the rows above tell already, or that concern programs only.
 _TOLD = {
     "AREA_OR_POINT",
@@ -72,7 +75,8 @@ class Viewer(QgsDockWidget):
     def __init__(self) -> None:
         super().__init__(tr("TerrAInav images"))
         self.setObjectName("terrainav_viewer")
-        self.view = PictureView()
+        self.view = PictureView("picture")
+        self.depth = DepthPane(self.view)
         self.under_click = named(QComboBox(), "under_click", tr("Images that show the place of the click"))
         self.under_click.activated.connect(self.chosen)
         self.map_type = named(QComboBox(), "shown_map_type", tr("Kind of map that is shown"))
@@ -91,6 +95,7 @@ class Viewer(QgsDockWidget):
     def show_hint(self, text: str) -> None:
         """Show a text in place of an image."""
         self.view.show_image(None, text)
+        self.depth.show_depth(None)
         self.details.setText("")
         self.place.setText("")
         self.under_click.hide()
@@ -117,6 +122,7 @@ class Viewer(QgsDockWidget):
     def show_seen(self, seen: Seen) -> None:
         """Show an image."""
         self.view.show_image(seen.picture.image, seen.picture.problem)
+        self.depth.show_depth(seen.depth)
         self.details.setText(details_html(seen))
         count = seen.shot.count
         self.place.setText(
@@ -159,9 +165,22 @@ class Viewer(QgsDockWidget):
         )
         self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
 
+    def _pictures(self) -> QWidget:
+        """The picture, the depth beside it, and the depth's legend below."""
+        beside = QHBoxLayout()
+        beside.setSpacing(4)
+        beside.addWidget(self.view, 1)
+        beside.addWidget(self.depth.view, 1)
+        pictures = QWidget()
+        layout = QVBoxLayout(pictures)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addLayout(beside, 1)
+        layout.addWidget(self.depth)
+        return pictures
+
     def _contents(self) -> QWidget:
         both = QSplitter(Qt.Orientation.Vertical)
-        both.addWidget(self.view)
+        both.addWidget(self._pictures())
         both.addWidget(scrolled(self.details))
         for index, share in enumerate(_SHARES):
             both.setStretchFactor(index, share)
@@ -187,20 +206,56 @@ class Viewer(QgsDockWidget):
 
 
 class PictureView(QWidget):
-    """Shows an image whole, its proportions kept, over a pattern that shines through where there is nothing."""
+    """Shows an image whole, its proportions kept, over a pattern that shines through where there is nothing.
 
-    def __init__(self) -> None:
+    Signals
+    -------
+    pointed(QPointF or None)
+        Place of the image under the mouse, in shares of its width and height; None beside it.
+    """
+
+    pointed = pyqtSignal(object)
+
+    def __init__(self, name: str) -> None:
         super().__init__()
-        self.setObjectName("picture")
+        self.setObjectName(name)
+        self.setMouseTracking(True)
+        self._mark: QPointF | None = None
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.image: QImage | None = None
         self._text = ""
 
     def show_image(self, image: QImage | None, text: str = "") -> None:
         """Show an image, or a text in its place."""
-        self.image, self._text = image, text
+        self.image, self._text, self._mark = image, text, None
         self.setAccessibleName(text)
         self.update()
+
+    def mark(self, at: QPointF | None) -> None:
+        """Draw a ring about a place of the image, or none."""
+        self._mark = at
+        self.update()
+
+    def place(self) -> QRect:
+        """Where the image is drawn."""
+        size = QSize() if self.image is None else self.image.size()
+        size = size.scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
+        return QRect(QPoint((self.width() - size.width()) // 2, (self.height() - size.height()) // 2), size)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Tell what is under the mouse."""
+        place = self.place()
+        if self.image is None or not place.contains(event.pos()):
+            self.pointed.emit(None)
+            return
+        # The middle of the screen's pixel.
+        x, y = event.pos().x() + 0.5 - place.left(), event.pos().y() + 0.5 - place.top()
+        self.pointed.emit(QPointF(x / place.width(), y / place.height()))
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Nothing is under the mouse any more."""
+        self.pointed.emit(None)
+        super().leaveEvent(event)
 
     def sizeHint(self) -> QSize:
         """Room for a picture of four by three."""
@@ -217,18 +272,102 @@ class PictureView(QWidget):
             flags = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
             painter.drawText(self.rect(), flags, self._text)
             return
-        size = self.image.size().scaled(self.size(), Qt.AspectRatioMode.KeepAspectRatio)
-        place = QRect(
-            (self.width() - size.width()) // 2,
-            (self.height() - size.height()) // 2,
-            size.width(),
-            size.height(),
-        )
+        place = self.place()
         painter.fillRect(place, QBrush(self.palette().mid().color(), Qt.BrushStyle.DiagCrossPattern))
-        enlarged = size.width() > self.image.width()
+        enlarged = place.width() > self.image.width()
         # Pixels stay pixels when enlarged.
         painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform, not enlarged)
         painter.drawImage(place, self.image)
+        if self._mark is None:
+            return
+        middle = QPointF(
+            place.left() + self._mark.x() * place.width(), place.top() + self._mark.y() * place.height()
+        )
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for colour, width in ((Qt.GlobalColor.black, 3.0), (Qt.GlobalColor.white, 1.0)):
+            painter.setPen(QPen(QColor(colour), width))
+            painter.drawEllipse(middle, _RING_PX, _RING_PX)
+
+
+class DepthPane(QWidget):
+    """The depth beside a picture, its legend, and the depth under the mouse; hidden where there is none.
+
+    Parameters
+    ----------
+    picture : PictureView
+        Whose pixels the depth is of.
+
+    Attributes
+    ----------
+    view : PictureView
+        The depth in colours; beside the picture.
+    here : QLabel
+        Depth under the mouse.
+    """
+
+    def __init__(self, picture: PictureView) -> None:
+        super().__init__()
+        self._picture = picture
+        self.view = PictureView("depth")
+        self.view.setToolTip(tr("Depth along the camera's axis; grey where no ground is seen"))
+        self.near, self.middle, self.far = (named(plain_label(), name) for name in ("near", "middle", "far"))
+        self.here = named(plain_label(), "depth_here")
+        self.here.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        for view in (picture, self.view):
+            view.pointed.connect(self._point)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(Legend())
+        numbers = QHBoxLayout()
+        for label in (self.near, self.middle, self.far):
+            numbers.addWidget(label)
+            if label is not self.far:
+                numbers.addStretch(1)
+        layout.addLayout(numbers)
+        layout.addWidget(self.here)
+        self.show_depth(None)
+
+    def show_depth(self, depth: Depth | None) -> None:
+        """Show a depth, or none."""
+        self._depth: Depth | None = depth
+        self.view.show_image(None if depth is None else depth.image)
+        for widget in (self, self.view):
+            widget.setVisible(depth is not None)
+        if depth is None:
+            return
+        for label, share in ((self.near, 0.0), (self.middle, 0.5), (self.far, 1.0)):
+            metres = depth.metres_of(share)
+            label.setText("" if math.isnan(metres) else _metres(metres))
+        self._point(None)
+
+    def _point(self, at: QPointF | None) -> None:
+        if self._depth is None:
+            return
+        for view in (self._picture, self.view):
+            view.mark(at)
+        if at is None:
+            self.here.setText(tr("Depth, grey where no ground is seen"))
+            return
+        metres = self._depth.at(at.x(), at.y())
+        self.here.setText(
+            tr("No ground here")
+            if math.isnan(metres)
+            else tr("Depth here: {metres}").format(metres=_metres(metres))
+        )
+
+
+class Legend(QWidget):
+    """The colours of depths from near to far."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("depth_legend")
+        self.setFixedHeight(_LEGEND_PX)
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
+        """Paint."""
+        QPainter(self).drawImage(self.rect(), legend_image(max(self.width(), 2)))
 
 
 def details_html(seen: Seen) -> str:
@@ -278,6 +417,10 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
         if name not in _TOLD and not name.startswith(("TIFFTAG_", "EXIF_")):
             yield name.replace("_", " ").capitalize(), value
     yield tr("File"), str(seen.picture.path)
+
+
+def _metres(value: float) -> str:
+    return tr("{metres} m").format(metres=number_text(value, ",.0f" if value >= 1e3 else ".1f"))
 
 
 def _number(values: dict[str, Any], name: str, decimals: int) -> str:

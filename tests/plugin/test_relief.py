@@ -10,13 +10,20 @@ import pyproj
 import pytest
 from osgeo import gdal
 from qgis.core import QgsProject, QgsRasterLayer
+from qgis.PyQt.QtCore import QEvent, QPointF, Qt
+from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtWidgets import QToolButton
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
+from terrainav.core.picture.products import products
+from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 
 from tests.plugin.test_capture import capture, images
 from tests.plugin.test_own_crs import UTM, draw, middle_of
+from tests.plugin.test_viewer import pixels
 from tests.support import rasters
 
 SIDE, CELL = 500, 2.0
@@ -131,3 +138,99 @@ def test_missions_over_relief_come_back_from_their_files(desk, dem, tmp_path):
     assert Mission.load(tmp_path / "mission.json") == planned.mission
     assert planned.mission.terrain.height_above == "takeoff"
     assert planned.mission.output.products == ("depth", "normals")
+
+
+def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
+    set_up(desk, tilt_deg=70.0, image_px=160, products=("depth",), elevation=(dem.source(),))
+    draw(desk, UTM, 100.0)
+    capture(desk)
+    viewing = desk.session.viewing
+    desk.plugin.actions["view_images"].trigger()
+    at = next(desk.layer("Captured images").getFeatures()).geometry().pointOnSurface().asPoint()
+    viewing._clicked(at.y(), at.x())
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    viewer, seen = viewing.viewer, viewing.seen
+    try:
+        # As GDAL's own reader has it, with its mask.
+        file = gdal.Open(str(desk.folder / "depth" / f"{seen.shot.name}.tif"))
+        band = file.GetRasterBand(1)
+        metres, there = band.ReadAsArray(), band.GetMaskBand().ReadAsArray() > 0
+        assert there.any()
+        assert not there.all()
+        view = viewer.depth.view
+        assert view.isVisibleTo(viewer)
+        colours = pixels(view.image)
+        assert colours.shape[:2] == metres.shape == pixels(viewer.view.image).shape[:2]
+        # What the colours tell apart grows with the depth: brighter is farther, grey is nothing.
+        assert (colours[~there][:, :3] == 128).all()
+        nearest, farthest = np.where(there, metres, np.inf).argmin(), np.where(there, metres, 0.0).argmax()
+        assert colours.reshape(-1, 4)[nearest, :3].tolist() == [68, 1, 84]
+        assert colours.reshape(-1, 4)[farthest, :3].tolist() == [253, 231, 37]
+        assert viewer.depth.near.text() == f"{metres[there].min():.1f} m"
+        rows, columns = metres.shape
+        # The mouse over either picture tells the same pixel's depth.
+        for widget in (viewer.view, view):
+            place = widget.place()
+            for row, column in ((rows - 3, 5), (rows // 2, columns // 2), (0, columns - 1)):
+                x = place.left() + (column + 0.5) * place.width() / columns
+                y = place.top() + (row + 0.5) * place.height() / rows
+                move = QMouseEvent(
+                    QEvent.Type.MouseMove,
+                    QPointF(int(x), int(y)),
+                    Qt.MouseButton.NoButton,
+                    Qt.MouseButton.NoButton,
+                    Qt.KeyboardModifier.NoModifier,
+                )
+                widget.mouseMoveEvent(move)
+                # The screen's pixel shows one of those of the picture next to its middle.
+                around = (slice(max(row - 1, 0), row + 2), slice(max(column - 1, 0), column + 2))
+                text = viewer.depth.here.text()
+                if not there[around].any():
+                    assert text == "No ground here"
+                else:
+                    near = metres[around].ravel()
+                    assert text in {
+                        f"Depth here: {m:,.0f} m" if m >= 1e3 else f"Depth here: {m:.1f} m" for m in near
+                    }
+        screenshot("viewer-depth", viewer)
+        assert viewer.depth.isVisibleTo(viewer)
+        # Where none was made nothing is shown.
+        (desk.folder / "depth" / f"{seen.shot.name}.tif").unlink()
+        viewing._look_at(seen.shot)
+        desk.wait(lambda: viewing.seen is not seen and not viewing.busy)
+        assert not view.isVisibleTo(viewer)
+        assert not viewer.depth.isVisibleTo(viewer)
+    finally:
+        viewing.stop()
+        viewer.hide()
+
+
+def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
+    """Laid on the map, each pixel of the picture is found again at the ground point that its product states."""
+    source = open_source("world")
+    _, lat, lon = UTM
+    mission = Mission(
+        Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=160, source="world"
+    ).with_(elevation=(dem.source(),), products=("points",))
+    made = plan(mission, source.grid, heights_of(mission))
+    width, height = made.size_px
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    # A picture whose colours tell its pixels.
+    told = np.stack([columns, rows, 0 * rows]).astype(np.uint8)
+    raster = gdal.GetDriverByName("GTiff").Create(str(tmp_path / "told.tif"), width, height, 3)
+    raster.WriteArray(told)
+    del raster
+    lay_on_map(made, tmp_path / "told.tif", tmp_path / "laid.tif")
+    laid = gdal.Open(str(tmp_path / "laid.tif"))
+    west, across, _, north, _, down = laid.GetGeoTransform()
+    shown = laid.ReadAsArray().astype(float)
+    ((_, points),) = products(made, 0, (width, height))
+    x, y = pyproj.Transformer.from_crs(4326, 3857, always_xy=True).transform(points[..., 0], points[..., 1])
+    i, j = ((y - north) / down).astype(int), ((x - west) / across).astype(int)
+    inside = (points[..., 3] > 0) & (i >= 0) & (j >= 0) & (i < shown.shape[1]) & (j < shown.shape[2])
+    assert inside.mean() > 0.9
+    at = shown[:, i[inside], j[inside]]
+    opaque = at[3] == 255
+    assert opaque.mean() > 0.95
+    off = np.abs(at[:2] - told[:2, inside])[:, opaque].max(axis=0)
+    assert np.percentile(off, 95) <= 1.5
