@@ -565,7 +565,7 @@ def polar_mosaic(path: Path) -> None:
 
 def relief(stage: Stage) -> None:
     """A surface model as a layer, chosen for the elevation by its button: a tilted flight over it, and an image."""
-    stage.begin(TOWN, "town", agl=60.0, tilt_deg=55.0, image_px=800)
+    stage.begin(TOWN, "town", agl=60.0, tilt_deg=55.0, image_px=800, products=("depth",))
     path = FOLDER / "surface_utm.tif"
     world_surface(path)
     QgsProject.instance().addMapLayer(QgsRasterLayer(str(path), "surface_utm"), False)
@@ -582,7 +582,7 @@ def relief(stage: Stage) -> None:
     viewing = stage.session.viewing
     click_map(at(0.5, 0.45))
     wait("image", lambda: viewing.seen is not None and not viewing.busy)
-    stage.shoot("relief.jpg", top=section)
+    stage.shoot("relief.jpg", stage.part(stage.canvas, stage.dock), section, 70_000)
     viewing.stop()
     viewing.viewer.hide()
 
