@@ -63,6 +63,9 @@ OFFLINE = Costs(0.01, 0.0, _ENCODE_S_PER_PX, {"tif": 0.88, "jpg": 0.31, "png": 0
 class Summary:
     """The figures of a plan; shares are of 1, None where they have no meaning (points have no area).
 
+    Those of relief are None over level ground; the finest and the coarsest ground sample distance are those straight
+    below a camera, at the highest and at the lowest that its image may show.
+
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
 
@@ -96,6 +99,11 @@ class Summary:
     map_types: tuple[str, ...]
     accuracy: Accuracy
     warnings: tuple[str, ...] = ()
+    lowest_ground_m: float | None = None
+    highest_ground_m: float | None = None
+    finest_gsd_m_per_px: float | None = None
+    coarsest_gsd_m_per_px: float | None = None
+    clearance_m: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -124,6 +132,7 @@ class Summary:
                 Message("ground sample distance"),
                 Message("requested {0}, delivered {1}", requested, delivered),
             ),
+            *self._relief(),
             (Message("flight distance"), length_text(self.flight_distance_m)),
             (Message("flight time"), duration_text(self.flight_s)),
         ]
@@ -159,6 +168,24 @@ class Summary:
         ]
         return lines
 
+    def _relief(self) -> list[tuple[str, str]]:
+        if self.lowest_ground_m is None or self.finest_gsd_m_per_px is None:
+            return []
+        ground = Message(
+            "from {0:,.1f} to {1:,.1f} m over the ellipsoid, captures at least {2:,.1f} m clear",
+            self.lowest_ground_m,
+            self.highest_ground_m,
+            self.clearance_m,
+        )
+        finest, coarsest = map(length_text, (self.finest_gsd_m_per_px, self.coarsest_gsd_m_per_px or 0.0))
+        return [
+            (Message("ground below"), ground),
+            (
+                Message("over the relief"),
+                Message("{0} a pixel at the highest, {1} at the lowest", finest, coarsest),
+            ),
+        ]
+
     def _download(self) -> Message:
         if self.pixels_from == "file":
             return Message("nothing (read from the file)")
@@ -186,7 +213,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         encode_s += float(np.sum(plan.width_px * plan.height_px)) * per_px_s / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
-    coverage, overlap = plan.coverage, plan.overlap
+    coverage, overlap, relief = plan.coverage, plan.overlap, _over_relief(plan)
     return Summary(
         images=len(plan),
         rows=plan.rows,
@@ -218,7 +245,22 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
+        **relief,
     )
+
+
+def _over_relief(plan: Plan) -> dict[str, float]:
+    if plan.relief is None or plan.flown is None or plan.size_px is None:
+        return {}
+    found = plan.relief.figures(plan.lat_deg, plan.lon_deg, plan.flown)
+    px_per_m = plan.mission.camera.ground_size_m(1.0)[0] / plan.size_px[0]
+    return {
+        "lowest_ground_m": found.lowest_m,
+        "highest_ground_m": found.highest_m,
+        "finest_gsd_m_per_px": found.nearest_m * px_per_m,
+        "coarsest_gsd_m_per_px": found.farthest_m * px_per_m,
+        "clearance_m": found.clearance_m,
+    }
 
 
 def own_pixels(plan: Plan) -> str:

@@ -63,6 +63,26 @@ class Flown(NamedTuple):
     seen_agl_m: Floats
 
 
+class ReliefFigures(NamedTuple):
+    """A flight over relief in figures, metres.
+
+    Attributes
+    ----------
+    lowest_m, highest_m : float
+        Of the ground below captures, over the ellipsoid.
+    nearest_m, farthest_m : float
+        From a capture down to the highest and to the lowest that its image may show.
+    clearance_m : float
+        Least height of a capture over everything within the clearance's distance.
+    """
+
+    lowest_m: float
+    highest_m: float
+    nearest_m: float
+    farthest_m: float
+    clearance_m: float
+
+
 class ReliefBelow:
     """What a mission's captures fly over and see, in cells as fine as the area allows.
 
@@ -289,6 +309,19 @@ class ReliefBelow:
                 remedy=Message("fly higher, or keep a clearance ({0})", OptionName("clearance")),
             )
         return Flown(height, ground, seen)
+
+    def figures(self, lat_deg: Floats, lon_deg: Floats, flown: Flown) -> ReliefFigures:
+        """Figures of a flight whose captures are at positions (n,)."""
+        upside_down = replace(self._surface, heights_m=-self._surface.heights_m)
+        lowest = -_highest_around(upside_down, self.radius_m)(lat_deg, lon_deg)
+        _, near = self._least_m(lat_deg, lon_deg)
+        return ReliefFigures(
+            float(flown.ground_m.min()),
+            float(flown.ground_m.max()),
+            float(flown.seen_agl_m.min()),
+            float(np.nanmax(flown.height_m - lowest)),
+            float((flown.height_m - np.where(np.isfinite(near), near, flown.ground_m)).min()),
+        )
 
     def _least_m(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats]:
         """Least heights that captures may have, and of what is below them or near."""

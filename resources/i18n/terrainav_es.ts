@@ -2041,6 +2041,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Relief</source>
+        <translation>Relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Terrain</source>
         <translation>Relieve</translation>
     </message>
@@ -2085,6 +2091,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>front {share}</source>
         <translation>longitudinal {share}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>ground from {lowest} to {highest}, {clearance} clear at least</source>
+        <translation>terreno de {lowest} a {highest}, al menos {clearance} libres</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2150,6 +2161,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{distance}, {duration}</source>
         <translation>{distance}, {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{finest} per px at the highest, {coarsest} at the lowest</source>
+        <translation>{finest} por px en lo más alto, {coarsest} en lo más bajo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2687,11 +2703,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Pixels</source>
         <translation>Píxeles</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Relief</source>
-        <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -6984,6 +6995,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>from {0:,.1f} to {1:,.1f} m over the ellipsoid, captures at least {2:,.1f} m clear</source>
+        <translation>de {0:,.1f} a {1:,.1f} m sobre el elipsoide, capturas con al menos {2:,.1f} m libres</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>ground below</source>
+        <translation>terreno debajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <location filename="../../core/mission/parts.py"/>
         <source>ground sample distance</source>
         <translation>distancia de muestreo del terreno</translation>
@@ -7022,6 +7043,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>of {0:,} images {1:,} lie outside the source's imagery, and {2:,} reach beyond it; choose an area that it has imagery of, or another source</source>
         <translation>de {0:,} imágenes, {1:,} quedan fuera de lo que tiene la fuente y {2:,} lo sobrepasan; elegir un área de la que tenga imágenes, u otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>over the relief</source>
+        <translation>sobre el relieve</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -7095,6 +7121,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:.0f} bytes</source>
         <translation>{0:.0f} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} a pixel at the highest, {1} at the lowest</source>
+        <translation>{0} por píxel en lo más alto, {1} en lo más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>

@@ -222,6 +222,7 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
     if mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0:
         lines += _overlap(summary)
     lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))
+    lines += _relief(summary, unit)
     flight = tr("{distance}, {duration}").format(
         distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
     )
@@ -231,6 +232,23 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
     ]
     return lines
+
+
+def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
+    """What is below the flight; nothing over level ground."""
+    lowest, highest, clearance = summary.lowest_ground_m, summary.highest_ground_m, summary.clearance_m
+    finest, coarsest = summary.finest_gsd_m_per_px, summary.coarsest_gsd_m_per_px
+    if lowest is None or highest is None or clearance is None or finest is None or coarsest is None:
+        return []
+    ground = tr("ground from {lowest} to {highest}, {clearance} clear at least").format(
+        lowest=length_text(lowest, unit),
+        highest=length_text(highest, unit),
+        clearance=length_text(clearance, unit),
+    )
+    pixels = tr("{finest} per px at the highest, {coarsest} at the lowest").format(
+        finest=gsd_text(finest, unit), coarsest=gsd_text(coarsest, unit)
+    )
+    return [(tr("Relief"), f"{ground}; {pixels}")]
 
 
 def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -301,3 +302,29 @@ def test_exports_for_drones_have_the_heights_that_their_programs_count(dem, tmp_
     )
     heights = [float(line.split(",")[2]) for line in litchi.read_text().splitlines()[1:]]
     assert np.array(heights) == pytest.approx(made.agl_m, abs=0.006)
+
+
+def test_figures_say_what_is_below_a_flight_and_how_near_it_comes(dem):
+    asked = {"elevation": (dem["tower"],), "height_above": "ellipsoid", "clearance_distance_m": 30.0}
+    made = flown(Mission(AREA, 190.0, **asked))
+    found = estimate(made)
+    x, y = TO_UTM.transform(made.lon_deg, made.lat_deg)
+    below = tower(x - WEST, NORTH - y)
+    assert found.lowest_ground_m == pytest.approx(below.min(), abs=0.5)
+    assert found.highest_ground_m == pytest.approx(below.max(), abs=0.5)
+    # Everything within the area and an image's reach beyond it, cell by cell.
+    surface = made.relief.heights.surface.surface(*made.corners[:2])
+    seen = surface.heights_m[np.isfinite(surface.heights_m)]
+    per_m = made.mission.camera.ground_size_m(1.0)[0] / made.size_px[0]
+    assert found.finest_gsd_m_per_px == pytest.approx((190.0 - seen.max()) * per_m, rel=0.02)
+    assert found.coarsest_gsd_m_per_px == pytest.approx((190.0 - seen.min()) * per_m, rel=0.02)
+    column, row = surface.position(made.lat_deg, made.lon_deg)
+    i, j = np.indices(surface.heights_m.shape)
+    cell = 30.0 / 2.0
+    nearest = [190.0 - surface.heights_m[np.hypot(i - r, j - c) <= cell].max() for c, r in zip(column, row)]
+    # All within a square that holds the circle count.
+    assert found.clearance_m <= min(nearest) + 1e-6
+    assert found.clearance_m == pytest.approx(min(nearest), abs=3.0)
+    labels = dict(found.lines())
+    assert f"{found.clearance_m:,.1f} m clear" in labels["ground below"]
+    assert estimate(plan(Mission(AREA, 90.0), GRID)).clearance_m is None
