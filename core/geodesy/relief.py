@@ -178,10 +178,10 @@ class Surface:
         """Heights at columns and rows (n,); NaN where there is no ground."""
         rows, columns = self.cells
         inside = (column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)
-        i = np.clip(np.where(inside, row, 0.0).astype(np.int64), 0, rows - 1)
-        j = np.clip(np.where(inside, column, 0.0).astype(np.int64), 0, columns - 1)
-        x, y = column - j, row - i
+        x, y = np.where(inside, column, 0.0), np.where(inside, row, 0.0)
+        i, j = (np.minimum(at.astype(np.int64), most - 1) for at, most in ((y, rows), (x, columns)))
         a, b, c, d = self.corners_m.take(i * columns + j, axis=0).T
+        x, y = x - j, y - i
         return np.where(inside, a + b * x + c * y + d * x * y, np.nan)
 
     def slopes(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from hypothesis import strategies as st
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.relief import Surface
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.coords import load_polygon, parse_coords, parse_points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.relief import Heights
 from terrainav.core.mission.settings import mission_from, resolve
 from terrainav.core.mission.wind import Wind
 
@@ -30,11 +34,24 @@ TILTED = Mission(
     TRIANGLE, 120.0, tilt_deg=20.0, wind=Wind(5.0, 90.0, 0.2), accept_error=True, img_size=(64, 48, 3)
 )
 TURNED = Mission(BOX.area, 120.0, grid_angle_deg=30.0, crosshatch=True, gsd_m_per_px=0.5, max_px=640)
-DOCUMENTS = tuple(mission.to_dict() for mission in (BOX, LIST, TILTED, TURNED))
+OVER_RELIEF = Mission(
+    BOX.area,
+    300.0,
+    elevation=("12.5",),
+    tilt_deg=20.0,
+    climb_m_per_s=3.0,
+    clearance_m=20.0,
+    clearance_distance_m=50.0,
+    image_px=64,
+    products=("depth",),
+)
+DOCUMENTS = tuple(mission.to_dict() for mission in (BOX, LIST, TILTED, TURNED, OVER_RELIEF))
 # Few, so that what is found is about values, and not about the number of images.
 MOST_IMAGES = 200
 #: Pixels of camera frames whose tiles are counted, which takes up to about a second a megapixel.
 MOST_TRACED_PX = 2e6
+#: The same over relief, where each ray is followed; and how high that is.
+MOST_OVER_RELIEF_PX, BUMPS_M = 1e5, 30.0
 GRIDS = (PixelGrid(), PixelGrid(512, 2, 19, 17), PixelGrid(max_size_px=640, centre_decimals=6))
 COORDS = ("35.16_-89.90_120", "35.16_-89.90_35.155_-89.895_120", "35.1 -89.8 120\n35.2 -89.7 120 5\n# no\n")
 RING = [[-89.90, 35.16], [-89.895, 35.16], [-89.895, 35.155], [-89.90, 35.16]]
@@ -65,13 +82,47 @@ CONFIG = {
 }
 
 
+class Bumps:
+    """Relief everywhere, of few cells: heights up to so many metres, and a hole or two."""
+
+    title, attribution = "bumps", ""
+
+    def __init__(self, high_m: float) -> None:
+        self._high_m = high_m
+
+    def surface(self, lat_deg: Any, lon_deg: Any, cell_m: float = 0.0) -> Surface:
+        """Heights about positions, of at most some forty cells a side."""
+        grid = PixelGrid()
+        u, v = grid.plane.forward(np.clip(lat_deg, -85.0, 85.0), np.asarray(lon_deg))
+        span = max(float(np.ptp(u)), float(np.ptp(v)), 2.0**-30)
+        zoom = int(np.clip(np.floor(np.log2(32.0 / span / 256.0)), 0, 22))
+        world = grid.world_px(zoom)
+        left, top = int(u.min() * world) - 2, int(v.min() * world) - 2
+        i, j = np.indices((int(np.ptp(v) * world) + 6, int(np.ptp(u) * world) + 6))
+        heights = self._high_m * ((7 * i + 13 * j) % 5) / 4.0
+        return Surface(grid, zoom, left, top, np.where((i * j) % 97 == 96, np.nan, heights))
+
+    def cell_m(self, lat_deg: float, lon_deg: float) -> float:
+        """Size of a cell near the camera."""
+        return 10.0
+
+
 def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
     """All that the command and the panel say of a mission."""
     assert Mission.from_json(mission.to_json()) == mission
 
     def on(grid: PixelGrid) -> None:
-        worked_out = plan(mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES)), grid)
-        if worked_out.size_px is None or worked_out.width_px @ worked_out.height_px <= MOST_TRACED_PX:
+        heights = None
+        if mission.terrain.elevation:
+            heights = Heights(Bumps(BUMPS_M), Bumps(BUMPS_M))
+        few = mission.with_(max_images=min(mission.output.max_images, MOST_IMAGES))
+        worked_out = plan(few, grid, heights)
+        if worked_out.relief is not None and worked_out.size_px is not None:
+            if math.prod(worked_out.size_px) <= MOST_OVER_RELIEF_PX:
+                worked_out.view(0)
+            worked_out.outline(0)
+            worked_out.relief.figures(worked_out.lat_deg, worked_out.lon_deg, worked_out.flown)
+        elif worked_out.size_px is None or worked_out.width_px @ worked_out.height_px <= MOST_TRACED_PX:
             estimate(worked_out).lines()
 
     any_of(partial(on, grid) for grid in grids)
@@ -194,6 +245,11 @@ def _extreme() -> st.SearchStrategy[dict[str, Any]]:
             "grid_angle_deg": angle,
             "crosshatch": st.booleans(),
             "layout": st.sampled_from(("cover", "paper")),
+            "elevation": st.just(("12.5",)),
+            "height_above": st.sampled_from(("ground", "takeoff", "ellipsoid")),
+            "climb_m_per_s": number,
+            "clearance_m": number,
+            "clearance_distance_m": number,
         },
     )
 
