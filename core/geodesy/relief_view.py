@@ -225,7 +225,12 @@ class Tracing:
         while begin_m < reach_m.max():
             end_m = float(reach_m.max())
             points = self._points(directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level)
-            if float(np.prod(np.ptp(points[:, :2], axis=0) / cell_m)) > _MOST_CELLS:
+            area_m2 = float(np.prod(np.ptp(points[:, :2], axis=0)))
+            if begin_m == 0.0:
+                # From high up all cells are less than a pixel, which larger ones may be as well.
+                while area_m2 > _MOST_CELLS * cell_m**2 and above_m > 2.0 * _LEAST_CELLS * cell_m:
+                    cell_m *= 2.0
+            if area_m2 > _MOST_CELLS * cell_m**2:
                 end_m = max(_LEAST_CELLS * cell_m, 2.0 * begin_m)
                 points = self._points(
                     directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level

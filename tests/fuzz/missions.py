@@ -50,8 +50,8 @@ DOCUMENTS = tuple(mission.to_dict() for mission in (BOX, LIST, TILTED, TURNED, O
 MOST_IMAGES = 200
 #: Pixels of camera frames whose tiles are counted, which takes up to about a second a megapixel.
 MOST_TRACED_PX = 2e6
-#: The same over relief, where each ray is followed; and how high that is.
-MOST_OVER_RELIEF_PX, BUMPS_M = 1e5, 30.0
+#: The same over relief, where each ray is followed; how high that is, and its cells along a side.
+MOST_OVER_RELIEF_PX, BUMPS_M, MOST_CELLS = 1e5, 30.0, 64
 GRIDS = (PixelGrid(), PixelGrid(512, 2, 19, 17), PixelGrid(max_size_px=640, centre_decimals=6))
 COORDS = ("35.16_-89.90_120", "35.16_-89.90_35.155_-89.895_120", "35.1 -89.8 120\n35.2 -89.7 120 5\n# no\n")
 RING = [[-89.90, 35.16], [-89.895, 35.16], [-89.895, 35.155], [-89.90, 35.16]]
@@ -98,7 +98,7 @@ class Bumps:
         zoom = int(np.clip(np.floor(np.log2(32.0 / span / 256.0)), 0, 22))
         world = grid.world_px(zoom)
         left, top = int(u.min() * world) - 2, int(v.min() * world) - 2
-        i, j = np.indices((int(np.ptp(v) * world) + 6, int(np.ptp(u) * world) + 6))
+        i, j = np.indices([min(int(np.ptp(at) * world) + 6, MOST_CELLS) for at in (v, u)])
         heights = self._high_m * ((7 * i + 13 * j) % 5) / 4.0
         return Surface(grid, zoom, left, top, np.where((i * j) % 97 == 96, np.nan, heights))
 

@@ -12,6 +12,10 @@ from osgeo import gdal
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.accuracy import Scene
+from terrainav.core.geodesy.camera import Camera, Poses
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.geodesy.relief import Surface
 from terrainav.core.geodesy.relief_view import Tracing
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box, Points
@@ -395,3 +399,28 @@ def test_the_report_says_what_level_ground_is_off_by_and_that_rays_keep_their_bo
         assert one_of.error_px <= one_of.method.bound_px
         assert one_of.seconds is not None
     assert found.within
+
+
+def test_from_high_up_cells_are_as_large_as_what_pixels_show():
+    """A hundred kilometres up, cells of a quarter of a metre would be billions, and none of them seen."""
+    asked = []
+
+    class Fine:
+        title, attribution = "fine", ""
+
+        def surface(self, lat_deg, lon_deg, cell_m=0.0):
+            asked.append(cell_m)
+            grid = PixelGrid()
+            u, v = grid.plane.forward(lat_deg, lon_deg)
+            left, top = (int(at.min() * grid.world_px(6)) - 1 for at in (u, v))
+            rows, columns = (int(np.ptp(at) * grid.world_px(6)) + 4 for at in (v, u))
+            return Surface(grid, 6, left, top, np.full((rows, columns), 100.0))
+
+        def cell_m(self, *_):
+            return 0.25
+
+    pose = Poses(*(np.array([value]) for value in (45.0, 7.0, 1e5, 0.0, 0.0, 0.0)))
+    tracing = Tracing(Scene(Camera(78.8, 4 / 3), 64, 48, pose), 1e5, Fine(), 0.0, 0.02)
+    assert tracing.depth_m == pytest.approx(1e5 - 100.0, rel=2e-2)
+    pixel_m = 1e5 * Camera(78.8, 4 / 3).ground_size_m(1.0)[0] / 64
+    assert 20.0 < min(asked) <= max(asked) < pixel_m
