@@ -144,7 +144,7 @@ class Tracing:
         pixel = min(float(np.linalg.norm(per)) for per in (rays.per_x, rays.per_y))
         pixel /= float((rays.at(x, y) ** 2).sum(axis=1).max())
         low, high = np.inf, -np.inf
-        for surface, _, _ in self._surfaces():
+        for surface, _ in self._surfaces():
             if surface.has_holes:
                 return None
             low, high = min(low, surface.lowest_m), max(high, surface.highest_m)
@@ -158,7 +158,7 @@ class Tracing:
         rays, (lat, lon) = self.rays, self.place
         found: list[_Seen] = []
         unmet, after = np.ones((rays.height, rays.width), bool), np.zeros((rays.height, rays.width))
-        for surface, begin_m, _ in self._surfaces():
+        for surface, begin_m in self._surfaces():
             if not np.isfinite(surface.heights_m).any():
                 continue
             if begin_m > _MARGIN * surface.away_m(lat, lon, self.height_m):
@@ -201,8 +201,8 @@ class Tracing:
         for whole, part in zip(hits, (t, at_column, at_row)):
             whole[row[below], column[below]] = part[below]
 
-    def _surfaces(self) -> Iterator[tuple[Surface, float, float]]:
-        """Surfaces, from near to far, and the level distances from the camera between which each counts.
+    def _surfaces(self) -> Iterator[tuple[Surface, float]]:
+        """Surfaces, from near to far, and the level distance from the camera from which on each counts.
 
         The first has the finest cells; where those would be too many, farther ones are twice as large, and so on.
         """
@@ -236,7 +236,7 @@ class Tracing:
                     directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level
                 )
             at_lat, dlon, _ = positions(np.array(lat), np.array(self.height_m), points)
-            yield self.relief.surface(at_lat, lon + dlon, cell_m), begin_m, end_m
+            yield self.relief.surface(at_lat, lon + dlon, cell_m), begin_m
             begin_m, cell_m = end_m, 2.0 * cell_m
 
     @staticmethod
@@ -287,7 +287,8 @@ class Tracing:
 
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """How the image is made from a source's pixels; its positions count from the camera's meridian."""
-        samples = [samples for one in self._seen for samples in self._sampled(one, grid, zooms)]
+        found = [self._sampled(one, grid, zooms) for one in self._seen]
+        samples = [part for parts, _ in found for part in parts]
         unmapped = ~self.sky
         for part in samples:
             unmapped[part.row, part.column] = False
@@ -300,25 +301,18 @@ class Tracing:
             self.sky if self.sky.any() else None,
             unmapped if unmapped.any() else None,
             self.tolerance_px,
-            facade_share=self._facade_share,
+            facade_share=sum(faces for _, faces in found) / (self.rays.width * self.rays.height),
         )
 
-    @cached_property
-    def _facade_share(self) -> float:
-        steep = 0
-        for one in self._seen:
-            at = np.isfinite(one.hits.t)
-            slopes = one.slopes(one.hits.column[at], one.hits.row[at])
-            steep += int(np.count_nonzero(np.hypot(*slopes) > STEEP))
-        return steep / (self.rays.width * self.rays.height)
-
-    def _sampled(self, one: _Seen, grid: PixelGrid, zooms: tuple[int, int]) -> list[Samples]:
+    def _sampled(self, one: _Seen, grid: PixelGrid, zooms: tuple[int, int]) -> tuple[list[Samples], int]:
+        """Samples of the pixels that see a surface, and how many of those see faces."""
         row, column = np.nonzero(np.isfinite(one.hits.t))
         if not len(row):
-            return []
+            return [], 0
         at_column, at_row, t = (values[row, column] for values in (one.hits.column, one.hits.row, one.hits.t))
         slope_east, slope_north = one.slopes(at_column, at_row)
-        steep = slope_east * slope_east + slope_north * slope_north > STEEP**2
+        steep = np.hypot(slope_east, slope_north) > STEEP
+        faces = int(np.count_nonzero(steep))
         ray_east, ray_north, ray_up = rays = self.rays.at(column + 0.5, row + 0.5).T
         # Where the plane of the ground, n·p = const, meets the neighbours' rays.
         facing = np.minimum(
@@ -329,7 +323,7 @@ class Tracing:
             ahead = (per[2] - slope_east * per[0] - slope_north * per[1]) / facing
             ahead[steep] = 0.0
             steps.append((t * (per[0] - ahead * rays[0]), t * (per[1] - ahead * rays[1])))
-        if steep.any():
+        if faces:
             at_column[steep], at_row[steep] = one.beside_faces(at_column[steep], at_row[steep])
         if one.surface.has_holes:
             # Where the model ends pixels that reach beyond it show nothing whole.
@@ -338,7 +332,7 @@ class Tracing:
             row, column = row[whole], column[whole]
             at_column, at_row = at_column[whole], at_row[whole]
             if not len(row):
-                return []
+                return [], faces
         onto = _onto(one.surface, grid, self.place[1], at_column, at_row)
         du, v = onto(at_column, at_row)
         turn = onto.slopes(at_column, at_row) @ one.per_metre
@@ -357,7 +351,7 @@ class Tracing:
                 for axis, place in enumerate((du, v))
             )
             found.append(Samples(zoom, row[at], column[at], sub_du, sub_v))
-        return found
+        return found, faces
 
 
 class _Seen(NamedTuple):

@@ -220,9 +220,7 @@ class ReliefBelow:
     @cached_property
     def _lowest_near(self) -> Callable[[Floats, Floats], Floats]:
         """Least height of the ground within a cell of positions (n,)."""
-        upside_down = replace(self._ground, heights_m=-self._ground.heights_m)
-        highest = _highest_around(upside_down, 0.0)
-        return lambda lat_deg, lon_deg: -highest(lat_deg, lon_deg)
+        return _lowest_around(self._ground, 0.0)
 
     @cached_property
     def _tops(self) -> Callable[[Floats, Floats], Floats]:
@@ -312,8 +310,7 @@ class ReliefBelow:
 
     def figures(self, lat_deg: Floats, lon_deg: Floats, flown: Flown) -> ReliefFigures:
         """Figures of a flight whose captures are at positions (n,)."""
-        upside_down = replace(self._surface, heights_m=-self._surface.heights_m)
-        lowest = -_highest_around(upside_down, self.radius_m)(lat_deg, lon_deg)
+        lowest = _lowest_around(self._surface, self.radius_m)(lat_deg, lon_deg)
         _, near = self._least_m(lat_deg, lon_deg)
         return ReliefFigures(
             float(flown.ground_m.min()),
@@ -427,6 +424,12 @@ def _highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floa
         return np.where(np.isfinite(found), found, np.nan)
 
     return highest
+
+
+def _lowest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:
+    """The same of least heights."""
+    highest = _highest_around(replace(surface, heights_m=-surface.heights_m), radius_m)
+    return lambda lat_deg, lon_deg: -highest(lat_deg, lon_deg)
 
 
 def _running_max(values: NDArray[np.float32], reach: int, axis: int) -> NDArray[np.float32]:
