@@ -273,6 +273,9 @@ class AreaTool(TemporaryTool):
             return
         if self._dragged is None:
             return
+        # Not every move is told, and the last one may be missing.
+        if event.pos() != self._pressed_at:
+            self._drag_to(event.pos())
         moved_area, self._dragged, self._from = self._dragged, None, None
         self._readout.clear()
         if moved_area is not self._area:

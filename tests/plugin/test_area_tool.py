@@ -86,6 +86,22 @@ def test_dragging_inside_moves_the_box_with_the_pointer(desk, tool, crs, extent,
     assert desk.canvas.mapTool() is tool
 
 
+@pytest.mark.parametrize("told", [(), (0.5,)], ids=["no move is told", "half the way"])
+def test_the_box_ends_where_the_button_is_let_go(desk, told):
+    """A busy application hears of fewer moves than there were, and the last may be missing."""
+    crs, extent, box = PLACES[0].values
+    look_and_switch_on(desk, crs, extent, box)
+    start = pixel(desk, crs, (box.west_deg + box.east_deg) / 2.0, (box.north_deg + box.south_deg) / 2.0)
+    end = start + QPoint(37, 21)
+    viewport = desk.canvas.viewport()
+    QTest.mousePress(viewport, LEFT, NONE, start)
+    for share in told:
+        QTest.mouseMove(viewport, start + (end - start) * share)
+    QTest.mouseRelease(viewport, LEFT, NONE, end)
+    (lon0, _), (lon1, _) = degrees(desk, crs, start), degrees(desk, crs, end)
+    assert shown_box(desk).west_deg == pytest.approx(box.west_deg + lon1 - lon0, abs=LAST_DECIMAL_DEG)
+
+
 @pytest.mark.parametrize(("crs", "extent", "box"), PLACES)
 @pytest.mark.parametrize(
     "grip", [("north",), ("west",), ("south",), ("east",), ("north", "west"), ("south", "east")]
