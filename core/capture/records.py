@@ -21,7 +21,7 @@ from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures
 from ..picture.products import BANDS, products
-from ..picture.shot import Shot, draw, shot_of
+from ..picture.shot import Shot, Walls, draw, shot_of, walls_of
 from .georeference import ControlPoints, Georeference
 from .journal import Outcome
 from .metadata import Description, degrees, figure
@@ -52,6 +52,8 @@ class PictureJob:
         Values of each band that are shown darkest and brightest.
     products : (Plan, Path) or None
         What they are worked out from, and the folder in which each has one of its own.
+    walls : callable or None
+        Colours of walls, as `draw` takes them.
     """
 
     index: int
@@ -65,6 +67,7 @@ class PictureJob:
     bands: Bands = RGB
     ranges: tuple[Range, ...] = ()
     products: tuple[Plan, Path] | None = None
+    walls: Walls | None = None
 
 
 class Made(NamedTuple):
@@ -91,7 +94,9 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     OutputError
         Where it cannot be written.
     """
-    picture, sky, unmapped, facades = draw(job.shot, parts, pixels, masked=job.masked, bands=job.bands)
+    picture, sky, unmapped, facades = draw(
+        job.shot, parts, pixels, masked=job.masked, bands=job.bands, walls=job.walls
+    )
     picture = resized(picture, job.img_size, job.bands)
     description = job.description
     if isinstance(job.shot, Shot):
@@ -179,6 +184,7 @@ def job_of(
         bands_of(source),
         ranges_of(source),
         None if products_in is None else (plan, products_in),
+        walls_of(plan, source, map_type),
     )
 
 

@@ -20,6 +20,7 @@ from .view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Numbers = NDArray[np.int64]
 
 #: Cells of a surface that an image's rays are traced over, at most; farther away cells are twice as large.
 _MOST_CELLS = 1 << 21
@@ -96,6 +97,26 @@ class Sighting(NamedTuple):
         up = np.stack([-self.slope_east, -self.slope_north, np.ones_like(self.depth_m)], axis=-1)
         normals: Floats = up / np.linalg.norm(up, axis=-1, keepdims=True)
         return normals
+
+
+class Faces(NamedTuple):
+    """Pixels of an image that see steep faces, (n,) each.
+
+    Attributes
+    ----------
+    row, column : array of int
+    lat_deg, lon_deg : array
+        Where the faces end above, at the roof's edge; longitudes are in -180 … 180.
+    east, north : array
+        Which way they face, level: the slope's way down as a unit vector.
+    """
+
+    row: Numbers
+    column: Numbers
+    lat_deg: Floats
+    lon_deg: Floats
+    east: Floats
+    north: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,6 +306,20 @@ class Tracing:
                 whole[at] = part
         return found
 
+    def faces(self) -> Faces:
+        """Pixels that see steep faces, which `view` takes from the edges of those."""
+        found: list[Faces] = []
+        for one in self._seen:
+            row, column = np.nonzero(np.isfinite(one.hits.t))
+            at_column, at_row = one.hits.column[row, column], one.hits.row[row, column]
+            slope_east, slope_north = one.slopes(at_column, at_row)
+            slope = np.hypot(slope_east, slope_north)
+            at = slope > STEEP
+            lat, lon = one.surface.places(*one.end_of_faces(at_column[at], at_row[at], 1.0))
+            east, north = -slope_east[at] / slope[at], -slope_north[at] / slope[at]
+            found.append(Faces(row[at], column[at], lat, lon, east, north))
+        return Faces(*(np.concatenate(parts) for parts in zip(*found)))
+
     def view(self, grid: PixelGrid, zooms: tuple[int, int]) -> View:
         """How the image is made from a source's pixels; its positions count from the camera's meridian."""
         found = [self._sampled(one, grid, zooms) for one in self._seen]
@@ -384,26 +419,29 @@ class _Seen(NamedTuple):
 
     def beside_faces(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
         """Where steep faces end, above or below, whichever is nearer in height to points of them (n,)."""
+        height = self.surface.heights(column, row)
+        above, below = (self.end_of_faces(column, row, sign) for sign in (1.0, -1.0))
+        with np.errstate(invalid="ignore"):
+            to_above, to_below = (np.abs(self.surface.heights(*end) - height) for end in (above, below))
+        upper = to_above <= to_below
+        return np.where(upper, above[0], below[0]), np.where(upper, above[1], below[1])
+
+    def end_of_faces(self, column: Floats, row: Floats, sign: float) -> tuple[Floats, Floats]:
+        """Where the steep faces of points (n,) end, uphill for a sign of 1 and downhill for -1."""
         surface = self.surface
-        height = surface.heights(column, row)
         across, down = surface.slopes(column, row)
         length = np.maximum(np.hypot(across, down), _LEAST)
-        ends = []
-        for sign in (1.0, -1.0):
-            x, y = column.copy(), row.copy()
-            moving = np.ones(len(x), bool)
-            for _ in range(2 * _MOST_OF_FACE):
-                new_x = np.where(moving, x + sign * 0.5 * across / length, x)
-                new_y = np.where(moving, y + sign * 0.5 * down / length, y)
-                x, y = np.clip(new_x, 0.0, surface.cells[1]), np.clip(new_y, 0.0, surface.cells[0])
-                with np.errstate(invalid="ignore"):
-                    moving &= np.hypot(*self.slopes(x, y)) > STEEP
-                if not moving.any():
-                    break
+        x, y = column.copy(), row.copy()
+        moving = np.ones(len(x), bool)
+        for _ in range(2 * _MOST_OF_FACE):
+            new_x = np.where(moving, x + sign * 0.5 * across / length, x)
+            new_y = np.where(moving, y + sign * 0.5 * down / length, y)
+            x, y = np.clip(new_x, 0.0, surface.cells[1]), np.clip(new_y, 0.0, surface.cells[0])
             with np.errstate(invalid="ignore"):
-                ends.append((x, y, np.abs(surface.heights(x, y) - height)))
-        upper = ends[0][2] <= ends[1][2]
-        return np.where(upper, ends[0][0], ends[1][0]), np.where(upper, ends[0][1], ends[1][1])
+                moving &= np.hypot(*self.slopes(x, y)) > STEEP
+            if not moving.any():
+                break
+        return x, y
 
 
 class _Polynomials:

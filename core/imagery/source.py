@@ -13,6 +13,7 @@ from .policy import Policy
 
 #: Of one of `bands.DATA_TYPES`; of most sources uint8.
 Pixels = NDArray[Any]
+Floats = NDArray[np.float64]
 
 
 class Window(NamedTuple):
@@ -90,6 +91,23 @@ class Source(Protocol):
 
     def close(self) -> None:
         """Free what it holds; requests under way end at once and raise Cancelled."""
+
+
+class Walled(Protocol):
+    """A source of imagery and of heights that also has the colours of walls, which no map shows."""
+
+    def walls(
+        self, map_type: str, lat_deg: Floats, lon_deg: Floats, east: Floats, north: Floats
+    ) -> NDArray[np.float32]:
+        """Colours of the walls below roofs, (n, 3); NaN where there are none.
+
+        Parameters
+        ----------
+        lat_deg, lon_deg : array (n,)
+            Places on the roofs, right above the walls.
+        east, north : array (n,)
+            Which way the walls face, as a unit vector.
+        """
 
 
 def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:

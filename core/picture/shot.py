@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, NamedTuple
+from functools import cached_property, partial
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import RGB, Bands, full
+from ..bands import RGB, Bands, fitted, full
 from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View
-from ..imagery.source import Part, Source, Window
+from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan
 from .camera_frame import camera_parts, render
 from .map_frame import assemble, window_of
 
 Pixels = NDArray[Any]
+#: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
+Walls = Callable[..., NDArray[np.float32]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,15 @@ def tiles_of(plan: Plan, index: int) -> list[tuple[int, int, int]]:
     return plan.view(index).tiles(float(plan.lon_deg[index]))
 
 
+def walls_of(plan: Plan, source: Source, map_type: str) -> Walls | None:
+    """What knows the walls in pictures of a map type: a source whose own heights cameras see; None for all others."""
+    terrain = plan.mission.terrain
+    seen = next(iter((*terrain.surface, *terrain.elevation)), "")
+    if seen.lower() != source.name or not hasattr(source, "walls"):
+        return None
+    return partial(cast(Walled, source).walls, map_type)
+
+
 def draw(
     shot: Window | Shot,
     parts: Sequence[Part],
@@ -87,6 +98,7 @@ def draw(
     *,
     masked: bool = False,
     bands: Bands = RGB,
+    walls: Walls | None = None,
 ) -> Picture:
     """Make a picture of its parts.
 
@@ -100,6 +112,8 @@ def draw(
         Add a channel to a camera frame that is 0 where the picture shows nothing.
     bands : Bands
         Of the source.
+    walls : callable or None
+        Colours of walls by what `Walled.walls` takes behind the map type, see `walls_of`.
 
     Raises
     ------
@@ -110,6 +124,11 @@ def draw(
         return Picture(assemble(shot, parts, pixels, bands))
     view = shot.view
     picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
+    if walls is not None and shot.tracing is not None and view.facade_share:
+        row, column, *faces = shot.tracing.faces()
+        colours = walls(*faces)
+        there = np.isfinite(colours).all(axis=1)
+        picture[row[there], column[there]] = fitted(colours[there], picture.dtype)
     if masked:
         shown = np.ones(picture.shape[:2], bool) if view.hidden is None else ~view.hidden
         picture = np.dstack([picture, shown * full(bands.dtype)])

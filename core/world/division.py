@@ -48,6 +48,18 @@ _ROOFS = (
     (154, 112, 88),
 )
 _HALL_ROOFS = ((196, 196, 194), (168, 170, 172), (142, 146, 152), (214, 212, 206))
+_WALLS = (
+    (232, 228, 218),
+    (226, 210, 180),
+    (208, 188, 154),
+    (214, 180, 132),
+    (196, 196, 192),
+    (184, 140, 116),
+    (216, 194, 180),
+    (194, 200, 188),
+)
+_OF_THE_ROOF = 0.25
+"""Share of a roof's colour in that of its walls."""
 _LEAST_PLOT_M, HALL_M = 15.0, 46.0
 ROOT = 13
 """Main roads bound squares of this level: 4.9 km."""
@@ -176,10 +188,22 @@ def looks(leaves: Leaves, pixel_m: float) -> Looks:
     )  # fmt: skip
 
 
+def wall_colours(hashes: Array, roof: Array) -> Array:
+    """Colours of the walls below roofs (3, n) on pieces of some hashes (n,), in full light; (3, n)."""
+    kind = mix(_own(hashes))
+    paint = np.array(_WALLS, dtype=np.float32).T[:, (kind >> np.uint32(3) & np.uint32(7)).astype(np.intp)]
+    return np.asarray(paint + (roof - paint) * np.float32(_OF_THE_ROOF))
+
+
+def _own(hashes: Array) -> Array:
+    """Hashes of the buildings on pieces."""
+    return mix(hashes + np.uint32(0x7F4A7C15))
+
+
 def _build(leaves: Leaves) -> Buildings:
     """Put a house on each plot, a hall on large ones, and a farmstead on a few fields."""
     width, length = leaves.width, leaves.length
-    h = mix(leaves.hash + np.uint32(0x7F4A7C15))
+    h = _own(leaves.hash)
     town = leaves.kind == TOWN
     least, most = np.minimum(width, length), np.maximum(width, length)
     plot = town & (least > _LEAST_PLOT_M) & (most < 3 * HALL_M) & leaves.resolved

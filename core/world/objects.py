@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD
+from .division import HALF_WIDTH_M, HEDGE, LANE, MAIN, ROAD, wall_colours
 from .lattice import WORLD_M, Array, Window, bits, cell_hash, salt
 from .paint import Canvas, clip01
 from .parcels import Parcels, root_squares
@@ -35,6 +35,11 @@ _SHADOW_M, _SHADOW = 2.6, (18, 24, 22)
 EAVES_M = 4.4
 """Height of walls, and of crowns' middles, whose shadows fall as far south-east as they are painted, `_SHADOW_M` each
 way, where the sun stands at 50 degrees. In Mercator metres, as lengths on the ground are."""
+_SHADED, _LIT = 0.5, 0.8
+"""Light on walls, of that on level ground: what shadows leave, which is all in the south and east, and beside it the
+share of the sun's that meets walls 45 degrees off its way: (1 - 0.5) cos 45° / tan 50°."""
+_CORNER_M = 0.5
+"""Nearer to a corner than this it counts which way a wall faces; elsewhere heights of pixels say that less well."""
 _GABLE = 0.7
 """Rise of a gable's roof for a metre inside, 35 degrees."""
 _HUES = (30.0, 16.0, 4.0)
@@ -122,6 +127,23 @@ class Footprints:
         across *= own(buildings.pitch)
         light = np.float32(1) - across
         return [own(channel) * light for channel in buildings.roof]
+
+    def walls(self, east: Array, south: Array) -> list[Array]:
+        """Colours of the walls next to the samples, red, green and blue; NaN beside buildings.
+
+        Parameters
+        ----------
+        east, south : arrays
+            Which way the wall that is meant faces, as a unit vector: says which of two it is where they meet.
+        """
+        parcels, leaves = self.parcels, self.parcels.division.leaves
+        roof = np.stack([parcels.leaf(channel) for channel in parcels.division.looks.buildings.roof])
+        east, south = east * _CORNER_M, south * _CORNER_M
+        lit = np.minimum(self.west + east, self.north + south)
+        light = np.where(lit < np.minimum(self.east - east, self.south - south), _LIT, _SHADED)
+        inside = np.minimum(np.minimum(self.west, self.east), np.minimum(self.north, self.south)) > 0
+        light = np.where(inside, light, np.nan).astype(np.float32)
+        return [parcels.spread(channel) * light for channel in wall_colours(parcels.leaf(leaves.hash), roof)]
 
 
 def footprints(parcels: Parcels) -> Footprints | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +20,8 @@ from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from . import caps, styles
 from .heights import ground_m, surface_m
 from .lattice import TILE_PX, Array, on_chart
+from .objects import footprints
+from .region import BLOCK_ZOOM
 from .samples import Grid, Points
 from .scene import Scene
 
@@ -36,6 +39,8 @@ _ON_CAPS: dict[str, styles.Painter] = {
     TERRAIN: caps.terrain,
 }
 _KEPT_BYTES = 1 << 24
+_WALLS_ZOOM = BLOCK_ZOOM
+"""Zoom of walls, whose colours are the same at all that show buildings: as wide tiles as share a region."""
 _HEIGHTS_ZOOM = 19
 """Finest zoom of heights: pixels of a quarter of a metre show what stands on the ground."""
 
@@ -143,6 +148,33 @@ class World:
         scene = Scene(self._landscape, Grid(int(zoom), int(x), int(y)))
         return ground_m(scene) if bare or self.crs in _POLES else surface_m(scene)
 
+    def walls(self, u: Array, v: Array, east: Array, south: Array) -> NDArray[np.float32]:
+        """Colours of the walls of buildings, which pictures from above do not show.
+
+        A building has one colour, which goes with its roof's; walls turned from the sun, by which shadows are painted,
+        are darker.
+
+        Parameters
+        ----------
+        u, v : float64 arrays (n,)
+            World fractions, as in `colour`, of places on the roofs above the walls.
+        east, south : arrays (n,)
+            Which way the walls face, as a unit vector.
+
+        Returns
+        -------
+        float32 array of shape (n, 3)
+            Red, green, blue in 0..255; NaN where there is no building.
+        """
+        out = np.full((u.size, 3), np.nan, dtype=np.float32)
+        if self.crs in _POLES:
+            return out
+        for at, samples in _by_tile(u - np.floor(u), v, np.full(u.size, _WALLS_ZOOM)):
+            prints = footprints(Scene(self._landscape, samples).parcels)
+            if prints is not None:
+                out[at] = np.stack(prints.walls(east[at], south[at]), axis=-1)
+        return out
+
     def _painter(self, style: str) -> styles.Painter:
         if style not in MAP_TYPES:
             raise InvalidInput("map type {0!r}: the synthetic world has {1}", style, ", ".join(MAP_TYPES))
@@ -152,15 +184,8 @@ class World:
         self, painter: styles.Painter, u: Array, v: Array, zoom: Array
     ) -> NDArray[np.float32]:
         out = np.empty((u.size, 3), dtype=np.float32)
-        x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
-        key = (zoom << 44) | (y << 22) | x
-        order = np.argsort(key, kind="stable")
-        starts = np.flatnonzero(np.diff(key[order], prepend=-1))
-        for at in np.split(order, starts[1:]):
-            if at.size:
-                first = at[0]
-                samples = Points(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
-                out[at] = painter(Scene(self._landscape, samples)).pixels()
+        for at, samples in _by_tile(u, v, zoom):
+            out[at] = painter(Scene(self._landscape, samples)).pixels()
         return out
 
     def tile(self, style: str, zoom: int, x: int, y: int) -> NDArray[np.uint8]:
@@ -183,6 +208,18 @@ class World:
             raise InvalidInput(
                 "tile x {0}, y {1} at zoom {2}: both must be from 0 to {3}", x, y, zoom, (1 << zoom) - 1
             )
+
+
+def _by_tile(u: Array, v: Array, zoom: Array) -> Iterator[tuple[Array, Points]]:
+    """Indices of the points in each tile of their whole zooms, and these points."""
+    x, y = np.floor(u * 2.0**zoom).astype(np.int64), np.floor(v * 2.0**zoom).astype(np.int64)
+    key = (zoom << 44) | (y << 22) | x
+    order = np.argsort(key, kind="stable")
+    starts = np.flatnonzero(np.diff(key[order], prepend=-1))
+    for at in np.split(order, starts[1:]):
+        if at.size:
+            first = at[0]
+            yield at, Points(int(zoom[first]), int(x[first]), int(y[first]), u[at], v[at])
 
 
 class WorldSource:
@@ -216,6 +253,14 @@ class WorldSource:
             Unknown map type, or a tile that does not exist.
         """
         return self.world.tile(map_type, part.zoom, int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX)
+
+    def walls(
+        self, map_type: str, lat_deg: Array, lon_deg: Array, east: Array, north: Array
+    ) -> NDArray[np.float32]:
+        """Colours of walls below roofs, as `imagery.source.Walled` has them: street maps and relief show none."""
+        if map_type != SATELLITE:
+            return np.full((lat_deg.size, 3), np.nan, np.float32)
+        return self.world.walls(*self.grid.plane.forward(lat_deg, lon_deg), east, -north)
 
     def close(self) -> None:
         """Do nothing: it holds nothing."""

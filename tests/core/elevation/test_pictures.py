@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pyproj
@@ -23,8 +24,12 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import sighting
-from terrainav.core.picture.shot import draw, parts_of, shot_of
+from terrainav.core.picture.shot import draw, parts_of, shot_of, walls_of
 from terrainav.core.report.measure import measure
+from terrainav.core.world import World, WorldSource
+from terrainav.core.world.objects import footprints
+from terrainav.core.world.samples import Points as Places
+from terrainav.core.world.scene import Scene as Landscape
 
 from tests.support import rasters
 
@@ -238,6 +243,128 @@ def test_walls_are_marked_and_have_the_colour_of_the_roof_or_the_ground(files):
     upper, lower = wall > base + 0.6 * HIGH, wall < base + 0.4 * HIGH
     assert (red[upper] > 200).mean() > 0.95
     assert (blue[lower] > 200).mean() > 0.95
+
+
+TOWN = (35.1405, -89.8605)
+
+
+@pytest.fixture(scope="module")
+def town(tmp_path_factory):
+    """Two captures of one town of the embedded world, northward and eastward: folder, plan, what pixels see."""
+    folder = tmp_path_factory.mktemp("town")
+    places = tuple((TOWN[0] + north_m / 111_000.0, TOWN[1], 50.0) for north_m in (-20.0, 5.0))
+    mission = Mission(
+        Points(places, yaws_deg=(20.0, 75.0)),
+        50.0,
+        tilt_deg=40.0,
+        image_px=320,
+        elevation=("world",),
+        source="world",
+        map_types=("satellite", "roadmap"),
+    )
+    source = open_source(mission.imagery.source)
+    made = plan(mission, source.grid, heights_of(mission))
+    capture(made, source, folder)
+    return folder, made, [sighting(made, index, made.size_px) for index in range(2)]
+
+
+def written(town, index, map_type="satellite"):
+    """Picture of a capture as its file has it."""
+    folder, made, _ = town
+    with Image.open(folder / map_type / f"{made.names[index]}.tif") as image:
+        return np.asarray(image)[..., :3]
+
+
+def building_at(lat, lon):
+    """Hash of the building at places (n,), and how far inside its west, north, east and south side they are, metres."""
+    u, v = WorldSource.grid.plane.forward(lat, lon)
+    x, y = (int(np.median(at) * 2**14) for at in (u, v))
+    parcels = Landscape(World()._landscape, Places(14, x, y, u, v)).parcels
+    prints = footprints(parcels)
+    sides = np.stack([prints.west, prints.north, prints.east, prints.south], axis=1)
+    return parcels.take(parcels.division.leaves.hash), sides
+
+
+def walls_seen(picture, seen):
+    """Colours of the walls in a picture by building and side, well away from corners; and of their roofs."""
+    walls, roofs = {}, {}
+    row, column = np.nonzero(seen.steep)
+    own, sides = building_at(seen.lat_deg[row, column], seen.lon_deg[row, column])
+    side = np.abs(sides).argmin(axis=1)
+    others = np.sort(np.abs(sides), axis=1)
+    on_wall = (others[:, 0] < 0.4) & (others[:, 1] > 1.5) & (sides.min(axis=1) > -0.4)
+    for one, of, colour in zip(own[on_wall], side[on_wall], picture[row, column][on_wall]):
+        walls.setdefault((int(one), int(of)), []).append(colour)
+    row, column = np.nonzero(~seen.steep & np.isfinite(seen.depth_m))
+    own, sides = building_at(seen.lat_deg[row, column], seen.lon_deg[row, column])
+    inside = sides.min(axis=1) > 1.5
+    for one, colour in zip(own[inside], picture[row, column][inside]):
+        roofs.setdefault(int(one), []).append(colour)
+    return walls, roofs
+
+
+def test_walls_of_the_embedded_world_are_painted_alike_from_wherever_they_are_seen(town):
+    pictures = [walls_seen(written(town, index), seen) for index, seen in enumerate(town[2])]
+    for walls, roofs in pictures:
+        assert len(walls) > 10
+        unlike = []
+        for (building, _), colours in walls.items():
+            if len(colours) < 30:
+                continue
+            wall = np.median(colours, axis=0)
+            # One plain colour, but where something else stands before the wall.
+            assert (np.abs(colours - wall).max(axis=1) <= 1).mean() > 0.9
+            if building in roofs:
+                unlike.append(np.abs(wall - np.median(roofs[building], axis=0)).max() > 8)
+        # Not that of the roof's edge, but where a shaded wall happens to be as dark.
+        assert np.mean(unlike) > 0.8
+    (south, _), (west, _) = pictures
+    both = [one for one in south if one in west and min(len(south[one]), len(west[one])) > 20]
+    assert len(both) >= 3
+    for one in both:
+        np.testing.assert_array_equal(np.median(south[one], axis=0), np.median(west[one], axis=0))
+    # Walls in the west are lit, those in the south are not.
+    of_two = [one for one, side in south if side == 0 and (one, 3) in south]
+    assert of_two
+    for one in of_two:
+        lit, shaded = (np.median(south[one, side], axis=0) for side in (0, 3))
+        assert shaded == pytest.approx(lit * 0.625, abs=1.0)
+
+
+def test_walls_are_painted_in_satellite_images_alone_and_nothing_else_is(town):
+    folder, made, (seen, _) = town
+    source = open_source("world")
+    differs = (written(town, 0) != picture(made, source).pixels[..., :3]).any(axis=2)
+    assert not differs[~seen.steep].any()
+    assert 0.3 < differs[seen.steep].mean() < 0.98
+    with (folder / "satellite" / "meta_data.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert float(rows[0]["facade_share"]) == pytest.approx(seen.steep.mean())
+    parts = parts_of(made, source, 0)
+    pixels = {part.window: source.fetch("roadmap", part.window) for part in parts}
+    street_map = draw(shot_of(made, 0), parts, pixels).pixels
+    np.testing.assert_array_equal(written(town, 0, "roadmap"), street_map)
+
+
+@pytest.mark.parametrize(
+    ("photo", "terrain", "own"),
+    [
+        ("world", {"elevation": ("world",)}, True),
+        ("world", {"elevation": ("12",), "surface": ("World",)}, True),
+        ("world", {"elevation": ("world",), "surface": ("hills",)}, False),
+        ("world", {"elevation": ("hills", "world")}, False),
+        ("world", {}, False),
+        ("photo", {"elevation": ("world",)}, False),
+    ],
+)
+def test_the_source_paints_the_walls_of_its_own_heights(files, photo, terrain, own):
+    terrain = {part: tuple(files.get(one, one) for one in names) for part, names in terrain.items()}
+    mission = Mission(
+        Points(((*TOWN, 50.0),)), 50.0, tilt_deg=45.0, source=files.get(photo, photo), **terrain
+    )
+    source = open_source(mission.imagery.source)
+    made = SimpleNamespace(mission=mission)
+    assert (walls_of(made, source, "satellite") is not None) == own
 
 
 def test_what_lies_beyond_the_model_is_no_ground(files):
