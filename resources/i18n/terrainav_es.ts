@@ -4141,6 +4141,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Steep faces</source>
+        <translation>Caras empinadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>TerrAInav images</source>
         <translation>Imágenes de TerrAInav</translation>
     </message>
@@ -4158,6 +4163,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{agl} m above ground</source>
         <translation>{agl} m sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{agl} m above ground, {height} m above the ellipsoid</source>
+        <translation>{agl} m sobre el terreno, {height} m sobre el elipsoide</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -4183,6 +4193,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{number} of {count} here: {name}</source>
         <translation>{number} de {count} aquí: {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{share} % of the pixels</source>
+        <translation>{share} % de los píxeles</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>

@@ -394,7 +394,7 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
         tr("Position"),
         tr("{lat}°, {lon}°").format(lat=_number(pose, "lat_deg", 7), lon=_number(pose, "lon_deg", 7)),
     )
-    yield tr("Height"), tr("{agl} m above ground").format(agl=_number(pose, "agl_m", 2))
+    yield tr("Height"), _height(pose, row)
     angles = (_number(pose, name, 2) for name in ("yaw_deg", "tilt_deg", "roll_deg"))
     yield tr("Yaw, tilt, roll"), tr("{}°, {}°, {}°").format(*angles)
     yield tr("Time"), _time(pose)
@@ -404,6 +404,12 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
             tr("{width} × {height} px").format(width=seen.picture.width_px, height=seen.picture.height_px),
         )
     yield tr("Ground sample distance"), _gsd(metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
+    facade_share = _float(row.get("facade_share", ""))
+    if facade_share > 0.0:
+        yield (
+            tr("Steep faces"),
+            tr("{share} % of the pixels").format(share=number_text(100.0 * facade_share, ".1f")),
+        )
     yield tr("Entropy"), _entropy(row.get("entropies", ""))
     yield tr("Source"), row.get("source") or metadata.get("SOURCE", "")
     yield tr("Imagery date"), row.get("imagery_date") or metadata.get("IMAGERY_DATE", "")
@@ -426,6 +432,16 @@ def _metres(value: float) -> str:
 def _number(values: dict[str, Any], name: str, decimals: int) -> str:
     value = values.get(name)
     return f"{value:.{decimals}f}" if isinstance(value, (int, float)) else ""
+
+
+def _height(pose: dict[str, Any], row: dict[str, str]) -> str:
+    """Above the ground and, over relief, above the ellipsoid."""
+    agl, height_m = _number(pose, "agl_m", 2), _float(row.get("height_m", ""))
+    if math.isnan(height_m):
+        return tr("{agl} m above ground").format(agl=agl)
+    return tr("{agl} m above ground, {height} m above the ellipsoid").format(
+        agl=agl, height=f"{height_m:.2f}"
+    )
 
 
 def _time(pose: dict[str, Any]) -> str:

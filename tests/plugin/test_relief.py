@@ -20,6 +20,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import products
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
+from terrainav.terrainav_plugin.results.viewer import details
 
 from tests.plugin.test_capture import capture, images
 from tests.plugin.test_own_crs import UTM, draw, middle_of
@@ -192,6 +193,15 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
                     assert text in {
                         f"Depth here: {m:,.0f} m" if m >= 1e3 else f"Depth here: {m:.1f} m" for m in near
                     }
+        # The details say what the table does.
+        with (desk.folder / "satellite" / "meta_data.csv").open(newline="") as table:
+            row = next(row for row in csv.DictReader(table) if row["img_names"].startswith(seen.shot.name))
+        agl, height = float(row["agl_m"]), float(row["height_m"])
+        told = viewer.details.text()
+        assert f"{agl:.2f} m above ground, {height:.2f} m above the ellipsoid" in told
+        assert "Steep faces" not in told
+        among = dict(details(seen._replace(row={**seen.row, "facade_share": "0.0312"})))
+        assert among["Steep faces"] == "3.1 % of the pixels"
         screenshot("viewer-depth", viewer)
         assert viewer.depth.isVisibleTo(viewer)
         # Where none was made nothing is shown.
