@@ -79,6 +79,8 @@ MARK = FOLDER / ".made-for-the-guide"
 
 WINDOW_PX = (1400, 900)
 PANEL_PX, LAYERS_PX = 400, 240
+#: An image and its depth with the most important details, beside the map.
+BESIDE_PX = (410, 640)
 #: They are part of the plugin's zip.
 MOST_BYTES = 98_000
 #: Of one with much text and little map, so that all together stay below the guide's limit.
@@ -205,6 +207,19 @@ class Stage:
         QTest.qWait(200)
         if self.session.preview.shown:
             self.wait_previewed()
+
+    def show_previewed(self, west_px: int) -> QPoint:
+        """Show all of the preview east of some pixels of the map; returns the pixel of its middle."""
+        layer = self.session.preview.layer("footprints")
+        extent = self.canvas.mapSettings().layerExtentToOutputExtent(layer, layer.extent())
+        wide, high = self.canvas.width(), self.canvas.height()
+        per_px = 1.04 * max(extent.width() / (wide - west_px), extent.height() / high)
+        middle = extent.center()
+        west, south = middle.x() - (wide + west_px) / 2.0 * per_px, middle.y() - high / 2.0 * per_px
+        self.canvas.setExtent(QgsRectangle(west, south, west + wide * per_px, south + high * per_px))
+        self.canvas.refresh()
+        self.wait_previewed()
+        return QPoint((wide + west_px) // 2, high // 2)
 
     def unfold(self, role: str) -> None:
         """Show the legend of a layer of the preview."""
@@ -565,7 +580,7 @@ def polar_mosaic(path: Path) -> None:
 
 def relief(stage: Stage) -> None:
     """A surface model as a layer, chosen for the elevation by its button: a tilted flight over it, and an image."""
-    stage.begin(TOWN, "town", agl=60.0, tilt_deg=55.0, image_px=800, products=("depth",))
+    stage.begin(TOWN, "town", agl=60.0, tilt_deg=40.0, image_px=800, products=("depth",))
     path = FOLDER / "surface_utm.tif"
     world_surface(path)
     QgsProject.instance().addMapLayer(QgsRasterLayer(str(path), "surface_utm"), False)
@@ -576,15 +591,21 @@ def relief(stage: Stage) -> None:
     next(action for action in button.menu().actions() if action.text() == "surface_utm").trigger()
     stage.plan()
     stage.preview()
-    stage.zoom(2500)
     stage.capture()
+    # The viewer stands where the list of layers was, and over the western edge of the map.
+    layers = stage.panel("Layers")
+    layers.close()
+    iface.messageBar().clearWidgets()
     stage.plugin.actions["view_images"].trigger()
     viewing = stage.session.viewing
-    click_map(at(0.5, 0.45))
+    viewing.viewer.resize(*BESIDE_PX)
+    viewing.viewer.move(stage.canvas.mapToGlobal(QPoint(6, 6)))
+    click_map(stage.show_previewed(BESIDE_PX[0] + 12))
     wait("image", lambda: viewing.seen is not None and not viewing.busy)
     stage.shoot("relief.jpg", stage.part(stage.canvas, stage.dock), section, 70_000)
     viewing.stop()
     viewing.viewer.hide()
+    layers.show()
 
 
 def world_surface(path: Path) -> None:
