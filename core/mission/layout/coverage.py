@@ -368,15 +368,17 @@ def shares(
     place = column.astype(np.float64)
     if rows_are_level:
         place = left + right
-    place = (place - place.min()) / (2.0 * max(np.ptp(place), 1.0))
+    place = (place - place.min()) / (2.0 * max(float(np.ptp(place)), 1.0))
     keys = row + place
     order = np.argsort(keys)
     after = np.searchsorted(keys[order], keys + 1.0)
-    nearest = [order[np.clip(at, 0, len(keys) - 1)] for at in (after - 1, after)]
-    off = [np.where(row[at] == row + 1, np.abs(place[at] - place), np.inf) for at in nearest]
-    below, apart = np.where(off[0] <= off[1], *nearest), np.minimum(*off)
+    before, behind = (order[np.clip(at, 0, len(keys) - 1)] for at in (after - 1, after))
+    off_before, off_behind = (
+        np.where(row[at] == row + 1, np.abs(place[at] - place), np.inf) for at in (before, behind)
+    )
+    apart = np.minimum(off_before, off_behind)
     here = np.flatnonzero(np.isfinite(apart) if rows_are_level else apart == 0.0)
-    below = below[here]
+    below = np.where(off_before <= off_behind, before, behind)[here]
     shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
     return along, shared / np.minimum(height[here], height[below])
 

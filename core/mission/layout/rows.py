@@ -454,9 +454,20 @@ class _Placed(NamedTuple):
     west: Floats
     east: Floats
 
+    @classmethod
+    def joined(cls, parts: list[_Placed]) -> _Placed:
+        """All of several parts, by rows."""
+        placed = cls(*(np.concatenate(values) for values in zip(*parts)))
+        return placed.taken(np.argsort(placed.row, kind="stable"))
+
+    def taken(self, which: NDArray[Any]) -> _Placed:
+        """Some of them, by their indices or by whether they are taken."""
+        row, column, *places = self
+        return _Placed(row[which], column[which], *(values[which] for values in places))
+
     def of(self, rows: NDArray[np.bool_]) -> _Placed:
         """Those of some of the rows, which are told (r,)."""
-        return _Placed(*(values[rows[self.row]] for values in self))
+        return self.taken(rows[self.row])
 
 
 class _Stretches(NamedTuple):
@@ -516,9 +527,7 @@ class _Stretches(NamedTuple):
             on = u + east < east_u[rows]
             rows, u, share = rows[on], u[on], not_shared
             limit = u + not_shared * east[on] - meeting
-        placed = _Placed(*(np.concatenate(values) for values in zip(*found)))
-        order = np.argsort(placed.row, kind="stable")
-        return _Placed(*(values[order] for values in placed))
+        return _Placed.joined(found)
 
 
 class _Along(NamedTuple):
@@ -565,7 +574,7 @@ class _Along(NamedTuple):
             if images <= limit:
                 found += [part._replace(row=some[part.row]) for part in both]
         refuse_too_many(images, limit)
-        return _Placed(*(np.concatenate(values) for values in zip(*found)))
+        return _Placed.joined(found)
 
 
 def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
