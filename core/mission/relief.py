@@ -29,6 +29,8 @@ Floats = NDArray[np.float64]
 _LOOKED_AT = 4.0
 #: Latitudes at which it is told how much ground rows surely see, and metres by which that may change a metre.
 _LATITUDES, _STEEPEST = 2048, 0.05
+#: Share of what images reach within which captures along a row are told alike.
+_SHARE_OF_REACH = 1.0 / 16.0
 #: Share of its height above ground that a capture must keep over what it sees.
 _LEAST_SHARE = 0.02
 #: Pieces of each edge of an image in its outline, and the least height of a camera over level ground, metres.
@@ -218,17 +220,45 @@ class ReliefBelow:
         return base + agl, self._ground.heights(*self._ground.position(lat_deg, lon_deg))
 
     @cached_property
+    def within_m(self) -> float:
+        """Metres within which places count as one where rows are laid out: a cell, or a small share of an image."""
+        return max(_cell_m(self._surface), _cell_m(self._ground), self.radius_m * _SHARE_OF_REACH)
+
+    @cached_property
     def _lowest_near(self) -> Callable[[Floats, Floats], Floats]:
         """Least height of the ground within a cell of positions (n,)."""
         return _lowest_around(self._ground, 0.0)
+
+    @cached_property
+    def _lowest_within(self) -> Callable[[Floats, Floats], Floats]:
+        """Least height of the ground near positions (n,), as far as `within_m`."""
+        return _lowest_around(self._ground, self.within_m)
 
     @cached_property
     def _tops(self) -> Callable[[Floats, Floats], Floats]:
         """Greatest height that may be seen from positions (n,)."""
         return _highest_around(self._surface, self.radius_m)
 
-    def seen_agl_m(self) -> Callable[[Floats], Floats]:
-        """For latitudes of rows, height over the highest of what their captures see, wherever they are in the area."""
+    @cached_property
+    def _tops_within(self) -> Callable[[Floats, Floats], Floats]:
+        """Greatest height that may be seen from near positions (n,), as far as `within_m`."""
+        return _highest_around(self._surface, self.radius_m + self.within_m)
+
+    def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Least height over the highest of what captures within `within_m` of places (n,) see; NaN without ground."""
+        if self.mission.terrain.height_above == GROUND:
+            wanted = self._lowest_within(lat_deg, lon_deg) + self.mission.flight.agl_m
+        else:
+            wanted, _ = self.wanted_m(lat_deg, lon_deg)
+        return wanted - self._tops_within(lat_deg, lon_deg)
+
+    def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
+        """Height over the highest of what captures of rows at latitudes (n,) see, wherever in the area they are."""
+        return np.interp(lat_deg, *self._least_by_latitude)
+
+    @cached_property
+    def _least_by_latitude(self) -> tuple[Floats, Floats]:
+        """Latitudes, and the least height over what captures there see."""
         mission, surface = self.mission, self._surface
         lat, lon = self._ends
         south, north = float(lat.min()), float(lat.max())
@@ -274,7 +304,7 @@ class ReliefBelow:
         )
         # Never more than was asked for, so that level ground is as it is without relief.
         low = np.maximum(low, _LEAST_SHARE * mission.flight.agl_m)
-        return lambda lat_deg: np.interp(lat_deg, centres, low)
+        return centres, low
 
     def flown(self, layout: Layout) -> Flown:
         """Heights of captures; refused where they cannot be kept."""
@@ -407,11 +437,15 @@ def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
     )
 
 
+def _cell_m(surface: Surface) -> float:
+    """Size of a surface's cells in its middle."""
+    lat, lon = surface.places(*(np.array([side / 2.0]) for side in surface.cells[::-1]))
+    return float(surface.grid.ground_m_per_px(lat, lon, surface.zoom)[0])
+
+
 def _highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:
     """For positions (n,), the greatest height of a surface within a distance; NaN where it has none there."""
-    lat, lon = surface.places(*(np.array([side / 2.0]) for side in surface.cells[::-1]))
-    cell_m = float(surface.grid.ground_m_per_px(lat, lon, surface.zoom)[0])
-    reach = math.ceil(radius_m / cell_m) + 1
+    reach = math.ceil(radius_m / _cell_m(surface)) + 1
     top = np.where(np.isnan(surface.heights_m), -np.inf, surface.heights_m).astype(np.float32)
     for axis in (0, 1):
         top = _running_max(top, min(reach, top.shape[axis] - 1), axis)

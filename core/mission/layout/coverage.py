@@ -344,7 +344,7 @@ def overlap_of(along: Floats, across: Floats) -> Overlap:
 def shares(
     column: Numbers, row: Numbers, rectangles: Rectangles, rows_are_level: bool
 ) -> tuple[Floats, Floats]:
-    """Shares of width, along rows, and of height, across them, that neighbouring rectangles have in common.
+    """Shares of width, along rows, and of height, across them, that neighbours have in common, of the smaller of both.
 
     Parameters
     ----------
@@ -353,8 +353,8 @@ def shares(
     rectangles : Rectangles
         (n,).
     rows_are_level : bool
-        Whether all rectangles of a row have the same top and height, so that any of the next row will do;
-        otherwise the one of the same column is the neighbour.
+        Whether rows run along the rectangles' sides, so that the nearest one of the next row is the neighbour;
+        otherwise it is the one of the same column.
     """
     left, top, right, bottom = rectangles
     width, height = right - left, bottom - top
@@ -362,19 +362,25 @@ def shares(
     shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(
         left[neighbours], left[neighbours + 1]
     )
-    along = shared / np.maximum(width[neighbours], width[neighbours + 1])
+    along = shared / np.minimum(width[neighbours], width[neighbours + 1])
 
-    columns = int(column.max()) + 1
-    keys = row * columns + column
+    # Where in its row each one is: its column, or its middle as a share of what all of them span.
+    place = column.astype(np.float64)
+    if rows_are_level:
+        place = left + right
+    place = (place - place.min()) / (2.0 * max(float(np.ptp(place)), 1.0))
+    keys = row + place
     order = np.argsort(keys)
-    below = order[np.minimum(np.searchsorted(keys[order], keys + columns), len(keys) - 1)]
-    level = row[below] == row + 1
-    if not rows_are_level:
-        level &= column[below] == column
-    here = np.flatnonzero(level)
-    below = below[here]
+    after = np.searchsorted(keys[order], keys + 1.0)
+    before, behind = (order[np.clip(at, 0, len(keys) - 1)] for at in (after - 1, after))
+    off_before, off_behind = (
+        np.where(row[at] == row + 1, np.abs(place[at] - place), np.inf) for at in (before, behind)
+    )
+    apart = np.minimum(off_before, off_behind)
+    here = np.flatnonzero(np.isfinite(apart) if rows_are_level else apart == 0.0)
+    below = np.where(off_before <= off_behind, before, behind)[here]
     shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
-    return along, shared / np.maximum(height[here], height[below])
+    return along, shared / np.minimum(height[here], height[below])
 
 
 def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:

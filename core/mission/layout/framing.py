@@ -102,27 +102,21 @@ def framed(
     InvalidInput
         As `plan` does.
     """
-    over = None
-    if relief is not None and not isinstance(mission.area, Points):
-        over = relief.seen_agl_m()
 
     def laid_out(pixel: float) -> Layout:
-        def frames(lat_deg: Floats) -> FrameEdges:
+        def frames(lat_deg: Floats, agl_m: Floats) -> FrameEdges:
             attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
-            height = (
-                np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
-                if over is None
-                else over(lat_deg)
-            )
-            return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), height, *attitude), pixel)
+            return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, *attitude), pixel)
 
-        return lay_out(mission, frames, pixel)
+        return lay_out(mission, frames, pixel, relief)
 
     zoom_of = partial(_zoom, mission, framing, relief)
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
         # Turned rows are all alike, as tight as the highest ground needs.
-        least = mission if over is None else mission.with_(agl_m=float(over(_latitudes(mission)).min()))
+        least = mission
+        if relief is not None:
+            least = mission.with_(agl_m=float(relief.least_seen_agl_m(_latitudes(mission)).min()))
         layout, passes = lay_out_rotated(least, ground_of(mission), grid.own)
         if grid.own is not None:
             # Outer frames leave room for the rounding of their edges to the grid's pixels.

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Message, OptionName
-from ...geodesy.ellipsoid import gauss_legendre
+from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ...geodesy.projections import utm_zone
@@ -20,8 +20,10 @@ from ..parts import ONE_WAY
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
-#: Edges of the frames of captures at latitudes (n,) in degrees.
-Frames = Callable[[Floats], FrameEdges]
+#: Edges of the frames of captures at latitudes in degrees and heights above ground in metres, (n,) each.
+Frames = Callable[[Floats, Floats], FrameEdges]
+#: The same for latitudes alone: those that any capture there has at least.
+RowFrames = Callable[[Floats], FrameEdges]
 
 #: Share of a pixel by which neighbours meet inside each other: far above the noise of float64 positions at
 #: zoom 22 (1e-7 px), so that rounding never opens a gap, and far below anything that costs a picture.
@@ -44,6 +46,10 @@ _COUNT_NODES, _COUNT_SHARE, _COUNT_MORE = 64, 1e-3, 3
 #: Rows from which their images are counted beforehand; the share of those that are needed in any case, and what there
 #: are at most, so that a limit that is raised to the number named is enough.
 _MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
+#: Over relief, heights from which frames of a row are worked out, and stretches of rows that are looked at together.
+_HEIGHTS, _STRETCHES = 5, 2_000_000
+#: Times the images that a mission may have beyond which they are not counted capture by capture.
+_FAR_TOO_MANY = 20.0
 #: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
 _COUNT_GUARD = 1e-9
 #: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
@@ -65,17 +71,36 @@ class Layout(NamedTuple):
     yaw_deg: Floats
 
 
-def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
+class Below(Protocol):
+    """Relief below a mission: how high captures are over the highest of what they see."""
+
+    @property
+    def within_m(self) -> float:
+        """Distance within which places are not told apart."""
+        ...
+
+    def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
+        """Of captures at latitudes (n,), wherever in the area."""
+        ...
+
+    def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Of captures within `within_m` of places (n,), at least; NaN where there is no ground."""
+        ...
+
+
+def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None = None) -> Layout:
     """Places of a mission's captures.
 
     Parameters
     ----------
     frames : callable
-        Edges of the mission's frames at given latitudes of the camera; what is covered lies in them, not below the
-        camera, where that looks aside.
+        Edges of the mission's frames at given latitudes and heights of the camera; what is covered lies in them, not
+        below the camera, where that looks aside.
     pixel : float
         Size of a pixel of the pictures as a fraction of the world's width, >= 0: the areas' outermost frames
         leave room for the rounding of their edges.
+    relief : Below or None
+        What rows get tighter over.
 
     Raises
     ------
@@ -87,9 +112,16 @@ def lay_out(mission: Mission, frames: Frames, pixel: float) -> Layout:
     if isinstance(area, Points):
         return _points(mission, area)
     refuse_beyond_mercator(area.bounds)
+
+    def row_frames(lat_deg: Floats) -> FrameEdges:
+        level = np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
+        return frames(lat_deg, level if relief is None else relief.least_seen_agl_m(lat_deg))
+
     if mission.flight.layout == "paper":
-        return _paper(mission, area, frames)
-    return _cover(mission, area, frames, pixel)
+        return _paper(mission, area, row_frames)
+    if relief is None or mission.attitude.tilt_deg or mission.attitude.roll_deg:
+        return _cover(mission, area, row_frames, pixel)
+    return _cover(mission, area, row_frames, pixel, _Along(mission, frames, relief, _MEETING_PX * pixel))
 
 
 #: Of the Antarctic and the Arctic.
@@ -142,31 +174,36 @@ def point_yaws_deg(mission: Mission, area: Points) -> Floats:
 # --- rows along parallels
 
 
-def _cover(mission: Mission, area: Box | Polygon, frames: Frames, pixel: float) -> Layout:
-    rows_v, edges = _row_centres(mission, area.bounds, frames, pixel)
+def _cover(
+    mission: Mission, area: Box | Polygon, frames: RowFrames, pixel: float, along: _Along | None = None
+) -> Layout:
+    rows_v, edges = _row_centres(mission, area.bounds, frames, pixel, refuse_early=along is None)
     rounding = _ROUNDING_PX * pixel
     spans = row_spans(area, edges.top_v - rounding, edges.bottom_v + rounding)
     used = ~np.isnan(spans[:, 0])
-    rows_v, spans = rows_v[used], spans[used]
+    lat, spans = v_to_lat(rows_v[used]), spans[used]
     edges = FrameEdges(*(edge[used] for edge in edges))
 
     width, _ = edges.size
     step = width * (1.0 - mission.flight.overlap_along) - _MEETING_PX * pixel
     refuse_no_step(step, mission.flight.overlap_along, mission)
-    west_u, east_u = lon_to_u(spans[:, 0]), lon_to_u(spans[:, 1])
-    need = (east_u - west_u) + 2.0 * rounding
-    counts = np.maximum(np.ceil((need - width) / step), 0.0) + 1.0
-    refuse_too_many(float(counts.sum()), mission.output.max_images)
-    per_row = counts.astype(np.int64)
-    row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
-    column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
-    middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
-    u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
-    lat = v_to_lat(rows_v)
+    west_u, east_u = lon_to_u(spans[:, 0]) - rounding, lon_to_u(spans[:, 1]) + rounding
+    counts = np.maximum(np.ceil((east_u - west_u - width) / step), 0.0) + 1.0
+    if along is not None:
+        if float(counts.sum()) > _FAR_TOO_MANY * mission.output.max_images:
+            refuse_too_many(float(counts.sum()), mission.output.max_images)
+        row, column, u, west, east = along.placed(lat, west_u, east_u, edges)
+        edges = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
+    else:
+        refuse_too_many(float(counts.sum()), mission.output.max_images)
+        per_row = counts.astype(np.int64)
+        row = np.repeat(np.arange(len(per_row), dtype=np.int64), per_row)
+        column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
+        middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
+        u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
+        edges = FrameEdges(*(edge[row] for edge in edges))
     layout = _level(mission, column, row, lat[row], u_to_lon(u))
-    return in_order(
-        _over(area, layout, FrameEdges(*(edge[row] for edge in edges)), rounding), mission.flight.order
-    )
+    return in_order(_over(area, layout, edges, rounding), mission.flight.order)
 
 
 def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
@@ -204,9 +241,11 @@ def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
         )
 
 
-def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tuple[Floats, FrameEdges]:
+def _row_centres(
+    mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
+) -> tuple[Floats, FrameEdges]:
     """World fractions of the rows' cameras, north to south, and the rows' frame edges."""
-    rows = _Rows(mission, box, frames, pixel)
+    rows = _Rows(mission, box, frames, pixel, refuse_early=refuse_early)
     centres, edges = rows.settle(rows.first_top, rows.most())
     count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     while count > len(centres):
@@ -225,13 +264,17 @@ def _row_centres(mission: Mission, box: Box, frames: Frames, pixel: float) -> tu
 class _Rows:
     """Rows of frames between two parallels, as world fractions."""
 
-    def __init__(self, mission: Mission, box: Box, frames: Frames, pixel: float) -> None:
+    def __init__(
+        self, mission: Mission, box: Box, frames: RowFrames, pixel: float, *, refuse_early: bool
+    ) -> None:
         self._mission, self._frames = mission, frames
         self._north, self._south = (
             float(lat_to_v(np.asarray(lat))) for lat in (box.north_deg, box.south_deg)
         )
         self._meeting = _MEETING_PX * pixel
-        self._across = box.span_deg / 360.0 if isinstance(mission.area, Box) else 0.0
+        # Of rows as wide as the box it is known beforehand how many images they have.
+        known = refuse_early and isinstance(mission.area, Box)
+        self._across = box.span_deg / 360.0 if known else 0.0
         self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
         self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
         self._least, self._most = self._cameras()
@@ -399,6 +442,141 @@ class _Rows:
         return centres, self._edges(centres)
 
 
+# --- along rows over relief
+
+
+class _Placed(NamedTuple):
+    """Captures along rows, arrays (n,), by rows: indices, world fractions, and edges of their frames from there."""
+
+    row: Numbers
+    column: Numbers
+    u: Floats
+    west: Floats
+    east: Floats
+
+    @classmethod
+    def joined(cls, parts: list[_Placed]) -> _Placed:
+        """All of several parts, by rows."""
+        placed = cls(*(np.concatenate(values) for values in zip(*parts)))
+        return placed.taken(np.argsort(placed.row, kind="stable"))
+
+    def taken(self, which: NDArray[Any]) -> _Placed:
+        """Some of them, by their indices or by whether they are taken."""
+        row, column, *places = self
+        return _Placed(row[which], column[which], *(values[which] for values in places))
+
+    def of(self, rows: NDArray[np.bool_]) -> _Placed:
+        """Those of some of the rows, which are told (r,)."""
+        return self.taken(rows[self.row])
+
+
+class _Stretches(NamedTuple):
+    """Rows (r,) in stretches (r, m) of one size, in world fractions: what captures show that stand in them."""
+
+    first_u: Floats
+    size_u: Floats
+    west: Floats
+    east: Floats
+
+    @classmethod
+    def of(
+        cls, lat_deg: Floats, first_u: Floats, size_u: Floats, count: int, frames: Frames, relief: Below
+    ) -> _Stretches:
+        """Stretches of rows: frames in each are those from the least height over what is seen from anywhere in it."""
+        u = first_u[:, np.newaxis] + (np.arange(count) + 0.5) * size_u[:, np.newaxis]
+        seen = relief.seen_agl_m(np.repeat(lat_deg, count), u_to_lon(u.ravel())).reshape(u.shape)
+        seen = np.fmax(seen, relief.least_seen_agl_m(lat_deg)[:, np.newaxis])
+        # Frames are nearly as large as their height: between a few of these, no smaller a share of it than at both.
+        lowest, ratio = seen.min(axis=1), seen.max(axis=1) / seen.min(axis=1)
+        heights = lowest[:, np.newaxis] * ratio[:, np.newaxis] ** np.linspace(0.0, 1.0, _HEIGHTS)
+        edges = frames(np.repeat(lat_deg, _HEIGHTS), heights.ravel())
+        with np.errstate(invalid="ignore"):
+            above = np.log(seen / lowest[:, np.newaxis]) / np.log(ratio)[:, np.newaxis] * (_HEIGHTS - 1)
+        at = np.clip(np.nan_to_num(above), 0, _HEIGHTS - 2).astype(np.intp)
+        west, east = (edge.reshape(heights.shape) / heights for edge in (edges.west_u, edges.east_u))
+        west, east = np.maximum(west[:, :-1], west[:, 1:]), np.minimum(east[:, :-1], east[:, 1:])
+        return cls(first_u, size_u, *(seen * np.take_along_axis(edge, at, axis=1) for edge in (west, east)))
+
+    def walk(self, west_u: Floats, east_u: Floats, not_shared: float, meeting: float) -> _Placed:
+        """Captures from each row's west to its east, (r,), each as far from the one before as may be.
+
+        Its frame begins where the one before has left but a share ``1 - not_shared`` of both; they meet inside each
+        other by ``meeting``.
+        """
+        ahead = np.arange(math.ceil(float(((self.east - self.west).max(axis=1) / self.size_u).max())) + 2)
+        count = self.west.shape[1]
+        rows = np.arange(len(west_u))
+        # How far frames may begin, and by what share of their part to the west captures may stand beyond that.
+        limit, share, u = west_u, 1.0, west_u
+        found: list[_Placed] = []
+        while len(rows):
+            first, size = self.first_u[rows, np.newaxis], self.size_u[rows, np.newaxis]
+            now = np.floor((u[:, np.newaxis] - first) / size).astype(np.int64)
+            at = np.clip(now + ahead, 0, count - 1)
+            west = self.west[rows[:, np.newaxis], at]
+            farthest = limit[:, np.newaxis] - share * west
+            begin = first + at * size
+            # The last of those stretches that a capture may stand in.
+            best = len(ahead) - 1 - np.argmax((farthest >= begin)[:, ::-1], axis=1)[:, np.newaxis]
+            at, farthest, begin = (
+                np.take_along_axis(values, best, axis=1) for values in (at, farthest, begin)
+            )
+            u = np.minimum(farthest, begin + size)[:, 0]
+            west, east = self.west[rows, at[:, 0]], self.east[rows, at[:, 0]]
+            found.append(_Placed(rows, np.full(len(rows), len(found)), u, west, east))
+            on = u + east < east_u[rows]
+            rows, u, share = rows[on], u[on], not_shared
+            limit = u + not_shared * east[on] - meeting
+        return _Placed.joined(found)
+
+
+class _Along(NamedTuple):
+    """Captures along rows that are flown straight down over relief: as far from each other as what they show allows."""
+
+    mission: Mission
+    frames: Frames
+    relief: Below
+    meeting: float
+
+    def placed(self, lat_deg: Floats, west_u: Floats, east_u: Floats, least: FrameEdges) -> _Placed:
+        """Captures of rows (r,) that show what lies between two world fractions; ``least`` is what any of them shows.
+
+        Raises
+        ------
+        InvalidInput
+            More captures than the mission may have.
+        """
+        limit = self.mission.output.max_images
+        parallel_m = 2.0 * math.pi * WGS84.normal_radius_m(lat_deg) * np.cos(np.radians(lat_deg))
+        size, (room, _) = self.relief.within_m / parallel_m, least.size
+        stretches = np.ceil((east_u - west_u + 2.0 * room) / size)
+        blocks = np.flatnonzero(np.diff(np.floor(np.cumsum(stretches) / _STRETCHES))) + 1
+        found, images = [], 0
+        for some in np.split(np.arange(len(lat_deg)), blocks):
+            west, east = west_u[some], east_u[some]
+            row = _Stretches.of(
+                lat_deg[some],
+                west - room[some],
+                size[some],
+                int(stretches[some].max()),
+                self.frames,
+                self.relief,
+            )
+            step = 1.0 - self.mission.flight.overlap_along, self.meeting
+            placed = row.walk(west, east, *step)
+            # As far beyond one end as beyond the other, where that takes no more captures.
+            last = np.append(np.diff(placed.row) > 0, True)
+            beyond = (placed.u + placed.east)[last] - east
+            centred = row.walk(west - np.minimum(beyond / 2.0, room[some]), east, *step)
+            better = np.bincount(centred.row) <= np.bincount(placed.row)
+            both = placed.of(~better), centred.of(better)
+            images += sum(len(part.row) for part in both)
+            if images <= limit:
+                found += [part._replace(row=some[part.row]) for part in both]
+        refuse_too_many(images, limit)
+        return _Placed.joined(found)
+
+
 def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
     column, row, *poses = layout
     column = column[which]
@@ -419,7 +597,7 @@ def in_order(layout: Layout, order: str) -> Layout:
 # --- the paper's grid
 
 
-def _paper(mission: Mission, area: Box | Polygon, frames: Frames) -> Layout:
+def _paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> Layout:
     """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
     box = area.bounds
     middle_lon = box.west_deg + box.span_deg / 2.0

@@ -10,6 +10,7 @@ import pytest
 from osgeo import gdal
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box, Points, Polygon
@@ -44,7 +45,9 @@ def dem(tmp_path_factory):
     x, y = (np.meshgrid(np.arange(SIDE) * 2.0 + 1.0, np.arange(SIDE) * 2.0 + 1.0))[:2]
     folder = tmp_path_factory.mktemp("dem")
     found = {}
-    for name, values in {"hills": hills(x, y), "tower": tower(x, y), "level": np.full(x.shape, 41.5)}.items():
+    surfaces = {"hills": hills(x, y), "tower": tower(x, y), "level": np.full(x.shape, 41.5)}
+    surfaces["mast"] = surfaces["level"] + tower(x, y) - hills(x, y)
+    for name, values in surfaces.items():
         found[name] = str(
             rasters.write(folder / f"{name}.tif", values[np.newaxis], UTM, 32618, data_type=gdal.GDT_Float32)
         )
@@ -66,6 +69,7 @@ def box(west, south, east, north):
 
 
 AREA = box(330.0, 700.0, 640.0, 380.0)
+WIDE = box(200.0, 700.0, 800.0, 380.0)
 
 
 def flown(mission, grid=GRID):
@@ -237,6 +241,58 @@ def test_the_higher_the_ground_the_tighter_the_rows(dem):
     assert len(made) > len(plain)
     assert made.overlap.least_along >= 0.49
     assert made.overlap.least_across >= 0.49
+
+
+def test_along_a_row_images_are_only_as_near_as_what_they_show_needs(dem):
+    """About a tower on a plain half of what is seen of its top; elsewhere half of what is seen of the plain."""
+    made = flown(Mission(WIDE, 90.0, elevation=(dem["mast"],), overlap_along=0.5, overlap_across=0.5))
+    assert made.coverage.complete
+    assert made.overlap.least_along >= 0.49
+    parallel_m = WGS84.normal_radius_m(made.lat_deg) * np.cos(np.radians(made.lat_deg))
+    apart = np.abs(np.radians(np.diff(made.lon_deg)) * parallel_m[1:])
+    x, y = TO_UTM.transform(made.lon_deg, made.lat_deg)
+    away = np.hypot(x - WEST - 500.0, NORTH - y - 500.0)
+    same, near = np.diff(made.row) == 0, np.minimum(away[1:], away[:-1])
+    plain_m, top_m = (CAMERA.ground_size_m(agl)[0] for agl in (90.0, 50.0))
+    assert np.median(apart[same & (near > 150.0)]) == pytest.approx(0.5 * plain_m, rel=0.005)
+    assert apart[same].min() == pytest.approx(0.5 * top_m, rel=0.005)
+    assert (apart[same & (near < 30.0)] < 0.4 * plain_m).all()
+
+
+def test_rows_over_any_relief_leave_nothing_out(tmp_path):
+    """Cliffs, spikes and noise; boxes and a polygon, narrower than an image or of several, at any overlap."""
+    rng = np.random.default_rng(7)
+    for trial in range(20):
+        rough = rng.choice([2.0, 15.0, 40.0])
+        values = rng.normal(0.0, rough / 8.0, (SIDE, SIDE))
+        for _ in range(rng.integers(1, 12)):
+            row, column, side = *rng.integers(0, SIDE, 2), rng.integers(1, 120)
+            values[row : row + side, column : column + side] += rng.uniform(-rough, rough)
+        path = rasters.write(
+            tmp_path / f"{trial}.tif", values[np.newaxis], UTM, 32618, data_type=gdal.GDT_Float32
+        )
+        width, height = rng.uniform(5.0, 500.0, 2)
+        west, north = rng.uniform(250.0, 750.0 - np.array([width, height]))
+        area = box(west, north + height, west + width, north)
+        if trial % 4 == 0:
+            corners = ("west_deg", "north_deg"), ("west_deg", "south_deg"), ("east_deg", "south_deg")
+            area = Polygon((tuple((getattr(area, lon), getattr(area, lat)) for lon, lat in corners),))
+        along, across = rng.choice([0.0, 0.3, 0.6, 0.85], 2)
+        above = rng.choice(["ground", "takeoff"])
+        made = flown(
+            Mission(
+                area,
+                160.0,
+                elevation=(str(path),),
+                overlap_along=float(along),
+                overlap_across=float(across),
+                height_above=str(above),
+            )
+        )
+        assert made.coverage.complete
+        rounding = 1.0 / np.minimum(made.windows.width_px, made.windows.height_px).min()
+        for least, asked in ((made.overlap.least_along, along), (made.overlap.least_across, across)):
+            assert least is None or least >= asked - rounding
 
 
 def test_polygons_and_wind_go_over_relief(dem):

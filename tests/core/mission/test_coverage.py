@@ -246,14 +246,12 @@ def test_gaps_are_worked_out_together():
 def test_rows_of_very_different_heights_are_all_placed():
     """Towards the poles frames are higher and higher on the map, and neighbours share a part of the higher one."""
 
-    def frames(lat_deg):
-        return map_frame_edges(
-            Camera(), Poses.level(lat_deg, np.zeros_like(lat_deg), np.full_like(lat_deg, 1e5))
-        )
+    def frames(lat_deg, agl_m):
+        return map_frame_edges(Camera(), Poses.level(lat_deg, np.zeros_like(lat_deg), agl_m))
 
     mission = Mission(Box(80, 0, -80, 0.01), 1e5, overlap_across=0.9)
     placed = layout.lay_out(mission, frames, 0.0)
-    _, _, top, bottom = frames(placed.lat_deg)
+    _, _, top, bottom = frames(placed.lat_deg, placed.agl_m)
     assert (np.diff(placed.row) == 1).all()
     assert top[0] <= lat_to_v(np.array(80.0))
     assert bottom[-1] >= lat_to_v(np.array(-80.0))

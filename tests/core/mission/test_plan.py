@@ -142,12 +142,12 @@ def test_overlap_and_tiles_are_what_counting_gives(layout, overlap):
     assert worked_out.requests == len(tiles)
     at = {pair: i for i, pair in enumerate(zip(worked_out.column.tolist(), worked_out.row.tolist()))}
     along = [
-        (right[i] - left[at[c + 1, r]]) / max(right[i] - left[i], right[at[c + 1, r]] - left[at[c + 1, r]])
+        (right[i] - left[at[c + 1, r]]) / min(right[i] - left[i], right[at[c + 1, r]] - left[at[c + 1, r]])
         for (c, r), i in at.items()
         if (c + 1, r) in at
     ]
     across = [
-        (bottom[i] - top[at[c, r + 1]]) / max(bottom[i] - top[i], bottom[at[c, r + 1]] - top[at[c, r + 1]])
+        (bottom[i] - top[at[c, r + 1]]) / min(bottom[i] - top[i], bottom[at[c, r + 1]] - top[at[c, r + 1]])
         for (c, r), i in at.items()
         if (c, r + 1) in at
     ]

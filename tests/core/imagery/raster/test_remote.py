@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import threading
-import time
 import zipfile
 from concurrent.futures import ThreadPoolExecutor
 
@@ -150,12 +149,10 @@ def test_answers_that_are_cut_give_no_pixels(server, url):
 def test_a_server_that_sends_whole_files_only_is_not_asked_for_one(server, url, body, length):
     server.files["/maps/ortho.tif"] = body[:length], ETAG
     server.sends_parts = False
-    began_s = time.monotonic()
     with pytest.raises(InvalidInput, match="sends whole files only") as raised:
         open_raster(url)
     assert "; name a copy of it on this machine" in str(raised.value)
     assert [method for method, _, _ in server.asked] == ["GET"]
-    assert time.monotonic() - began_s < 30.0
 
 
 def test_redirects_lead_to_http_alone(server, url, values):
@@ -208,11 +205,10 @@ def test_closing_ends_the_wait_for_a_server(server, url):
     source = open_raster(url)
     threading.Timer(0.2, source.close).start()
     source._pool.remote._asked_s = -1e9
-    server.latency_s = 3.0
-    began_s = time.monotonic()
+    server.latency_s = 60.0
     with pytest.raises(Exception, match="cancelled"):
         source.fetch("", window(source, 64, 64))
-    assert time.monotonic() - began_s < 2.5
+    assert server.under_way
 
 
 def test_a_capture_names_the_source_as_the_user_did_and_leaves_nothing_half_written(

@@ -1,0 +1,23 @@
+"""How the work of something grows with the size of what it is given, whatever the machine."""
+
+from __future__ import annotations
+
+import time
+
+TIMES = 8
+#: Growth up to which work counts as proportional: with the square of the size it grows `TIMES` as much.
+PROPORTIONAL = TIMES / 2.0
+#: Seconds that cannot be told from none.
+_NOISE_S = 0.02
+
+
+def growth(work, size):
+    """Processor time of ``work(TIMES * size)`` over `TIMES` that of ``work(size)``; the least of three each."""
+    small_s, large_s = (min(_seconds(work, many) for _ in range(3)) for many in (size, TIMES * size))
+    return large_s / max(TIMES * small_s, _NOISE_S)
+
+
+def _seconds(work, size):
+    began_s = time.process_time()
+    work(size)
+    return time.process_time() - began_s
