@@ -64,7 +64,8 @@ class Summary:
     """The figures of a plan; shares are of 1, None where they have no meaning (points have no area).
 
     Those of relief are None over level ground; the finest and the coarsest ground sample distance are those straight
-    below a camera, at the highest and at the lowest that its image may show.
+    below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
+    ground which images hold, but relief in front of it hides from all of them.
 
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
@@ -104,6 +105,7 @@ class Summary:
     finest_gsd_m_per_px: float | None = None
     coarsest_gsd_m_per_px: float | None = None
     clearance_m: float | None = None
+    hidden_share: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -140,6 +142,8 @@ class Summary:
             words = Message("complete but for missing imagery") if self.lacks_imagery else Message("complete")
             if not self.complete:
                 words = Message("{0} uncovered", area_text(self.uncovered_m2))
+            if self.hidden_share:
+                words = Message("{0}; relief hides about {1:.1f} %", words, 100.0 * self.hidden_share)
             share = percent(self.covered_share, exact=bool(self.complete))
             lines.append((Message("coverage"), Message("{0} ({1})", share, words)))
         if self.imagery_share is not None and self.lacks_imagery:
@@ -252,7 +256,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
 def _over_relief(plan: Plan) -> dict[str, float]:
     if plan.relief is None or plan.flown is None or plan.size_px is None:
         return {}
-    found = plan.relief.figures(plan.lat_deg, plan.lon_deg, plan.flown)
+    found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
     px_per_m = plan.mission.camera.ground_size_m(1.0)[0] / plan.size_px[0]
     return {
         "lowest_ground_m": found.lowest_m,
@@ -260,6 +264,7 @@ def _over_relief(plan: Plan) -> dict[str, float]:
         "finest_gsd_m_per_px": found.nearest_m * px_per_m,
         "coarsest_gsd_m_per_px": found.farthest_m * px_per_m,
         "clearance_m": found.clearance_m,
+        "hidden_share": found.hidden_share,
     }
 
 

@@ -13,17 +13,19 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import CORNERS, Poses
-from ..geodesy.ellipsoid import WGS84
+from ..geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
+from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
-from .area import Points
+from .area import Box, Points, touching
 from .flight import legs
 from .layout.rows import Layout
 from .mission import Mission
 from .parts import ELLIPSOID, GROUND, TAKEOFF
 
 Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 
 #: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
 _LOOKED_AT = 4.0
@@ -33,8 +35,12 @@ _LATITUDES, _STEEPEST = 2048, 0.05
 _SHARE_OF_REACH = 1.0 / 16.0
 #: Share of its height above ground that a capture must keep over what it sees.
 _LEAST_SHARE = 0.02
+#: Points of the area that are looked for in images, and cells by which one that is met may be another.
+_LOOKED_FOR, _SAME_PLACE = 2048, 0.01
 #: Pieces of each edge of an image in its outline, and the least height of a camera over level ground, metres.
 _ALONG_EDGE, _LEAST_ABOVE_M = 16, 1e-3
+#: What an image may reach beyond its corners, as a share of how far they are.
+_BULGE = 1.05
 #: Metres of relief that are none: level ground, to the last digit of its heights.
 _LEVEL_M = 1e-4
 
@@ -76,6 +82,8 @@ class ReliefFigures(NamedTuple):
         From a capture down to the highest and to the lowest that its image may show.
     clearance_m : float
         Least height of a capture over everything within the clearance's distance.
+    hidden_share : float
+        Of the area's ground: images hold it, but relief in front of it hides it from all of them.
     """
 
     lowest_m: float
@@ -83,6 +91,7 @@ class ReliefFigures(NamedTuple):
     nearest_m: float
     farthest_m: float
     clearance_m: float
+    hidden_share: float
 
 
 class ReliefBelow:
@@ -338,17 +347,70 @@ class ReliefBelow:
             )
         return Flown(height, ground, seen)
 
-    def figures(self, lat_deg: Floats, lon_deg: Floats, flown: Flown) -> ReliefFigures:
-        """Figures of a flight whose captures are at positions (n,)."""
-        lowest = _lowest_around(self._surface, self.radius_m)(lat_deg, lon_deg)
-        _, near = self._least_m(lat_deg, lon_deg)
+    def figures(self, poses: Poses, flown: Flown, corners: Corners) -> ReliefFigures:
+        """Figures of a flight by its captures (n,) and the corners of their images (n, 4)."""
+        lowest = _lowest_around(self._surface, self.radius_m)(poses.lat_deg, poses.lon_deg)
+        _, near = self._least_m(poses.lat_deg, poses.lon_deg)
         return ReliefFigures(
             float(flown.ground_m.min()),
             float(flown.ground_m.max()),
             float(flown.seen_agl_m.min()),
             float(np.nanmax(flown.height_m - lowest)),
             float((flown.height_m - np.where(np.isfinite(near), near, flown.ground_m)).min()),
+            self._hidden_share(poses, flown.height_m, corners),
         )
+
+    def _hidden_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
+        """Share of the area's ground that relief hides from all images that hold it; 0 for points.
+
+        Told from `_LOOKED_FOR` points spread over the area.
+        """
+        lat, lon, height = self._spread()
+        point, camera = _near(lat, lon, poses, corners)
+        # From a camera to points that lie higher than the ellipsoid by so much along their own normals.
+        dlon = lon[point] - poses.lon_deg[camera]
+        vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
+        vectors += height[point, np.newaxis] * _normals_enu(poses.lat_deg[camera], lat[point], dlon)
+        attitude = (np.broadcast_to(angle, height_m.shape)[camera] for angle in poses.attitude)
+        image_xy, in_front = self.mission.camera.image_xy(vectors[:, np.newaxis], *attitude)
+        held = np.flatnonzero((in_front & (np.abs(image_xy) <= 1.0).all(axis=-1))[:, 0])
+        # The one that looks down on a point most steeply sees it, as a rule.
+        steep = np.hypot(vectors[held, 0], vectors[held, 1]) / -vectors[held, 2]
+        held = held[np.lexsort((steep, point[held]))]
+        first = np.append(True, np.diff(point[held]) > 0) if len(held) else np.zeros(0, bool)
+        seen = np.zeros(len(lat), bool)
+        for pairs in (held[first], held[~first]):
+            some = pairs[~seen[point[pairs]]]
+            at, by = point[some], camera[some]
+            found = self._surface.first_points(
+                poses.lat_deg[by], poses.lon_deg[by], height_m[by], vectors[some], self.lowest_m
+            )
+            off_m = np.linalg.norm(
+                sight_lines(lat[at], np.zeros(len(at)), found[0], found[1] - dlon[some]), axis=-1
+            )
+            seen[at[~(off_m > _SAME_PLACE * _cell_m(self._surface))]] = True
+        held_at_all = np.zeros(len(lat), bool)
+        held_at_all[point[held]] = True
+        return float((held_at_all & ~seen).sum() / max(len(lat), 1))
+
+    def _spread(self) -> tuple[Floats, Floats, Floats]:
+        """Latitudes, longitudes and heights of points spread over the area, where there is a surface."""
+        area = self.mission.area
+        if isinstance(area, Points):
+            return np.empty(0), np.empty(0), np.empty(0)
+        west, south, east, north = area.bounds.edges_deg
+        # Kronecker's sequence of the plastic number's powers: as even as can be, whatever their number.
+        count = np.arange(1.0, _LOOKED_FOR + 1.0)
+        lon, lat = (
+            begin + (end - begin) * np.mod(count * step, 1.0)
+            for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
+        )
+        if not isinstance(area, Box):
+            inside = touching(area, lon, lat, lon, lat)
+            lon, lat = lon[inside], lat[inside]
+        height = self._surface.heights(*self._surface.position(lat, lon))
+        known = np.isfinite(height)
+        return lat[known], lon[known], height[known]
 
     def _least_m(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats]:
         """Least heights that captures may have, and of what is below them or near."""
@@ -434,6 +496,48 @@ def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
     return (
         np.concatenate([north, north, south, south]),
         np.concatenate([lon - wide, lon + wide, lon - wide, lon + wide]),
+    )
+
+
+def _near(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Numbers, Numbers]:
+    """Pairs of points (n,) and captures whose image may hold them, by index: those about its corners' middle."""
+    north_m = math.radians(1.0) * WGS84.b_m
+    east_m = north_m * math.cos(math.radians(float(np.clip(np.mean(lat), -89.0, 89.0)))) if len(lat) else 1.0
+    corner_lon = poses.lon_deg[:, np.newaxis] + wrap_lon_deg(corners.lon_deg - poses.lon_deg[:, np.newaxis])
+    x, y = corner_lon * east_m, corners.lat_deg * north_m
+    middle = np.stack([np.nanmean(x, axis=1), np.nanmean(y, axis=1)], axis=1)
+    reach = float(np.nanmax(np.hypot(x - middle[:, :1], y - middle[:, 1:]), initial=1.0))
+    own = np.stack([lon * east_m, lat * north_m], axis=1)
+    start = np.minimum(np.nanmin(middle, axis=0), own.min(axis=0, initial=np.inf))
+    (own_x, own_y), (x_at, y_at) = (
+        np.floor((at - start) / (_BULGE * reach)).astype(np.int64).T + 1 for at in (own, middle)
+    )
+    wide = int(max(own_x.max(initial=0), x_at.max(initial=0))) + 2
+    order = np.argsort(y_at * wide + x_at, kind="stable")
+    keys = (y_at * wide + x_at)[order]
+    pairs = []
+    for row in (-1, 0, 1):
+        # Three cells of a row lie behind each other.
+        key = (own_y + row) * wide + own_x
+        first, last = np.searchsorted(keys, key - 1), np.searchsorted(keys, key + 1, side="right")
+        counts = last - first
+        at = np.repeat(first - np.cumsum(counts) + counts, counts) + np.arange(counts.sum())
+        pairs.append((np.repeat(np.arange(len(lat)), counts), order[at]))
+    point, camera = (np.concatenate(values) for values in zip(*pairs))
+    return point, camera
+
+
+def _normals_enu(lat_deg: Floats, at_lat_deg: Floats, dlon_deg: Floats) -> Floats:
+    """Normals of the ellipsoid at points, (n, 3), in the east, north and up of other places."""
+    (sine, cosine), (at_sine, at_cosine) = sin_cos(lat_deg), sin_cos(at_lat_deg)
+    sin_dlon, cos_dlon = sin_cos(dlon_deg)
+    return np.stack(
+        [
+            at_cosine * sin_dlon,
+            at_sine * cosine - at_cosine * sine * cos_dlon,
+            at_sine * sine + at_cosine * cosine * cos_dlon,
+        ],
+        axis=-1,
     )
 
 

@@ -2194,6 +2194,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{text}; relief hides about {share} %</source>
+        <translation>{text}; el relieve oculta cerca del {share} %</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{width} × {height} px at zoom {zoom}</source>
         <translation>{width} × {height} px con zoom {zoom}</translation>
     </message>
@@ -7171,6 +7176,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} {2} {3} or less</source>
         <translation>{0} {1} {2} {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}; relief hides about {1:.1f} %</source>
+        <translation>{0}; el relieve oculta cerca del {1:.1f} %</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/geopackage.py"/>

@@ -373,6 +373,14 @@ def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
 
 
 def _coverage(summary: Summary, unit: str) -> str:
+    text = _held(summary, unit)
+    if not summary.hidden_share:
+        return text
+    share = number_text(100.0 * summary.hidden_share, ".1f")
+    return tr("{text}; relief hides about {share} %").format(text=text, share=share)
+
+
+def _held(summary: Summary, unit: str) -> str:
     if summary.complete:
         text = (
             tr("100 % of {area}, except where imagery is missing")

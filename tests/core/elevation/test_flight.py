@@ -39,6 +39,10 @@ def tower(x, y):
     return hills(x, y) + 40.0 * ((np.abs(x - 500) < 5) & (np.abs(y - 500) < 5))
 
 
+def town(x, y):
+    return 25.0 * ((x % 30.0 < 12.0) & (y % 30.0 < 12.0))
+
+
 @pytest.fixture(scope="module")
 def dem(tmp_path_factory):
     """Paths of surfaces by name, as files of 2 m pixels."""
@@ -46,6 +50,7 @@ def dem(tmp_path_factory):
     folder = tmp_path_factory.mktemp("dem")
     found = {}
     surfaces = {"hills": hills(x, y), "tower": tower(x, y), "level": np.full(x.shape, 41.5)}
+    surfaces["town"] = town(x, y)
     surfaces["mast"] = surfaces["level"] + tower(x, y) - hills(x, y)
     for name, values in surfaces.items():
         found[name] = str(
@@ -182,13 +187,13 @@ def test_level_heights_are_the_level_ground_that_they_say(dem, how):
     assert ours.corners.lat_deg == pytest.approx(plain.corners.lat_deg, abs=1e-12)
 
 
-def seen_by(made, lat, lon, height_m, margin=0.0):
+def seen_by(made, lat, lon, height_m, margin=0.0, only=None):
     """How many captures have points in their images, occlusion left out: pinholes in geocentric coordinates."""
     points = np.stack(GEOCENTRIC.transform(lon, lat, height_m), axis=-1)
     tan_x, tan_y = made.mission.camera.half_tangents
     count = np.zeros(len(lat), int)
     cameras = np.stack(GEOCENTRIC.transform(made.lon_deg, made.lat_deg, made.height_m), axis=-1)
-    for index in range(len(made)):
+    for index in range(len(made)) if only is None else only:
         phi, lam = np.radians(made.lat_deg[index]), np.radians(made.lon_deg[index])
         east = np.array([-np.sin(lam), np.cos(lam), 0.0])
         up = np.array([np.cos(phi) * np.cos(lam), np.cos(phi) * np.sin(lam), np.sin(phi)])
@@ -384,3 +389,40 @@ def test_figures_say_what_is_below_a_flight_and_how_near_it_comes(dem):
     labels = dict(found.lines())
     assert f"{found.clearance_m:,.1f} m clear" in labels["ground below"]
     assert estimate(plan(Mission(AREA, 90.0), GRID)).clearance_m is None
+
+
+@pytest.mark.parametrize("values", [{}, {"tilt_deg": 35.0, "yaw_deg": 30.0}], ids=["down", "aside"])
+def test_ground_that_relief_hides_from_all_images_is_told(dem, values):
+    """Against a walk from each of many points towards each camera, through the file's own cells."""
+    asked = {"elevation": (dem["town"],), "overlap_along": 0.0, "overlap_across": 0.0}
+    made = flown(Mission(AREA, 90.0, **asked, **values))
+    rng = np.random.default_rng(5)
+    lat = rng.uniform(AREA.south_deg, AREA.north_deg, 3000)
+    lon = rng.uniform(AREA.west_deg, AREA.east_deg, 3000)
+    x, y = TO_UTM.transform(lon, lat)
+    cells = gdal.Open(dem["town"]).ReadAsArray()
+
+    def height(x, y):
+        column, row = (x - WEST) / 2.0 - 0.5, (NORTH - y) / 2.0 - 0.5
+        j, i = np.floor(column).astype(int), np.floor(row).astype(int)
+        dx, dy = column - j, row - i
+        upper, lower = (cells[at, j] * (1 - dx) + cells[at, j + 1] * dx for at in (i, i + 1))
+        return upper * (1 - dy) + lower * dy
+
+    ground = height(x, y)
+    held, seen = np.zeros(len(lat), bool), np.zeros(len(lat), bool)
+    for index in range(len(made)):
+        inside = seen_by(made, lat, lon, ground, only=[index]) > 0
+        held |= inside
+        at = np.flatnonzero(inside & ~seen)
+        camera_x, camera_y = TO_UTM.transform(made.lon_deg[index], made.lat_deg[index])
+        free = np.ones(len(at), bool)
+        for share in np.arange(0.002, 0.5, 0.002):
+            on = [(1 - share) * p[at] + share * c for p, c in ((x, camera_x), (y, camera_y))]
+            free &= height(*on) <= (1 - share) * ground[at] + share * made.height_m[index] + 0.2
+        seen[at[free]] = True
+    hidden = (held & ~seen).mean()
+    found = estimate(made)
+    assert hidden > 0.02
+    assert found.hidden_share == pytest.approx(hidden, abs=0.008)
+    assert f"relief hides about {100 * found.hidden_share:.1f} %" in dict(found.lines())["coverage"]
