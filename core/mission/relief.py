@@ -263,11 +263,17 @@ class ReliefBelow:
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
         """Height over the highest of what captures of rows at latitudes (n,) see, wherever in the area they are."""
-        return np.interp(lat_deg, *self._least_by_latitude)
+        at_lat, least, _ = self._seen_by_latitude
+        return np.interp(lat_deg, at_lat, least)
+
+    def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
+        """The same of the greatest such height."""
+        at_lat, _, most = self._seen_by_latitude
+        return np.interp(lat_deg, at_lat, most)
 
     @cached_property
-    def _least_by_latitude(self) -> tuple[Floats, Floats]:
-        """Latitudes, and the least height over what captures there see."""
+    def _seen_by_latitude(self) -> tuple[Floats, Floats, Floats]:
+        """Latitudes, and the least and the greatest height over the highest of what captures there see."""
         mission, surface = self.mission, self._surface
         lat, lon = self._ends
         south, north = float(lat.min()), float(lat.max())
@@ -288,32 +294,24 @@ class ReliefBelow:
         wide = room / max(math.cos(math.radians(min(max(abs(south), abs(north)), 89.0))), 1e-3)
         near &= (at_lon >= west - wide) & (at_lon <= east + wide)
         at_lat, at_lon = at_lat[near], at_lon[near]
-        wanted, ground = self.wanted_m(at_lat, at_lon)
+        low, ground = self.wanted_m(at_lat, at_lon)
+        high = low
         if mission.terrain.height_above == GROUND:
-            # Captures stand between cells, where the ground may be lower than in their middles.
-            wanted = self._lowest_near(at_lat, at_lon) + mission.flight.agl_m
-        over = np.where(np.isnan(ground), np.inf, wanted - self._tops(at_lat, at_lon))
+            # Captures stand between cells, where the ground may be lower or higher than in their middles.
+            low, high = (
+                near(at_lat, at_lon) + mission.flight.agl_m
+                for near in (self._lowest_near, _highest_around(self._ground, 0.0))
+            )
+        tops = np.where(np.isnan(ground), np.nan, self._tops(at_lat, at_lon))
         edges = np.linspace(south - room, north + room, _LATITUDES + 1)
         bins = np.clip(np.searchsorted(edges, at_lat) - 1, 0, _LATITUDES - 1)
-        least = np.full(_LATITUDES, np.inf)
-        np.minimum.at(least, bins, over)
-        # Between the middles of bins it is told from both of them.
-        least[1:-1] = np.minimum(np.minimum(least[:-2], least[1:-1]), least[2:])
         centres = (edges[1:] + edges[:-1]) / 2.0
         metres = np.radians(centres - centres[0]) * WGS84.b_m
-        known = np.isfinite(least)
-        if not known.any():
+        least, most = _least_along(low - tops, bins, metres), -_least_along(tops - high, bins, metres)
+        if not np.isfinite(least).all():
             raise no_ground(south, west)
-        # The greatest function below that changes by no more than so much: rows find their places by it.
-        slope = _STEEPEST
-        low = np.minimum(
-            np.minimum.accumulate(np.where(known, least - slope * metres, np.inf)) + slope * metres,
-            np.minimum.accumulate(np.where(known, least + slope * metres, np.inf)[::-1])[::-1]
-            - slope * metres,
-        )
-        # Never more than was asked for, so that level ground is as it is without relief.
-        low = np.maximum(low, _LEAST_SHARE * mission.flight.agl_m)
-        return centres, low
+        # Never less than so much, below which flights are refused.
+        return centres, *(np.maximum(over, _LEAST_SHARE * mission.flight.agl_m) for over in (least, most))
 
     def flown(self, layout: Layout) -> Flown:
         """Heights of captures; refused where they cannot be kept."""
@@ -589,6 +587,24 @@ def _running_max(values: NDArray[np.float32], reach: int, axis: int) -> NDArray[
         size = found.shape[axis]
         found = np.maximum(found[part(0, size - step)], found[part(step, size)])
         covered += step
+    return found
+
+
+def _least_along(values: Floats, bins: Numbers, metres: Floats) -> Floats:
+    """Least of values (m,) by their bins: the greatest function below them that changes so slowly along metres (b,).
+
+    Rows find their places by it. NaN counts as none; infinite where there are none at all.
+    """
+    least = np.full(len(metres), np.inf)
+    known = np.flatnonzero(np.isfinite(values))
+    np.minimum.at(least, bins[known], values[known])
+    # Between the middles of bins it is told from both of them.
+    least[1:-1] = np.minimum(np.minimum(least[:-2], least[1:-1]), least[2:])
+    slopes = _STEEPEST * metres
+    found: Floats = np.minimum(
+        np.minimum.accumulate(least - slopes) + slopes,
+        np.minimum.accumulate((least + slopes)[::-1])[::-1] - slopes,
+    )
     return found
 
 

@@ -80,7 +80,11 @@ class Below(Protocol):
         ...
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """Of captures at latitudes (n,), wherever in the area."""
+        """Of captures at latitudes (n,), wherever in the area, the least."""
+        ...
+
+    def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
+        """And the greatest."""
         ...
 
     def seen_agl_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
@@ -113,13 +117,26 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
         return _points(mission, area)
     refuse_beyond_mercator(area.bounds)
 
+    aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
+
     def row_frames(lat_deg: Floats) -> FrameEdges:
-        level = np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape)
-        return frames(lat_deg, level if relief is None else relief.least_seen_agl_m(lat_deg))
+        if relief is None:
+            return frames(lat_deg, np.broadcast_to(np.float64(mission.flight.agl_m), lat_deg.shape))
+        least = frames(lat_deg, relief.least_seen_agl_m(lat_deg))
+        if not aside:
+            return least
+        # What is seen aside lies farther away from higher up: what images from all heights hold.
+        most = frames(lat_deg, relief.most_seen_agl_m(lat_deg))
+        west, top = (np.maximum(*edges) for edges in ((least.west_u, most.west_u), (least.top_v, most.top_v)))
+        east, bottom = (
+            np.minimum(*edges) for edges in ((least.east_u, most.east_u), (least.bottom_v, most.bottom_v))
+        )
+        held = (east > west) & (bottom > top)
+        return FrameEdges(*(np.where(held, *edges) for edges in zip((west, east, top, bottom), least)))
 
     if mission.flight.layout == "paper":
         return _paper(mission, area, row_frames)
-    if relief is None or mission.attitude.tilt_deg or mission.attitude.roll_deg:
+    if relief is None or aside:
         return _cover(mission, area, row_frames, pixel)
     return _cover(mission, area, row_frames, pixel, _Along(mission, frames, relief, _MEETING_PX * pixel))
 

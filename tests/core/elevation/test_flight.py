@@ -265,7 +265,7 @@ def test_along_a_row_images_are_only_as_near_as_what_they_show_needs(dem):
 
 
 def test_rows_over_any_relief_leave_nothing_out(tmp_path):
-    """Cliffs, spikes and noise; boxes and a polygon, narrower than an image or of several, at any overlap."""
+    """Cliffs, spikes and noise; boxes and polygons, narrower than an image or of several; any overlap and tilt."""
     rng = np.random.default_rng(7)
     for trial in range(20):
         rough = rng.choice([2.0, 15.0, 40.0])
@@ -284,6 +284,7 @@ def test_rows_over_any_relief_leave_nothing_out(tmp_path):
             area = Polygon((tuple((getattr(area, lon), getattr(area, lat)) for lon, lat in corners),))
         along, across = rng.choice([0.0, 0.3, 0.6, 0.85], 2)
         above = rng.choice(["ground", "takeoff"])
+        tilt, yaw = rng.choice([0.0, 0.0, 20.0, 45.0]), rng.choice([0.0, 90.0, 135.0])
         made = flown(
             Mission(
                 area,
@@ -292,6 +293,8 @@ def test_rows_over_any_relief_leave_nothing_out(tmp_path):
                 overlap_along=float(along),
                 overlap_across=float(across),
                 height_above=str(above),
+                tilt_deg=float(tilt),
+                yaw_deg=float(yaw),
             )
         )
         assert made.coverage.complete
