@@ -28,6 +28,8 @@ Floats = NDArray[np.float64]
 
 #: Heights that ground may have over the ellipsoid, metres: beyond, a value stands for something else.
 LOWEST_M, HIGHEST_M = -12_000.0, 9_500.0
+#: What many programs write where there is no height, and some do not say so.
+_VOID = -9999.0
 #: Tiles of heights kept by each source, bytes.
 _KEPT_BYTES = 64 << 20
 #: Points along each side of a tile at which it is asked how far the datum is from the ellipsoid, where the tile is
@@ -113,6 +115,8 @@ class TiledHeights:
         Colours (h, w, 3) to heights.
     datum : Datum
     offset_m : float
+    scale, offset : float
+        Heights of a first band are so many times its values, and so much more.
     """
 
     def __init__(
@@ -121,8 +125,11 @@ class TiledHeights:
         decoded: Callable[[NDArray[Any]], Floats] | None,
         datum: Datum,
         offset_m: float,
+        scale: float = 1.0,
+        offset: float = 0.0,
     ) -> None:
         self._source, self._decoded, self._datum, self._offset_m = source, decoded, datum, offset_m
+        self._scale, self._offset = scale, offset
         self.title, self.attribution, self.grid = source.title, source.attribution, source.grid
         self._kept: OrderedDict[Window, Heights32] = OrderedDict()
         self._kept_bytes = 0
@@ -177,25 +184,30 @@ class TiledHeights:
         pixels = self._source.fetch("", tile)
         channels = 1 if self._decoded is None else 3
         values = pixels[..., :channels].astype(np.float64)
-        heights = values[..., 0] if self._decoded is None else self._decoded(values)
+        heights = (
+            values[..., 0] * self._scale + self._offset if self._decoded is None else self._decoded(values)
+        )
         if pixels.shape[2] > channels:
             heights = np.where(pixels[..., channels] != 0, heights, np.nan)
+        void = heights == _VOID
         heights = heights * self._datum.unit_m + self._offset_m
         if self._datum.code:
             heights = heights + self._over_ellipsoid(tile)
         with np.errstate(invalid="ignore"):
-            wrong = np.argwhere((heights < LOWEST_M) | (heights > HIGHEST_M))
+            wrong = np.argwhere((heights < LOWEST_M) | (heights > HIGHEST_M) | void)
         if len(wrong):
             row, column = wrong[0].tolist()
             lat, lon = self._places(tile, np.array([column]), np.array([row]))
             raise InvalidInput(
-                "{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}",
+                "{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}, and not "
+                "{6:g}, which stands for no data elsewhere",
                 self.title,
                 float(heights[row, column]),
                 float(lat[0]),
                 float(lon[0]),
                 LOWEST_M,
                 HIGHEST_M,
+                _VOID,
                 remedy="say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata",
             )
         return heights.astype(np.float32)
@@ -300,7 +312,8 @@ def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: Heig
     except InvalidInput:
         source.close()
         raise
-    return TiledHeights(source, None, datum, options.offset_m)
+    first = facts.bands[0]
+    return TiledHeights(source, None, datum, options.offset_m, first.scale, first.offset)
 
 
 def _unit_m(unit: str) -> float:

@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from ..fields import Part, declared, field_named
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..map_types import ROADMAP, SATELLITE, TERRAIN
@@ -534,6 +534,17 @@ class Terrain(Part):
         most=10_000.0,
         advanced=True,
     )
+
+    def __post_init__(self) -> None:
+        """Check every field; refuse a surface over nothing."""
+        super().__post_init__()
+        if self.surface and not self.elevation:
+            raise InvalidInput(
+                "surface {0}: needs an elevation as well, the ground that the flight follows",
+                ", ".join(self.surface),
+                field="surface",
+                remedy=Message("name it as the elevation{0}", OptionName("elevation").in_brackets),
+            )
 
 
 @dataclass(frozen=True)

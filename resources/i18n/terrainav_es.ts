@@ -5149,8 +5149,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
-        <source>{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}</source>
-        <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}</translation>
+        <source>{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}, and not {6:g}, which stands for no data elsewhere</source>
+        <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}, y no ser {6:g}, que en otros archivos significa sin datos</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>
@@ -8269,6 +8269,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>name it as the elevation{0}</source>
+        <translation>indíquela como elevación{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower zoom is taken for all; without it there is no limit, or 640 in the layout paper</source>
         <translation>ninguna imagen tendrá un lado mayor de tantos píxeles de teselas de 256 px de la fuente: si alguna lo tuviera, se toma para todas un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
     </message>
@@ -8411,6 +8416,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>surface</source>
         <translation>superficie</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>surface {0}: needs an elevation as well, the ground that the flight follows</source>
+        <translation>superficie {0}: necesita también una elevación, el terreno que sigue el vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

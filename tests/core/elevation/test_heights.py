@@ -15,6 +15,8 @@ from terrainav.core.elevation.datum import Datum
 from terrainav.core.elevation.heights import HeightOptions
 from terrainav.core.elevation.relief import open_relief
 from terrainav.core.errors import InvalidInput
+from terrainav.core.imagery.raster import source as raster_source
+from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile
 
 from tests.support import rasters
 
@@ -91,6 +93,35 @@ def test_coarser_cells_are_means_of_the_finer(tmp_path):
     surface = relief.surface(lat, lon, 8.1)
     assert surface.grid.pixel_size(surface.zoom) == pytest.approx((8.0, 8.0))
     assert found == pytest.approx(means[row, column], abs=1e-3)
+
+
+@pytest.mark.parametrize("library", [GdalFile, RasterioFile])
+def test_values_are_scaled_as_the_file_says(tmp_path, monkeypatch, library):
+    if library is RasterioFile:
+        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
+    monkeypatch.setattr(raster_source, "opener", lambda: library)
+    path = written(tmp_path / "scaled.tif", np.round((HEIGHTS - 50.0) / 0.01), data_type=gdal.GDT_Int32)
+    dataset = gdal.Open(path, gdal.GA_Update)
+    dataset.GetRasterBand(1).SetScale(0.01)
+    dataset.GetRasterBand(1).SetOffset(50.0)
+    dataset = None
+    column, row = RNG.uniform(1.0, COLUMNS - 1.0, 50), RNG.uniform(1.0, ROWS - 1.0, 50)
+    found, _ = asked([path], *places(32618, column, row))
+    assert found == pytest.approx(bilinear(HEIGHTS, column, row), abs=0.006)
+
+
+@pytest.mark.parametrize("void", [-9999.0, -32768.0, 3.4e38])
+def test_values_that_stand_for_no_data_elsewhere_are_no_heights(tmp_path, void):
+    holed = HEIGHTS.copy()
+    holed[20:30, 30:50] = void
+    lat, lon = places(32618, np.array([40.0]), np.array([25.0]))
+    with pytest.raises(
+        InvalidInput,
+        match=f"^void.tif: height {void:g} m at latitude .* stands for no data".replace("+", r"\+"),
+    ):
+        asked([written(tmp_path / "void.tif", holed)], lat, lon)
+    found, _ = asked([written(tmp_path / "said.tif", holed, nodata=void), "3"], lat, lon)
+    assert found == pytest.approx(3.0)
 
 
 def test_what_one_source_does_not_have_the_next_one_fills(tmp_path):

@@ -101,8 +101,8 @@ def _pictures(case: Case) -> None:
 
 @remedy(
     "elevation/heights.py",
-    "{}: height {} m at latitude {}, longitude {}: must be from {} to {}; say so in the file where the value stands "
-    "for no data, as by gdal_edit.py -a_nodata",
+    "{}: height {} m at latitude {}, longitude {}: must be from {} to {}, and not {}, which stands for no data "
+    "elsewhere; say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata",
 )
 def _no_data(case: Case) -> None:
     holed = HEIGHTS.copy()
@@ -162,3 +162,16 @@ def _beside_the_tower(case: Case) -> None:
     case.follow("fly higher", lambda: flown(above(170.0, 200.0, 200.0, elevation=(path,))))
     kept = mission.with_(clearance_m=20.0, clearance_distance_m=80.0)
     case.follow("keep a clearance (--clearance)", lambda: flown(kept))
+
+
+@remedy(
+    "mission/parts.py",
+    "surface {}: needs an elevation as well, the ground that the flight follows; name it as the elevation "
+    "(--elevation)",
+)
+def _surface_over_nothing(case: Case) -> None:
+    path = str(written(case, "heights.tif"))
+    case.refused(lambda: above(170.0, 200.0, 200.0, surface=(path,)))
+    case.follow(
+        "name it as the elevation (--elevation)", lambda: above(170.0, 200.0, 200.0, elevation=(path,))
+    )
