@@ -110,9 +110,11 @@ class TiledHeights:
     source : Source
         Its first band has the heights, or its colours have them by an encoding.
     decoded : callable or None
-        Colours (h, w, 3) to heights.
+        Values (h, w, channels) to heights; None where the first band has them.
     datum : Datum
     offset_m : float
+    channels : int
+        Bands that are decoded.
     """
 
     def __init__(
@@ -121,7 +123,9 @@ class TiledHeights:
         decoded: Callable[[NDArray[Any]], Floats] | None,
         datum: Datum,
         offset_m: float,
+        channels: int = 3,
     ) -> None:
+        self._channels = 1 if decoded is None else channels
         self._source, self._decoded, self._datum, self._offset_m = source, decoded, datum, offset_m
         self.title, self.attribution, self.grid = source.title, source.attribution, source.grid
         self._kept: OrderedDict[Window, Heights32] = OrderedDict()
@@ -175,7 +179,7 @@ class TiledHeights:
 
     def _made(self, tile: Window) -> Heights32:
         pixels = self._source.fetch("", tile)
-        channels = 1 if self._decoded is None else 3
+        channels = self._channels
         values = pixels[..., :channels].astype(np.float64)
         heights = values[..., 0] if self._decoded is None else self._decoded(values)
         if pixels.shape[2] > channels:
@@ -300,7 +304,15 @@ def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: Heig
     except InvalidInput:
         source.close()
         raise
-    return TiledHeights(source, None, datum, options.offset_m)
+    first = facts.bands[0]
+    scaled = None
+    if (first.scale, first.offset) != (1.0, 0.0):
+
+        def scaled(values: NDArray[Any]) -> Floats:
+            found: Floats = values[..., 0] * first.scale + first.offset
+            return found
+
+    return TiledHeights(source, scaled, datum, options.offset_m, 1)
 
 
 def _unit_m(unit: str) -> float:

@@ -67,6 +67,8 @@ class Band:
         Description that the file gives it; empty for none.
     unit : str
         Unit that the file states for its values; empty for none.
+    scale, offset : float
+        What values stand for is their scale times them, and the offset.
     """
 
     data_type: str
@@ -77,6 +79,8 @@ class Band:
     masked: bool = False
     name: str = ""
     unit: str = ""
+    scale: float = 1.0
+    offset: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -246,6 +250,8 @@ class GdalFile:
             masked=not band.GetMaskFlags() & known,
             name=band.GetDescription(),
             unit=band.GetUnitType(),
+            scale=1.0 if band.GetScale() is None else band.GetScale(),
+            offset=band.GetOffset() or 0.0,
         )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
@@ -351,6 +357,8 @@ class RasterioFile:
             masked=not known & set(dataset.mask_flag_enums[index - 1]),
             name=dataset.descriptions[index - 1] or "",
             unit=dataset.units[index - 1] or "",
+            scale=float(dataset.scales[index - 1]),
+            offset=float(dataset.offsets[index - 1]),
         )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:

@@ -70,6 +70,16 @@ def test_heights_are_bilinear_between_the_pixels_of_the_files_own_crs(tmp_path, 
     assert found == pytest.approx(bilinear(values, column, row), abs=2e-5)
 
 
+def test_values_are_scaled_as_the_file_says(tmp_path):
+    path = written(tmp_path / "dem.tif", np.rint((HEIGHTS - 50.0) * 10.0), data_type=gdal.GDT_Int16)
+    dataset = gdal.Open(path, gdal.GA_Update)
+    dataset.GetRasterBand(1).SetScale(0.1)
+    dataset.GetRasterBand(1).SetOffset(50.0)
+    dataset = None
+    found, _ = asked([path], *places(32618, [10.5, 40.5], [20.5, 30.5]))
+    assert found == pytest.approx(HEIGHTS[[20, 30], [10, 40]], abs=0.051)
+
+
 def test_a_file_in_degrees_across_the_antimeridian_is_one(tmp_path):
     across = (179.95, 1 / 600, 0.0, 10.0, 0.0, -1 / 600)
     path = written(tmp_path / "dem.tif", HEIGHTS, across, 4326)
