@@ -34,6 +34,7 @@ _ENTERED = (
     "height_unit",
     "height_offset",
     "clearance",
+    "holes",
 )
 
 

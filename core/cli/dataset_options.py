@@ -24,7 +24,7 @@ _SHARED = (
         "ground_height",
         "error_budget",
     ),
-    *("elevation", "surface", "vertical_datum", "height_unit", "height_offset"),
+    *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
 _HELP = """

@@ -111,6 +111,7 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
             vertical_datum=values["vertical_datum"],
             height_unit=values["height_unit"],
             height_offset_m=values["height_offset"],
+            holes=values["holes"],
         ),
         **more,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +30,9 @@ class Relief:
     ----------
     layers : sequence of Layer
         The first that has a height counts; at least one.
-
-    Attributes
-    ----------
-    filled : int
-        Pixels of the first that others have filled so far.
     """
 
     layers: Sequence[Layer]
-    filled: int = field(default=0, init=False)
 
     @property
     def title(self) -> str:
@@ -83,18 +77,18 @@ class Relief:
         alone = len(self.layers) == 1
         zoom, (left, top, right, bottom) = _window(layer, lat, lon, cell_m, cut=alone)
         heights = np.full((bottom - top, right - left), np.nan, np.float32)
+        missing, holes = np.isnan(heights), None
         for other in self.layers:
-            missing = np.isnan(heights)
-            if not missing.any():
-                break
             if other is layer:
                 read = layer.read(zoom, left, top, right - left, bottom - top)
                 np.copyto(heights, read, where=missing)
             else:
                 self._fill(other, layer.grid, (zoom, left, top), heights)
-            if other is not self.layers[0]:
-                self.filled += int(np.count_nonzero(missing & ~np.isnan(heights)))
-        return Surface(layer.grid, zoom, left, top, heights)
+            missing = np.isnan(heights)
+            if not missing.any():
+                break
+            holes = missing if holes is None else holes
+        return Surface(layer.grid, zoom, left, top, heights, holes)
 
     @staticmethod
     def _fill(layer: Layer, grid: PixelGrid, first: tuple[int, int, int], heights: Heights32) -> None:

@@ -114,6 +114,9 @@ class Surface:
         The first pixel.
     heights_m : array (rows, columns)
         NaN where there is no ground: neither in the four cells about it.
+    holes : array (rows, columns) of bool, or None
+        Pixels whose heights the first source does not have: those that others have filled, and those that are NaN. None
+        where the first has all of them.
     """
 
     grid: PixelGrid
@@ -121,6 +124,7 @@ class Surface:
     left_px: int
     top_px: int
     heights_m: NDArray[Any]
+    holes: Bools | None = None
 
     @property
     def cells(self) -> tuple[int, int]:

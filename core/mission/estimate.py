@@ -106,6 +106,8 @@ class Summary:
     coarsest_gsd_m_per_px: float | None = None
     clearance_m: float | None = None
     hidden_share: float | None = None
+    filled_heights: int | None = None
+    heights: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -182,8 +184,19 @@ class Summary:
             self.clearance_m,
         )
         finest, coarsest = map(length_text, (self.finest_gsd_m_per_px, self.coarsest_gsd_m_per_px or 0.0))
+        filled = []
+        if self.filled_heights and self.heights:
+            share = percent(self.filled_heights / self.heights, exact=False)
+            counts = Message(
+                "{0:,} of {1:,} heights about the area ({2}), from the next source",
+                self.filled_heights,
+                self.heights,
+                share,
+            )
+            filled = [(Message("holes filled"), counts)]
         return [
             (Message("ground below"), ground),
+            *filled,
             (
                 Message("over the relief"),
                 Message("{0} a pixel at the highest, {1} at the lowest", finest, coarsest),
@@ -253,10 +266,11 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
     )
 
 
-def _over_relief(plan: Plan) -> dict[str, float]:
+def _over_relief(plan: Plan) -> dict[str, Any]:
     if plan.relief is None or plan.flown is None or plan.size_px is None:
         return {}
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
+    filled, count = plan.relief.filled
     px_per_m = plan.mission.camera.ground_size_m(1.0)[0] / plan.size_px[0]
     return {
         "lowest_ground_m": found.lowest_m,
@@ -265,6 +279,8 @@ def _over_relief(plan: Plan) -> dict[str, float]:
         "coarsest_gsd_m_per_px": found.farthest_m * px_per_m,
         "clearance_m": found.clearance_m,
         "hidden_share": found.hidden_share,
+        "filled_heights": filled,
+        "heights": count,
     }
 
 

@@ -31,6 +31,8 @@ HIGHEST_AGL_M = 1e9
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 #: What the heights of captures are above.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
+#: What becomes of holes in the first source of heights.
+FILL, REFUSE = "fill", "refuse"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 #: A code, or the WKT of a raster whose coordinate reference system has none.
@@ -497,6 +499,14 @@ class Terrain(Part):
         unit="m",
         least=-1000.0,
         most=1000.0,
+        advanced=True,
+    )
+    holes: str = declared(
+        FILL,
+        title="holes in heights",
+        help="what becomes of places in the area at which the first source of heights has none: filled from the next "
+        "source that has one, and counted, or refused",
+        choices={FILL: "Filled from the next source", REFUSE: "Refused"},
         advanced=True,
     )
     height_above: str = declared(

@@ -18,11 +18,11 @@ from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
-from .area import Box, Points, touching
+from .area import Points, Polygon, crossed_and_held
 from .flight import legs
 from .layout.rows import Layout
 from .mission import Mission
-from .parts import ELLIPSOID, GROUND, TAKEOFF
+from .parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -105,7 +105,7 @@ class ReliefBelow:
     Raises
     ------
     InvalidInput
-        No ground at the takeoff, or none at all here.
+        No ground at the takeoff, or none at all here; or holes in the area that are to be refused.
     """
 
     def __init__(self, mission: Mission, heights: Heights) -> None:
@@ -127,12 +127,64 @@ class ReliefBelow:
         self._ground = heights.ground.surface(*around)
         same = heights.surface is heights.ground
         self._surface = self._ground if same else heights.surface.surface(*around)
+        if mission.terrain.holes == REFUSE:
+            for surface in (self._ground, self._surface):
+                self._check_whole(surface)
         self.lowest_m, self.highest_m = (float(f(self._surface.heights_m)) for f in (np.nanmin, np.nanmax))
 
     @property
     def is_level(self) -> bool:
         """Whether there is no relief at all."""
         return self.highest_m - self.lowest_m <= _LEVEL_M and self._ground.heights_m.size > 0
+
+    @cached_property
+    def filled(self) -> tuple[int, int]:
+        """How many heights about the area the first sources lack and others have filled, and how many there are."""
+        filled = count = 0
+        for surface in {id(one): one for one in (self._ground, self._surface)}.values():
+            about = self._about_area(surface)
+            heights = surface.heights_m[about]
+            count += heights.size
+            if surface.holes is not None:
+                filled += int(np.count_nonzero(surface.holes[about] & ~np.isnan(heights)))
+        return filled, count
+
+    def _about_area(self, surface: Surface) -> tuple[slice, slice]:
+        """Rows and columns of a surface's pixels about the area."""
+        rows, columns = surface.heights_m.shape
+        column, row = surface.position(*self._ends)
+        return _from_to(row, rows), _from_to(column, columns)
+
+    def _check_whole(self, surface: Surface) -> None:
+        """Refuse heights in the area that the first source does not have."""
+        if surface.holes is None:
+            return
+        high, wide = self._about_area(surface)
+        row, column = np.nonzero(surface.holes[high, wide])
+        row, column = (row + high.start).astype(np.float64), (column + wide.start).astype(np.float64)
+        area, (lat, lon) = self.mission.area, surface.places(column, row)
+        west, east = float(self._ends[1].min()), float(self._ends[1].max())
+        lon = lon - 360.0 * np.rint((lon - (west + east) / 2.0) / 360.0)
+        if isinstance(area, Points):
+            own_column, own_row = surface.position(*self._ends)
+            # What is below a point is made of the four pixels about it.
+            inside = np.zeros(len(row), bool)
+            for x, y in zip(own_column.tolist(), own_row.tolist()):
+                inside |= (np.abs(column - x) < 1.0) & (np.abs(row - y) < 1.0)
+        elif isinstance(area, Polygon):
+            _, inside = crossed_and_held(area, lon, lat, lon, lat)
+        else:
+            south, north = float(self._ends[0].min()), float(self._ends[0].max())
+            inside = (lat >= south) & (lat <= north) & (lon >= west) & (lon <= east)
+        found = np.flatnonzero(inside)
+        if len(found):
+            raise InvalidInput(
+                "hole in the heights at latitude {0:.6f}, longitude {1:.6f}: the first source has none there",
+                float(lat[found[0]]),
+                float(wrap_lon_deg(lon[found[0]])),
+                field="holes",
+                remedy=Message("take a further source that fills it ({0})", OptionName("holes")),
+            )
 
     @property
     def attribution(self) -> str:
@@ -403,8 +455,8 @@ class ReliefBelow:
             begin + (end - begin) * np.mod(count * step, 1.0)
             for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
         )
-        if not isinstance(area, Box):
-            inside = touching(area, lon, lat, lon, lat)
+        if isinstance(area, Polygon):
+            _, inside = crossed_and_held(area, lon, lat, lon, lat)
             lon, lat = lon[inside], lat[inside]
         height = self._surface.heights(*self._surface.position(lat, lon))
         known = np.isfinite(height)
@@ -461,6 +513,13 @@ def no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
         field="elevation",
         remedy=Message("name a further source that fills it{0}", OptionName("elevation").in_brackets),
     )
+
+
+def _from_to(at: Floats, count: int) -> slice:
+    """Pixels about positions along a side that has so many."""
+    low, high = float(np.nanmin(at)), float(np.nanmax(at))
+    first = min(max(math.floor(low), 0), count - 1)
+    return slice(first, max(min(math.ceil(high) + 1, count), first + 1))
 
 
 def _reach(mission: Mission) -> float:

@@ -1211,6 +1211,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/picture.py"/>
+        <source>The depth cannot be read: {reason}</source>
+        <translation>No se puede leer la profundidad: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/picture.py"/>
         <source>The image cannot be read: {reason}</source>
         <translation>No se puede leer la imagen: {reason}</translation>
     </message>
@@ -7031,6 +7036,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>holes filled</source>
+        <translation>huecos rellenados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>imagery</source>
         <translation>imágenes de la fuente</translation>
     </message>
@@ -7131,6 +7141,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>warning</source>
         <translation>aviso</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} of {1:,} heights about the area ({2}), from the next source</source>
+        <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -7884,6 +7899,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Filled from the next source</source>
+        <translation>Se rellenan con la fuente siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>GeoTIFF (lossless)</source>
         <translation>GeoTIFF (sin pérdida)</translation>
     </message>
@@ -7941,6 +7961,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Paper (UTM grid)</source>
         <translation>Artículo (cuadrícula UTM)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Refused</source>
+        <translation>Se rechazan</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -8141,6 +8166,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>heights {0!r}: must be a file, terrarium, world or a number</source>
         <translation>alturas {0!r}: debe ser un archivo, terrarium, world o un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>holes in heights</source>
+        <translation>huecos en las alturas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -8449,6 +8479,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>what becomes of places in the area at which the first source of heights has none: filled from the next source that has one, and counted, or refused</source>
+        <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan, o se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; left out, what the source says, and the ellipsoid where it says nothing</source>
         <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si falta, lo que diga la fuente, y el elipsoide donde no diga nada</translation>
     </message>
@@ -8549,6 +8584,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>
+        <source>hole in the heights at latitude {0:.6f}, longitude {1:.6f}: the first source has none there</source>
+        <translation>hueco en las alturas en la latitud {0:.6f}, longitud {1:.6f}: la primera fuente no tiene ninguna ahí</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
         <source>name a further source that fills it{0}</source>
         <translation>nombre otra fuente que lo complete{0}</translation>
     </message>
@@ -8561,6 +8601,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/relief.py"/>
         <source>relief of {0} from {1:.1f} to {2:.1f} m over the ellipsoid</source>
         <translation>relieve de {0} de {1:.1f} a {2:.1f} m sobre el elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/relief.py"/>
+        <source>take a further source that fills it ({0})</source>
+        <translation>tome otra fuente que lo rellene ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>

@@ -67,12 +67,15 @@ class Depth(NamedTuple):
         Of all pixels; NaN where none sees the ground.
     image : QImage
         The depth in colours, by its logarithm: near and far are told apart in one picture.
+    problem : str
+        Why it cannot be read; there is no image then, and no pixel.
     """
 
     metres: np.ndarray
     least_m: float
     most_m: float
-    image: QImage
+    image: QImage | None
+    problem: str = ""
 
     def at(self, x: float, y: float) -> float:
         """Metres at a place of the picture, in shares of its width and height from 0 to 1; NaN for no ground."""
@@ -91,13 +94,16 @@ def read_depth(path: Path, longest_px: int) -> Depth | None:
     try:
         file = gdal.Open(str(path))
         if file is None:
-            return None
+            raise RuntimeError(gdal.GetLastErrorMsg())
         band, size = file.GetRasterBand(1), _size(file, longest_px)
-        metres = band.ReadAsArray(**size).astype(np.float32)
-        metres[band.GetMaskBand().ReadAsArray(**size) == 0] = np.nan
-    except (RuntimeError, AttributeError):
-        # Without depth the picture is shown all the same.
-        return None
+        read, mask = band.ReadAsArray(**size), band.GetMaskBand().ReadAsArray(**size)
+        if read is None or mask is None:
+            raise RuntimeError(gdal.GetLastErrorMsg())
+    except RuntimeError as wrong:
+        # The picture is shown all the same.
+        problem = tr("The depth cannot be read: {reason}").format(reason=wrong)
+        return Depth(np.empty((0, 0), np.float32), np.nan, np.nan, None, problem)
+    metres = np.where(mask == 0, np.nan, read).astype(np.float32)
     metres[~(np.isfinite(metres) & (metres > 0.0))] = np.nan
     there = metres[~np.isnan(metres)]
     least, most = (float(there.min()), float(there.max())) if there.size else (np.nan, np.nan)

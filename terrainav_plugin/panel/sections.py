@@ -244,6 +244,7 @@ class ReliefSection(Section):
         self.add_declared("vertical_datum", datum)
         self.add_declared("height_unit")
         self.add_declared("height_offset_m")
+        self.add_declared("holes")
         products = named(WordsLine(), "products", tip_of(DECLARED["products"]))
         products.setPlaceholderText(" ".join(DECLARED["products"].choices))
         self.add_declared("products", products)

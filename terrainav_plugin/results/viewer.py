@@ -329,12 +329,12 @@ class DepthPane(QWidget):
         self.show_depth(None)
 
     def show_depth(self, depth: Depth | None) -> None:
-        """Show a depth, or none."""
-        self._depth: Depth | None = depth
-        self.view.show_image(None if depth is None else depth.image)
-        for widget in (self, self.view):
-            widget.setVisible(depth is not None)
-        if depth is None:
+        """Show a depth, why it cannot be read, or none."""
+        self._depth: Depth | None = None if depth is None or depth.problem else depth
+        self.view.show_image(*((None,) if depth is None else (depth.image, depth.problem)))
+        self.view.setVisible(depth is not None)
+        self.setVisible(self._depth is not None)
+        if depth is None or depth.problem:
             return
         for label, share in ((self.near, 0.0), (self.middle, 0.5), (self.far, 1.0)):
             metres = depth.metres_of(share)

@@ -204,8 +204,23 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
         assert among["Steep faces"] == "3.1 % of the pixels"
         screenshot("viewer-depth", viewer)
         assert viewer.depth.isVisibleTo(viewer)
+        # One that cannot be read says so where it would be, and the picture is shown all the same.
+        path = desk.folder / "depth" / f"{seen.shot.name}.tif"
+        whole = path.read_bytes()
+        for broken in (b"", b"no picture", whole[: len(whole) // 2]):
+            path.write_bytes(broken)
+            before = viewing.seen
+            viewing._look_at(seen.shot)
+            desk.wait(lambda before=before: viewing.seen is not before and not viewing.busy)
+            assert view.isVisibleTo(viewer)
+            assert view.image is None
+            assert view.accessibleName().startswith("The depth cannot be read: ")
+            assert "\n" not in view.accessibleName()
+            assert not viewer.depth.isVisibleTo(viewer)
+            assert viewer.view.image is not None
         # Where none was made nothing is shown.
-        (desk.folder / "depth" / f"{seen.shot.name}.tif").unlink()
+        path.unlink()
+        seen = viewing.seen
         viewing._look_at(seen.shot)
         desk.wait(lambda: viewing.seen is not seen and not viewing.busy)
         assert not view.isVisibleTo(viewer)

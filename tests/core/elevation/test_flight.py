@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pyproj
@@ -166,6 +167,43 @@ def test_a_hole_below_a_capture_and_an_area_beyond_the_relief_are_named(dem):
     assert len(flown(filled)) > 10
     with pytest.raises(InvalidInput, match="no height at latitude 10"):
         flown(Mission(Box(10.001, 20.0, 10.0, 20.001), 60.0, elevation=(dem["hills"],)))
+
+
+def test_filled_holes_are_counted_and_can_be_refused(dem):
+    filled = Mission(AREA, 60.0, elevation=(dem["hole"], dem["hills"]))
+    summary = estimate(flown(filled))
+    assert summary.filled_heights == 400
+    # Centres of pixels of 2 m that corners lie between.
+    corners = 2 * [AREA.west_deg, AREA.east_deg], 2 * [AREA.south_deg] + 2 * [AREA.north_deg]
+    sides = ((np.asarray(at) - 1.0) / 2.0 for at in TO_UTM.transform(*corners))
+    assert summary.heights == np.prod([np.ceil(at.max()) - np.floor(at.min()) + 1.0 for at in sides])
+    text = dict(summary.lines())["holes filled"]
+    assert str(text).startswith(f"400 of {summary.heights:,} heights about the area (1.")
+    whole = estimate(flown(Mission(AREA, 60.0, elevation=(dem["hills"],))))
+    assert whole.filled_heights == 0
+    assert "holes filled" not in dict(whole.lines())
+    with pytest.raises(InvalidInput, match="hole in the heights") as refused:
+        flown(filled.with_(holes="refuse"))
+    lat, lon = (float(number) for number in re.findall(r"-?\d+\.\d+", str(refused.value))[:2])
+    x, y = TO_UTM.transform(lon, lat)
+    assert 480.0 < x - WEST < 520.0
+    assert 480.0 < NORTH - y < 520.0
+    with pytest.raises(InvalidInput, match="hole in the heights"):
+        flown(Mission(AREA, 60.0, elevation=(dem["hills"],), surface=(dem["hole"],), holes="refuse"))
+
+
+@pytest.mark.parametrize("kind", ["box", "polygon", "point"])
+def test_holes_beside_the_area_are_not_refused(dem, kind):
+    south, west, north, east = AREA.south_deg, AREA.west_deg, AREA.north_deg, AREA.east_deg
+    # The hole is in the middle of the area's box, and in that of the polygon, which is an L around it.
+    across, down = west + 0.2 * (east - west), north - 0.2 * (north - south)
+    ring = ((west, north), (east, north), (east, down), (across, down), (across, south), (west, south))
+    area = {
+        "box": box(330.0, 700.0, 640.0, 560.0),
+        "polygon": Polygon((ring,)),
+        "point": Points(((north, west, 60.0),)),
+    }[kind]
+    assert len(flown(Mission(area, 60.0, elevation=(dem["hole"], dem["hills"]), holes="refuse"))) >= 1
 
 
 def test_a_mission_with_relief_is_not_planned_without_its_heights(dem):

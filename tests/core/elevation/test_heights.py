@@ -140,7 +140,13 @@ def test_what_one_source_does_not_have_the_next_one_fills(tmp_path):
     assert found[[1, 3]] == pytest.approx(7.0)
     # Between the last pixels of one and the first of the other lies what is between their heights.
     assert min(7.0, HEIGHTS.min()) <= found[2] <= HEIGHTS.max()
-    assert relief.filled >= 200
+    surface = relief.surface(*places(32618, [20.5, 60.5], [10.5, 40.5]))
+    assert np.count_nonzero(surface.holes) == 200
+    hole_lat, hole_lon = surface.places(*np.nonzero(surface.holes)[::-1])
+    to_utm = pyproj.Transformer.from_crs(4326, 32618, always_xy=True)
+    x, y = np.array(to_utm.transform(hole_lon, hole_lat)) - [[UTM[0]], [UTM[3]]]
+    wanted = {(row, column) for row in range(20, 30) for column in range(30, 50)}
+    assert set(zip((-y / 2.0).astype(int).tolist(), (x / 2.0).astype(int).tolist())) == wanted
     level, _ = asked([first, "12.5"], lat, lon)
     assert level[[1, 3]].tolist() == [12.5, 12.5]
 

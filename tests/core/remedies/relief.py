@@ -136,6 +136,18 @@ def _hole(case: Case) -> None:
 
 @remedy(
     "mission/relief.py",
+    "hole in the heights at latitude {}, longitude {}: the first source has none there; take a further source that "
+    "fills it (--holes)",
+)
+def _refused_hole(case: Case) -> None:
+    path = str(written(case, "heights.tif"))
+    mission = above(-900.0, 300.0, elevation=(path, "10"), holes="refuse")
+    case.refused(lambda: flown(mission))
+    case.follow("take a further source that fills it (--holes)", lambda: flown(mission.with_(holes="fill")))
+
+
+@remedy(
+    "mission/relief.py",
     "capture at latitude {}, longitude {}, {} m over the ellipsoid: the surface there rises to {} m, and {} m of "
     "clearance are to be kept; fly {} m higher, or above the ground below",
 )
