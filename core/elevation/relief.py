@@ -105,7 +105,14 @@ class Relief:
         own_zoom, (own_left, own_top, right, bottom) = _window(layer, lat, lon, cell_m, cut=True)
         read = layer.read(own_zoom, own_left, own_top, right - own_left, bottom - own_top)
         surface = Surface(layer.grid, own_zoom, own_left, own_top, read)
-        heights[rows, columns] = surface.heights(*surface.position(lat, lon))
+        column, row = surface.position(lat, lon)
+        found = surface.heights(column, row)
+        # Its outer pixels reach half of their size beyond their centres, to where those of a file beside it begin.
+        on = [(at > -0.5) & (at < side - 0.5) for at, side in zip((row, column), read.shape)]
+        alone = np.flatnonzero(np.isnan(found) & on[0] & on[1])
+        nearest = (np.rint(at[alone]).astype(np.intp) for at in (row, column))
+        found[alone] = read[tuple(nearest)]
+        heights[rows, columns] = found
 
 
 def open_relief(texts: Sequence[str], options: HeightOptions = HeightOptions()) -> Relief:  # noqa: B008  frozen

@@ -151,6 +151,34 @@ def test_what_one_source_does_not_have_the_next_one_fills(tmp_path):
     assert level[[1, 3]].tolist() == [12.5, 12.5]
 
 
+@pytest.mark.parametrize("step", [1.0 / 3600.0, 1.5 / 3600.0])
+@pytest.mark.parametrize("kind", ["list", "vrt"])
+def test_files_beside_each_other_are_one_surface(tmp_path, step, kind):
+    """As Copernicus GLO-30 is cut: pixels whose centres lie on whole seconds, coarser in longitude from 50 degrees on."""
+    north = 61.0 if step > 1.0 / 3600.0 else 36.0
+
+    def made(west):
+        lon, lat = west + np.arange(50) * step, north - np.arange(40) / 3600.0
+        values = 100.0 + 30.0 * np.sin(lon * 400.0) * np.cos(lat[:, np.newaxis] * 500.0)
+        geotransform = (west - step / 2.0, step, 0.0, north + 0.5 / 3600.0, 0.0, -1.0 / 3600.0)
+        return written(
+            tmp_path / f"{west}.tif", values, geotransform, 4326, tags={"AREA_OR_POINT": "Point"}
+        ), values.astype(np.float32)
+
+    (first, left), (second, right) = made(11.0 - 50.0 * step), made(11.0)
+    names = [first, second]
+    if kind == "vrt":
+        names = [str(tmp_path / "both.vrt")]
+        gdal.BuildVRT(names[0], [first, second])
+    column, row = RNG.uniform(45.0, 55.0, 300), RNG.uniform(5.0, 35.0, 300)
+    lon, lat = 11.0 + (column - 50.0) * step, north - row / 3600.0
+    found, _ = asked(names, lat, lon)
+    assert found == pytest.approx(bilinear(np.hstack([left, right]), column + 0.5, row + 0.5), abs=1e-3)
+    # Nor does a file reach farther than its pixels.
+    beyond, _ = asked([*names, "7"], np.array([north - 20.0 / 3600.0]), np.array([11.0 + 53.0 * step]))
+    assert beyond == pytest.approx(7.0)
+
+
 def test_heights_over_a_geoid_are_taken_to_the_ellipsoid(tmp_path):
     column, row = RNG.uniform(1.0, COLUMNS - 1.0, 50), RNG.uniform(1.0, ROWS - 1.0, 50)
     for crs, options in (
