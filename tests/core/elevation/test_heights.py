@@ -154,7 +154,7 @@ def test_what_one_source_does_not_have_the_next_one_fills(tmp_path):
 @pytest.mark.parametrize("step", [1.0 / 3600.0, 1.5 / 3600.0])
 @pytest.mark.parametrize("kind", ["list", "vrt"])
 def test_files_beside_each_other_are_one_surface(tmp_path, step, kind):
-    """As Copernicus GLO-30 is cut: pixels whose centres lie on whole seconds, coarser in longitude from 50 degrees on."""
+    """As Copernicus GLO-30 is cut: centres of pixels lie on whole seconds, in longitude on fewer from 50 degrees on."""
     north = 61.0 if step > 1.0 / 3600.0 else 36.0
 
     def made(west):
