@@ -31,6 +31,8 @@ Numbers = NDArray[np.int64]
 _LOOKED_AT = 4.0
 #: Latitudes at which it is told how much ground rows surely see, and metres by which that may change a metre.
 _LATITUDES, _STEEPEST = 2048, 0.05
+#: What is worked out of the relief that is known.
+_WORKED_OUT = ("within_m", "_lowest_near", "_lowest_within", "_tops", "_tops_within", "_seen_by_latitude")
 #: Share of what images reach within which captures along a row are told alike.
 _SHARE_OF_REACH = 1.0 / 16.0
 #: Share of its height above ground that a capture must keep over what it sees.
@@ -112,7 +114,8 @@ class ReliefBelow:
         self.mission, self.heights = mission, heights
         self._reach = _reach(mission)
         lat, lon = _ends(mission)
-        self._ends = lat, lon
+        #: Corners of the area, or its points; and what captures stand within, as far as it is known.
+        self._ends = self._stand = lat, lon
         first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
         if not np.isfinite(first.heights_m).any():
             raise no_ground(float(lat[0]), float(lon[0]))
@@ -123,14 +126,32 @@ class ReliefBelow:
             raise no_ground(float(lat[0]), float(lon[0]))
         above_m = max(float(np.nanmax(wanted)) - float(np.nanmin(first.heights_m)), 1.0)
         self.radius_m = above_m * self._reach
-        around = _widened(lat, lon, self.radius_m + mission.terrain.clearance_distance_m)
-        self._ground = heights.ground.surface(*around)
-        same = heights.surface is heights.ground
-        self._surface = self._ground if same else heights.surface.surface(*around)
+        self._surface = first
+        self._read(lat, lon)
         if mission.terrain.holes == REFUSE:
             for surface in (self._ground, self._surface):
                 self._check_whole(surface)
+
+    def _read(self, lat_deg: Floats, lon_deg: Floats) -> None:
+        """Read the relief about positions (n,) as far as images there see it."""
+        around = _widened(lat_deg, lon_deg, self.radius_m + self.mission.terrain.clearance_distance_m)
+        self._ground = self._surface = self.heights.ground.surface(*around)
+        if self.heights.surface is not self.heights.ground:
+            self._surface = self.heights.surface.surface(*around)
         self.lowest_m, self.highest_m = (float(f(self._surface.heights_m)) for f in (np.nanmin, np.nanmax))
+        for worked_out in _WORKED_OUT:
+            self.__dict__.pop(worked_out, None)
+
+    def reaches(self, lat_deg: Floats, lon_deg: Floats) -> bool:
+        """Whether the relief about captures (n,) was known; if not, as their images look far ahead, it is read."""
+        column, row = self._ground.position(lat_deg, lon_deg)
+        rows, columns = self._ground.cells
+        if ((column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)).all():
+            return True
+        lat, lon = (np.concatenate(at) for at in zip(self._ends, (lat_deg, lon_deg)))
+        self._stand = np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()])
+        self._read(*self._stand)
+        return False
 
     @property
     def is_level(self) -> bool:
@@ -319,15 +340,15 @@ class ReliefBelow:
         return np.interp(lat_deg, at_lat, least)
 
     def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
-        """The same of the greatest such height."""
-        at_lat, _, most = self._seen_by_latitude
-        return np.interp(lat_deg, at_lat, most)
+        """The same of the greatest; of images that look very far the least, as little is in those from both."""
+        at_lat, least, most = self._seen_by_latitude
+        return np.interp(lat_deg, at_lat, most if self._reach < _LOOKED_AT else least)
 
     @cached_property
     def _seen_by_latitude(self) -> tuple[Floats, Floats, Floats]:
         """Latitudes, and the least and the greatest height over the highest of what captures there see."""
         mission, surface = self.mission, self._surface
-        lat, lon = self._ends
+        lat, lon = self._stand
         south, north = float(lat.min()), float(lat.max())
         west, east = float(lon.min()), float(lon.max())
         rows, columns = surface.cells
@@ -369,6 +390,7 @@ class ReliefBelow:
         """Heights of captures; refused where they cannot be kept."""
         mission, terrain = self.mission, self.mission.terrain
         lat, lon = layout.lat_deg, layout.lon_deg
+        self.reaches(lat, lon)
         ground = self.ground_m(lat, lon)
         agl = layout.agl_m if isinstance(mission.area, Points) else np.full(len(lat), mission.flight.agl_m)
         wanted, _ = self.wanted_m(lat, lon, agl)

@@ -121,7 +121,7 @@ def work_out(mission: Mission, grids: Iterable[PixelGrid] = GRIDS) -> None:
             if math.prod(worked_out.size_px) <= MOST_OVER_RELIEF_PX:
                 worked_out.view(0)
             worked_out.outline(0)
-            worked_out.relief.figures(worked_out.lat_deg, worked_out.lon_deg, worked_out.flown)
+            worked_out.relief.figures(worked_out.poses, worked_out.flown, worked_out.corners)
         elif worked_out.size_px is None or worked_out.width_px @ worked_out.height_px <= MOST_TRACED_PX:
             estimate(worked_out).lines()
 

@@ -108,15 +108,16 @@ def framed(
             attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
             return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, *attitude), pixel)
 
+        layout = lay_out(mission, frames, pixel, relief)
+        if relief is None or relief.reaches(layout.lat_deg, layout.lon_deg):
+            return layout
         return lay_out(mission, frames, pixel, relief)
 
     zoom_of = partial(_zoom, mission, framing, relief)
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
         # Turned rows are all alike, as tight as the highest ground needs.
-        least = mission
-        if relief is not None:
-            least = mission.with_(agl_m=float(relief.least_seen_agl_m(_latitudes(mission)).min()))
+        least = _over_highest(mission, relief)
         layout, passes = lay_out_rotated(least, ground_of(mission), grid.own)
         if grid.own is not None:
             # Outer frames leave room for the rounding of their edges to the grid's pixels.
@@ -165,10 +166,13 @@ def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout
     return framing.zoom(layout._replace(agl_m=relief.flown(layout).seen_agl_m))
 
 
-def _latitudes(mission: Mission) -> Floats:
-    """Latitudes all over a mission's area."""
+def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
+    """A mission as high above level ground as it is above the highest that it sees of the relief."""
+    if relief is None:
+        return mission
     box = mission.area.bounds
-    return np.linspace(box.south_deg, box.north_deg, _SOME)
+    least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, _SOME))
+    return mission.with_(agl_m=float(least.min()))
 
 
 def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:

@@ -341,6 +341,23 @@ def test_rows_over_any_relief_leave_nothing_out(tmp_path):
             assert least is None or least >= asked - rounding
 
 
+@pytest.mark.parametrize("tilt_deg", [80.0, 85.0])
+def test_cameras_that_look_far_ahead_stand_over_the_relief_there(tmp_path, tilt_deg):
+    """Their images show the area from beyond what images straight down would see of its surroundings."""
+    x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))
+    path = rasters.write(
+        tmp_path / "wide.tif",
+        (20.0 * np.sin(x / 9.0) * np.cos(y / 7.0))[np.newaxis],
+        (WEST - 10_000.0, 40.0, 0.0, NORTH + 10_000.0, 0.0, -40.0),
+        32618,
+        data_type=gdal.GDT_Float32,
+    )
+    made = flown(Mission(AREA, 90.0, elevation=(str(path),), tilt_deg=tilt_deg))
+    assert made.coverage.complete
+    assert made.lat_deg.max() < AREA.south_deg
+    assert made.height_m - made.ground_m == pytest.approx(90.0)
+
+
 def test_polygons_and_wind_go_over_relief(dem):
     ring = ((AREA.west_deg, AREA.north_deg), (AREA.west_deg, AREA.south_deg), (AREA.east_deg, AREA.south_deg))
     asked = {"overlap_along": 0.4, "overlap_across": 0.4, "elevation": (dem["hills"],)}
