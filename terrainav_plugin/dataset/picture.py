@@ -11,6 +11,7 @@ import numpy as np
 from osgeo import gdal
 from qgis.PyQt.QtGui import QImage
 
+from ...core.text import one_line
 from ..i18n import tr
 from .shown import open_shown
 
@@ -101,7 +102,7 @@ def read_depth(path: Path, longest_px: int) -> Depth | None:
             raise RuntimeError(gdal.GetLastErrorMsg())
     except RuntimeError as wrong:
         # The picture is shown all the same.
-        problem = tr("The depth cannot be read: {reason}").format(reason=wrong)
+        problem = tr("The depth cannot be read: {reason}").format(reason=one_line(str(wrong)))
         return Depth(np.empty((0, 0), np.float32), np.nan, np.nan, None, problem)
     metres = np.where(mask == 0, np.nan, read).astype(np.float32)
     metres[~(np.isfinite(metres) & (metres > 0.0))] = np.nan
