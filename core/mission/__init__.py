@@ -6,6 +6,7 @@ In reading order:
 - `area`: where a mission goes, as a box, a polygon or points
 - `coords`: areas in text and in files
 - `cameras`: cameras by name, those that ship and the user's own
+- `imageries`: several sources, dates or map types by name
 - `wind`: what a mission is flown in
 - `mission`: all that is asked, as one value of parts, in and out of JSON
 - `earlier`: mission files of earlier versions

@@ -1,0 +1,84 @@
+"""Imagery by name, ``NAME=SOURCE[@DATE][:MAP_TYPE]``: several sources, dates or map types beside each other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from ..errors import InvalidInput
+from ..map_types import MAP_TYPES, SATELLITE
+
+#: Names become those of folders, also on file systems that know no upper and lower case.
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+_MAP_TYPE = re.compile(rf"(.+):({'|'.join(MAP_TYPES)})", re.DOTALL)
+#: A date begins with its year; an address may have other things after an @.
+_DATE = re.compile(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", re.DOTALL)
+
+
+@dataclass(frozen=True)
+class NamedImagery:
+    """One of several imageries.
+
+    Parameters
+    ----------
+    name : str
+        Letters, digits, ``_``, ``-`` and ``.``: the name of its folder.
+    source : str
+        As a mission names it.
+    date : str
+        As the source writes it, from its year on; empty for the source's own.
+    map_type : str
+        One of `MAP_TYPES`.
+
+    Raises
+    ------
+    InvalidInput
+        A name that is none of a folder, no source, or another map type.
+    """
+
+    name: str
+    source: str
+    date: str = ""
+    map_type: str = SATELLITE
+
+    def __post_init__(self) -> None:
+        if not _NAME.fullmatch(self.name) or self.name.endswith("."):
+            raise InvalidInput(
+                "imagery {0!r}: must be named by up to 64 letters, digits, _, - and ., such as 2014",
+                self.name,
+            )
+        if not self.source:
+            raise InvalidInput("imagery {0!r}: has no source, such as {0}=world", self.name)
+        if self.map_type not in MAP_TYPES:
+            raise InvalidInput("map type {0!r}: must be one of {1}", self.map_type, ", ".join(MAP_TYPES))
+
+    @classmethod
+    def of(cls, text: str) -> NamedImagery:
+        """Imagery of its text; raises InvalidInput."""
+        name, equals, rest = text.partition("=")
+        if not equals:
+            raise InvalidInput(
+                "imagery {0!r}: must be NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE", text
+            )
+        map_type, date = SATELLITE, ""
+        if found := _MAP_TYPE.fullmatch(rest):
+            rest, map_type = found.groups()
+        if found := _DATE.fullmatch(rest):
+            rest, date = found.groups()
+        return cls(name, rest, date, map_type)
+
+    def __str__(self) -> str:
+        date = f"@{self.date}" if self.date else ""
+        kind = f":{self.map_type}" if self.map_type != SATELLITE else ""
+        return f"{self.name}={self.source}{date}{kind}"
+
+
+def named_imageries(texts: Iterable[str]) -> tuple[NamedImagery, ...]:
+    """Return the imageries of texts, in their order; raises InvalidInput where two would share a folder."""
+    found = tuple(NamedImagery.of(text) for text in texts)
+    names = [one.name.lower() for one in found]
+    for at, name in enumerate(names):
+        if name in names[:at]:
+            raise InvalidInput("imagery {0!r}: is named twice", found[at].name)
+    return found
