@@ -1,4 +1,4 @@
-"""The command ``terrainav``: plan, capture, clean, split, load, convert, pairs, report, sources, cameras, cache."""
+"""The command ``terrainav``, of which each group of subcommands is a module."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ _COMMANDS = {
     "split": ("datasets", "run_split"),
     "convert": ("datasets", "run_convert"),
     "pairs": ("pairing", "run_pairs"),
+    "benchmark": ("benchmarking", "run_benchmark"),
     "load": ("datasets", "run_load"),
     "report": ("flying", "run_report"),
     "sources": ("listing", "run_sources"),

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS
 from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
 from .exits import BAD_INPUT
@@ -37,6 +38,7 @@ def parser() -> argparse.ArgumentParser:
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
     _add_flying(commands)
     add_dataset_commands(commands)
+    _add_benchmark(commands)
     _add_sources(commands)
     _add_cameras(commands)
     _add_cache(commands)
@@ -95,16 +97,19 @@ def _add_flying(commands: Any) -> None:
     add_consent(reporting)
 
 
-def _add_mission_options(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
-    )
+def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] = ()) -> None:
+    """Add the options of a mission; of a command that states some otherwise all but those, and no mission file."""
+    if not but:
+        command.add_argument(
+            "mission_file", nargs="?", metavar="MISSION", help="mission file (JSON) instead of options"
+        )
+    command.set_defaults(**dict.fromkeys(but))
     add_config(command)
     group = command.add_argument_group(
         "mission",
         "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line comes first",
     )
-    for option in OPTIONS:
+    for option in (one for one in OPTIONS if one.name not in but):
         name = "--" + option.name.replace("_", "-")
         if option.flag:
             group.add_argument(name, action="store_true", default=None, help=option.told)
@@ -121,6 +126,103 @@ def _add_actions(listing: argparse.ArgumentParser) -> Any:
     every = actions.add_parser("list", help="list them (also without an action)")
     add_json(every, argparse.SUPPRESS)
     return actions
+
+
+def _add_benchmark(commands: Any) -> None:
+    whole = commands.add_parser(
+        "benchmark",
+        help="make a benchmark of queries and a reference, run a baseline over it, judge predictions",
+    )
+    actions = whole.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
+    _add_benchmark_make(actions)
+    running = actions.add_parser(
+        "run", help="answer the queries by a baseline or a method of yours, and judge it"
+    )
+    running.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
+    running.add_argument(
+        "--method",
+        required=True,
+        metavar="METHOD",
+        help="ncc, sift, orb or middle, or module:function of your own",
+    )
+    running.add_argument("--quiet", action="store_true", help="no progress")
+    judging = actions.add_parser("score", help="judge predictions")
+    judging.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
+    judging.add_argument(
+        "predictions", metavar="PREDICTIONS", help="CSV: query, references, lat_deg, lon_deg, …"
+    )
+    for command in (running, judging):
+        command.add_argument("--part", choices=PARTS, help="queries of one part; without it all")
+        command.add_argument(
+            "--output", metavar="DIR", help="folder of the page and its files (BENCHMARK/scores/METHOD)"
+        )
+        command.add_argument("--no-page", action="store_true", help="print the figures, and write no page")
+        add_json(command)
+
+
+def _add_benchmark_make(actions: Any) -> None:
+    making = actions.add_parser(
+        "make", help="capture queries of one imagery or several and the reference they are to be found in"
+    )
+    asked = making.add_argument_group("benchmark")
+    asked.add_argument(
+        "--queries",
+        nargs="+",
+        required=True,
+        metavar="NAME=SOURCE[@DATE][:MAP_TYPE]",
+        help="imagery of the queries; each of several has all of them",
+    )
+    asked.add_argument(
+        "--reference",
+        required=True,
+        metavar="NAME=SOURCE[@DATE][:MAP_TYPE]",
+        help="imagery that they are to be found in",
+    )
+    asked.add_argument(
+        "--tiles",
+        nargs="+",
+        type=float,
+        metavar="M",
+        help="widths of the reference's tiles (default: that of a square as large as what a query shows)",
+    )
+    asked.add_argument(
+        "--tile-overlap", type=float, default=0.5, metavar="SHARE", help="that neighbours share (0.5)"
+    )
+    asked.add_argument(
+        "--margin",
+        type=float,
+        metavar="M",
+        help="reference around the ground of the queries (default: the width of the widest tile)",
+    )
+    asked.add_argument(
+        "--positive", type=float, default=0.39, metavar="IOU", help="from which a tile is right (0.39)"
+    )
+    asked.add_argument(
+        "--semi-positive", type=float, default=0.14, metavar="IOU", help="from which it nearly is (0.14)"
+    )
+    asked.add_argument(
+        "--split",
+        choices=("cross-area", "same-area", "none"),
+        default="cross-area",
+        help="cross-area: no ground in two parts, of queries or of tiles (default); same-area: by places, over one "
+        "reference",
+    )
+    asked.add_argument(
+        "--shares",
+        nargs=3,
+        type=float,
+        metavar=("TRAIN", "VALIDATION", "TEST"),
+        help="of the parts (0.8 0.1 0.1)",
+    )
+    asked.add_argument(
+        "--gap", type=float, default=0.0, metavar="M", help="least distance between ground of two parts (0)"
+    )
+    _add_mission_options(making, but=("source", "map_type", "date", "frame"))
+    making.add_argument("--resume", action="store_true", help="go on with an interrupted run")
+    making.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
+    add_consent(making)
+    making.add_argument("--json", action="store_true", help="print the result as JSON")
+    making.add_argument("--quiet", action="store_true", help="no progress bar")
 
 
 def _add_sources(commands: Any) -> None:

@@ -138,7 +138,7 @@ def split(
             )
         else:
             order = shuffled(places, seed) if how == "shuffled" else list(places)
-            of_place = dict(zip(order, _counted(len(order), wanted)))
+            of_place = dict(zip(order, counted(len(order), wanted)))
         tables = [_with_parts(images, of_place) for images in sets]
         labels = labels_of_tables(tables, frame)
         if not dry_run:
@@ -168,9 +168,8 @@ def shuffled(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> l
     return sorted(names, key=lambda name: hashlib.sha256(f"{seed}:{name}".encode()).digest())
 
 
-def _checked(
-    shares: Sequence[float], how: str, block_m: float | None, gap_m: float
-) -> tuple[float, float, float]:
+def checked_shares(shares: Sequence[float]) -> tuple[float, float, float]:
+    """Shares of training, validation and test; raises InvalidInput where they are none, or do not add up to 1."""
     said = ", ".join(f"{share:g}" for share in shares)
     if len(shares) != len(PARTS):
         raise InvalidInput("shares {0}: must be three, of {1}", said, ", ".join(PARTS))
@@ -178,6 +177,14 @@ def _checked(
         raise InvalidInput("shares {0}: must be finite and not below 0", said)
     if abs(math.fsum(shares) - 1.0) > _SUM_OFF:
         raise InvalidInput("shares {0}: add up to {1:g}; must add up to 1", said, math.fsum(shares))
+    train, validation, test = map(float, shares)
+    return train, validation, test
+
+
+def _checked(
+    shares: Sequence[float], how: str, block_m: float | None, gap_m: float
+) -> tuple[float, float, float]:
+    wanted = checked_shares(shares)
     if how not in WAYS:
         raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
     if how != "blocks" and (block_m is not None or gap_m):
@@ -188,8 +195,7 @@ def _checked(
         raise InvalidInput("blocks of {0} m: must be above 0 m", block_m)
     if not 0.0 <= gap_m <= _WIDEST_GAP_M:
         raise InvalidInput("gap of {0} m: must be from 0 to {1:,.0f} m", gap_m, _WIDEST_GAP_M)
-    train, validation, test = map(float, shares)
-    return train, validation, test
+    return wanted
 
 
 def _places(sets: Sequence[ImageSet]) -> dict[str, list[tuple[int, int]]]:
@@ -201,8 +207,11 @@ def _places(sets: Sequence[ImageSet]) -> dict[str, list[tuple[int, int]]]:
     return places
 
 
-def _counted(count: int, shares: Sequence[float]) -> list[str]:
-    """Parts of so many images in order: numbers by largest remainder, and at least one for each part asked for."""
+def counted(count: int, shares: Sequence[float]) -> list[str]:
+    """Parts of so many images in order: numbers by largest remainder, and at least one for each part asked for.
+
+    Raises InvalidInput where there are fewer images than parts.
+    """
     asked = [part for part, share in zip(PARTS, shares) if share > 0.0]
     if count < len(asked):
         raise InvalidInput(
@@ -243,7 +252,35 @@ def _by_blocks(
             folder,
             remedy="split shuffled or in-order",
         )
-    boxes = boxes.take(known)
+    part, side, count = by_blocks(boxes.take(known), names, shares, seed, block_m, gap_m)
+    of_known = dict(zip(names, part))
+    return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
+
+
+def by_blocks(
+    boxes: Boxes,
+    names: Sequence[str],
+    shares: tuple[float, float, float],
+    seed: int = SEED,
+    block_m: float | None = None,
+    gap_m: float = 0.0,
+) -> tuple[list[str], float, int]:
+    """Part of each box, or `GAP`, such that no ground is in two parts; the side and the number of the blocks.
+
+    Parameters
+    ----------
+    boxes : Boxes
+        Of known ground, n of them.
+    names : sequence of str
+        Of the boxes, all different: blocks are shared out by the hashes of those, and of the seed.
+    shares, seed, block_m, gap_m
+        As for `split`.
+
+    Raises
+    ------
+    InvalidInput
+        A part would be left without any.
+    """
     base = largest_side_m(boxes) + gap_m
     best: tuple[float, float, Numbers, int] | None = None
     for side in [times * base for times in _TRIED] if block_m is None else [float(block_m)]:
@@ -268,8 +305,7 @@ def _by_blocks(
             remedy="choose a smaller gap, other blocks or shares, or a dataset of more ground",
         )
     _, side, part, count = best
-    of_known = dict(zip(names, (PARTS[one] if one >= 0 else GAP for one in part.tolist())))
-    return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
+    return [PARTS[one] if one >= 0 else GAP for one in part.tolist()], side, count
 
 
 def _block_order(names: Sequence[str], block: Numbers, seed: int) -> list[int]:

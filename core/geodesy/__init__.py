@@ -9,6 +9,7 @@ In reading order:
 - `planes`: those of projected CRSs, and what they do to the ground
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place
+- `local`: metres east, north and up of a place
 - `frames`: map frames, rectangles of whole source pixels
 - `rectangles`: the largest rectangles inside what cameras see
 - `accuracy`: what each method may be wrong by, in closed form

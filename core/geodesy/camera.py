@@ -48,7 +48,7 @@ class Camera(Lens):
         array (..., k, 3)
             Not normalised: the part along the optical axis is 1.
         """
-        right, image_up, axis = _image_axes(yaw_deg, tilt_deg, roll_deg)
+        right, image_up, axis = image_axes(yaw_deg, tilt_deg, roll_deg)
         points = np.asarray(image_xy, np.float64)
         tan_x, tan_y = self.half_tangents
         rays: Floats = (
@@ -81,7 +81,7 @@ class Camera(Lens):
         """
         right, image_up, axis = (
             np.einsum("...ki,...i->...k", vectors_enu, direction)
-            for direction in _image_axes(yaw_deg, tilt_deg, roll_deg)
+            for direction in image_axes(yaw_deg, tilt_deg, roll_deg)
         )
         in_front = axis > 0.0
         depth = np.where(in_front, axis, 1.0)
@@ -111,7 +111,7 @@ class Camera(Lens):
         """
         right, image_up, axis = (
             np.einsum("...ki,...i->...k", vectors_enu, direction)
-            for direction in _image_axes(yaw_deg, tilt_deg, roll_deg)
+            for direction in image_axes(yaw_deg, tilt_deg, roll_deg)
         )
         tan_x, tan_y = self.half_tangents
         length = np.sqrt(np.sum(np.square(vectors_enu), axis=-1))
@@ -189,10 +189,10 @@ class Poses(NamedTuple):
         return np.flatnonzero(change), np.cumsum(change) - 1
 
 
-def _image_axes(
+def image_axes(
     yaw_deg: Floats | float, tilt_deg: Floats | float, roll_deg: Floats | float
 ) -> tuple[Floats, Floats, Floats]:
-    """Unit vectors (..., 3) of the image's right, of its top, and of the view, in east, north, up."""
+    """Unit vectors (..., 3) of the image's right, of its top, and of the view, in east, north, up; see `rays_enu`."""
     (sin_yaw, cos_yaw), (sin_tilt, cos_tilt), (sin_roll, cos_roll) = (
         sin_cos(np.asarray(angle, np.float64)[..., np.newaxis]) for angle in (yaw_deg, tilt_deg, roll_deg)
     )
@@ -205,3 +205,14 @@ def _image_axes(
     right = cos_roll * level_right + sin_roll * pitched
     axis = cos_roll * pitched - sin_roll * level_right
     return right, image_up, axis
+
+
+def attitude_of(right: Floats, image_up: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
+    """Yaw in [-180, 180], tilt in [-90, 90] and roll in degrees of a camera's axes (..., 3); inverse of `image_axes`.
+
+    Where the top of the image points up or down, yaw and roll turn about one axis, and their split is arbitrary.
+    """
+    yaw = np.degrees(np.arctan2(image_up[..., 0], image_up[..., 1]))
+    tilt = np.degrees(np.arcsin(np.clip(image_up[..., 2], -1.0, 1.0)))
+    roll = np.degrees(np.arctan2(-right[..., 2], -axis[..., 2]))
+    return yaw, tilt, roll

@@ -18,15 +18,16 @@ from terrainav.core.files import PARTIAL_ENDING
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import tile_parts
+from terrainav.core.markup import document, element, table
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.core.report import pictures, plots
 from terrainav.core.report.measure import measure
-from terrainav.core.report.page import PAGE, document, element, table, write_report
+from terrainav.core.report.page import PAGE, write_report
 from terrainav.core.report.sentences import verdict
-from terrainav.core.report.tables import Table, csv_files, methods_table, px_text
+from terrainav.core.report.tables import csv_files, methods_table, px_text
 from terrainav.core.timing import Seconds
 from terrainav.core.world import WorldSource
 
@@ -315,9 +316,7 @@ def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
 
 def test_text_is_escaped_wherever_it_stands():
     nasty = "<script>'\"&"
-    made = document(
-        nasty, "p { color: red }", element("p", nasty, title=nasty), table(Table((nasty,), [(nasty,)]))
-    )
+    made = document(nasty, element("p", nasty, title=nasty), table((nasty,), [(nasty,)]))
     assert "<script>" not in made
     assert read(made).text.count(nasty) == 4
 

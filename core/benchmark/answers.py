@@ -1,0 +1,209 @@
+"""What a method is asked and what it answers, and files of answers."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from .folder import Benchmark, number_of, read_rows, write_columns
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: Columns of a file of predictions beside ``query`` and ``references``; each may be left out, or a cell empty.
+POSE = ("lat_deg", "lon_deg", "height_m", "yaw_deg", "tilt_deg", "roll_deg")
+SECONDS = "seconds"
+
+
+@dataclass(frozen=True)
+class Query:
+    """What a method may know of a query.
+
+    Parameters
+    ----------
+    id : str
+    image : Path
+    camera : Camera
+    fx_px, fy_px, cx_px, cy_px : float
+        Intrinsics, as `Queries` has them.
+    height_m, ground_m : float
+        Of the camera and of the ground below it, above the WGS 84 ellipsoid: what a barometer tells.
+    yaw_deg, tilt_deg, roll_deg : float
+        As a compass and an inertial unit tell them.
+    """
+
+    id: str
+    image: Path
+    camera: Camera
+    fx_px: float
+    fy_px: float
+    cx_px: float
+    cy_px: float
+    height_m: float
+    ground_m: float
+    yaw_deg: float
+    tilt_deg: float
+    roll_deg: float
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a method says of a query; all of it may be left out.
+
+    Parameters
+    ----------
+    references : sequence of str
+        Ids of tiles, the best first.
+    lat_deg, lon_deg, height_m, yaw_deg, tilt_deg, roll_deg : float
+        The camera; NaN where nothing is said.
+    """
+
+    references: Sequence[str] = ()
+    lat_deg: float = math.nan
+    lon_deg: float = math.nan
+    height_m: float = math.nan
+    yaw_deg: float = math.nan
+    tilt_deg: float = math.nan
+    roll_deg: float = math.nan
+
+
+#: Finds one query.
+Locate = Callable[[Query], Answer]
+#: A method: prepares for a benchmark, of which it may read the reference and no truth, and a gallery, rows of the tiles
+#: that are to be ranked.
+Method = Callable[[Benchmark, Numbers], Locate]
+
+
+def query_of(benchmark: Benchmark, index: int) -> Query:
+    """What a method may know of a query: all but where it was taken."""
+    queries = benchmark.queries
+    said = ("fx_px", "fy_px", "cx_px", "cy_px", "height_m", "ground_m", "yaw_deg", "tilt_deg", "roll_deg")
+    return Query(
+        queries.id[index],
+        benchmark.folder / queries.file[index],
+        queries.camera(index),
+        **{name: float(getattr(queries, name)[index]) for name in said},
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Predictions:
+    """Answers to queries.
+
+    Attributes
+    ----------
+    index : array (p,)
+        Rows of the queries that are answered, each once.
+    ranking : array (p, k)
+        Rows of tiles, the best first; -1 for none.
+    pose : array (p, 6)
+        As `POSE` has it; NaN where nothing is said.
+    seconds : array (p,)
+        Taken for each; NaN where nobody says.
+    """
+
+    index: Numbers
+    ranking: Numbers
+    pose: Floats
+    seconds: Floats
+
+    @classmethod
+    def of(
+        cls, benchmark: Benchmark, index: Sequence[int], answers: Sequence[Answer], seconds: Sequence[float]
+    ) -> Predictions:
+        """Predictions of answers; raises InvalidInput where one names a tile that is not there, or twice."""
+        ranked = [
+            _ranked(benchmark, answer.references, benchmark.queries.id[at])
+            for at, answer in zip(index, answers)
+        ]
+        pose = [[getattr(answer, name) for name in POSE] for answer in answers]
+        return cls(
+            np.array(index, np.int64),
+            _padded(ranked),
+            np.array(pose, np.float64).reshape(-1, len(POSE)),
+            np.array(seconds, np.float64),
+        )
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], benchmark: Benchmark) -> Predictions:
+        """Predictions of a CSV file.
+
+        Its columns are ``query``, ``references`` (ids of tiles, the best first, separated by spaces), those of `POSE`,
+        and ``seconds``; all but the first may be missing, as may cells.
+
+        Raises
+        ------
+        InvalidInput
+            It cannot be read, has none of these columns, or names what is not there; the line is named.
+        """
+        lines = read_rows(Path(path))
+        _, header = next(lines)
+        known = [name for name in ("references", *POSE) if name in header]
+        if "query" not in header or not known:
+            raise InvalidInput(
+                "predictions {0}: need the column query, and references or {1}", path, ", ".join(POSE[:2])
+            )
+        if ("lat_deg" in header) != ("lon_deg" in header):
+            raise InvalidInput("predictions {0}: lat_deg and lon_deg go together", path)
+        met: dict[str, int] = {}
+        answers: list[Answer] = []
+        seconds: list[float] = []
+        for number, row in lines:
+            where = f"predictions {path}, line {number}:"
+            cells = dict(zip(header, row))
+            name = cells["query"]
+            if name not in benchmark.query_at:
+                raise InvalidInput("{0} query {1!r} is not in the benchmark", where, name)
+            if met.setdefault(name, number) != number:
+                raise InvalidInput("{0} query {1!r} is answered in line {2} already", where, name, met[name])
+            values = {one: number_of(cells.get(one, ""), f"{where} {one}") for one in POSE}
+            if abs(values["lat_deg"]) > 90.0 or abs(values["lon_deg"]) > 360.0:
+                raise InvalidInput(
+                    "{0} {1:g}, {2:g} is not on the Earth", where, values["lat_deg"], values["lon_deg"]
+                )
+            try:
+                references = tuple(cells.get("references", "").split())
+                _ranked(benchmark, references, name)
+            except InvalidInput as wrong:
+                raise InvalidInput("{0} {1}", where, wrong) from wrong
+            answers.append(Answer(references, **values))
+            seconds.append(number_of(cells.get(SECONDS, ""), f"{where} {SECONDS}"))
+        if not answers:
+            raise InvalidInput("predictions {0}: answer no query", path)
+        return cls.of(benchmark, [benchmark.query_at[name] for name in met], answers, seconds)
+
+    def write(self, path: Path, benchmark: Benchmark) -> None:
+        """Write them as `read` takes them."""
+        tiles = benchmark.references.id
+        columns: dict[str, Sequence[str] | Floats] = {
+            "query": [benchmark.queries.id[at] for at in self.index.tolist()],
+            "references": [" ".join(tiles[at] for at in row if at >= 0) for row in self.ranking.tolist()],
+        }
+        columns.update(zip(POSE, self.pose.T))
+        columns[SECONDS] = self.seconds
+        write_columns(path, columns)
+
+
+def _ranked(benchmark: Benchmark, references: Sequence[str], query: str) -> list[int]:
+    unknown = [name for name in references if name not in benchmark.reference_at]
+    if unknown:
+        raise InvalidInput("reference {0!r} of query {1!r} is not in the benchmark", unknown[0], query)
+    if len(set(references)) != len(references):
+        raise InvalidInput("references of query {0!r}: one is named twice", query)
+    return [benchmark.reference_at[name] for name in references]
+
+
+def _padded(rows: Sequence[Sequence[int]]) -> Numbers:
+    """Rows of one length, -1 where there is nothing."""
+    ranking = np.full((len(rows), max(map(len, rows), default=0)), -1, np.int64)
+    for at, row in enumerate(rows):
+        ranking[at, : len(row)] = row
+    return ranking

@@ -1,0 +1,264 @@
+"""Normalised cross-correlation: a baseline that needs no weights, where height and attitude are known.
+
+A query is seen straight from above, as its height and attitude say, and laid on every place of the reference; where
+the two agree best, it was taken. The maps of agreement come from Fourier transforms (Lewis, *Fast normalized
+cross-correlation*, 1995), with a mask, as a tilted picture seen from above is no rectangle (Padfield, *Masked object
+registration in the Fourier domain*, IEEE TIP 2012).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ..dataset.dataset import open_image
+from ..geodesy.camera import CORNERS, Poses
+from ..geodesy.ellipsoid import WGS84, sight_lines
+from ..geodesy.footprint import exact
+from .answers import Answer, Locate, Query
+from .folder import Benchmark, Mosaic
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: Pixels of the reference that are searched as a whole; a larger one is made smaller first.
+_SEARCHED_PX = 1_000_000
+#: Best places of the smaller reference that are looked at in its own pixels.
+_LOOKED_AT = 3
+#: Pixels around each of them, in those of the smaller reference.
+_AROUND_PX = 2
+#: Share of a variance below which there is nothing to compare: a picture of one colour.
+_FLAT = 1e-9
+#: Pixels along the shorter side of a query below which it is not looked for.
+_LEAST_PX = 4
+#: Tiles that are ranked.
+_RANKED = 100
+
+
+class _Patch(NamedTuple):
+    """A query seen from above, on the reference's pixels.
+
+    Attributes
+    ----------
+    grey : array (h, w)
+        Less its mean, 0 where ``mask`` is.
+    mask : array (h, w)
+        1 where the query shows ground, else 0.
+    left, top : int
+        Where it lies for the pose that it was made for, in px of the reference.
+    camera, centre : (column, row)
+        The camera, and the ground in the middle of the query, from the patch's upper left corner.
+    """
+
+    grey: Floats
+    mask: Floats
+    left: int
+    top: int
+    camera: tuple[float, float]
+    centre: tuple[float, float]
+
+
+class _Level(NamedTuple):
+    """The reference in pixels ``step`` times as large as its own."""
+
+    grey: Floats
+    step: int
+
+
+def correlation(benchmark: Benchmark, gallery: Numbers) -> Locate:
+    """Prepare to find queries in the mosaic of a benchmark; a `Method`."""
+    return _Correlation(benchmark, gallery).locate
+
+
+class _Correlation:
+    def __init__(self, benchmark: Benchmark, gallery: Numbers) -> None:
+        self._mosaic = benchmark.mosaic
+        whole = benchmark.grey(benchmark.mosaic.file)
+        step = max(math.ceil(math.sqrt(whole.size / _SEARCHED_PX)), 1)
+        self._whole = _Level(whole.astype(np.float64), 1)
+        self._searched = _Level(np.asarray(Image.fromarray(whole).reduce(step), np.float64), step)
+        self._transforms = _transforms(self._searched.grey)
+        tiles = benchmark.references
+        column, row = benchmark.mosaic.px(tiles.lat_deg[gallery], tiles.lon_deg[gallery])
+        width = (tiles.east - tiles.west)[gallery] / benchmark.mosaic.pixel_width
+        self._tiles = np.stack([column, row, width]) / step
+        self._ids = [tiles.id[at] for at in gallery.tolist()]
+
+    def locate(self, query: Query) -> Answer:
+        """Find a query; without an answer where it shows more ground than the reference, or nothing but one colour."""
+        lat, lon = self._at(self._mosaic.width_px / 2.0, self._mosaic.height_px / 2.0)
+        coarse = _seen_from_above(query, lat, lon, self._mosaic, self._searched.step)
+        if coarse is None:
+            return Answer()
+        agreement = _agreement(coarse, self._searched.grey.shape, self._transforms)
+        if agreement is None:
+            return Answer()
+        lat, lon = self._at(*self._finest(query, coarse, agreement))
+        return Answer(self._ranked(coarse, agreement), lat, lon)
+
+    def _at(self, column: float, row: float) -> tuple[float, float]:
+        """Latitude and longitude of a place in the mosaic."""
+        lat, lon = self._mosaic.ground(np.array(column), np.array(row))
+        return float(lat), float(lon)
+
+    def _finest(self, query: Query, coarse: _Patch, agreement: Floats) -> tuple[float, float]:
+        """Column and row of the camera in the mosaic, where the query agrees best in its own pixels."""
+        step = self._searched.step
+        best, found = -math.inf, (math.nan, math.nan)
+        for top, left in _peaks(agreement, min(coarse.grey.shape) // 2):
+            lat, lon = self._at((left + coarse.camera[0]) * step, (top + coarse.camera[1]) * step)
+            # Seen anew from there: pixels of a map show less ground farther from the equator.
+            patch = _seen_from_above(query, lat, lon, self._mosaic, 1)
+            if patch is None:
+                continue
+            reach = (_AROUND_PX + 1) * step
+            high, wide = patch.grey.shape
+            y, x = max(patch.top - reach, 0), max(patch.left - reach, 0)
+            window = self._whole.grey[y : patch.top + high + reach, x : patch.left + wide + reach]
+            if window.shape[0] < high or window.shape[1] < wide:
+                continue
+            near = _agreement(patch, window.shape, _transforms(window))
+            if near is not None and near.max() > best:
+                best = float(near.max())
+                down, across = _summit(near)
+                found = x + across + patch.camera[0], y + down + patch.camera[1]
+        return found
+
+    def _ranked(self, patch: _Patch, agreement: Floats) -> list[str]:
+        """Tiles by how well the query agrees where its middle is within the middle half of the tile."""
+        high, wide = agreement.shape
+        column, row, width = self._tiles
+        left, right = (
+            np.clip(np.floor(column + side * width / 4.0 - patch.centre[0]), 0, wide - 1).astype(int)
+            for side in (-1.0, 1.0)
+        )
+        top, bottom = (
+            np.clip(np.floor(row + side * width / 4.0 - patch.centre[1]), 0, high - 1).astype(int)
+            for side in (-1.0, 1.0)
+        )
+        score = np.array(
+            [
+                agreement[t : b + 1, le : r + 1].max()
+                for le, r, t, b in zip(left.tolist(), right.tolist(), top.tolist(), bottom.tolist())
+            ]
+        )
+        return [self._ids[at] for at in np.argsort(-score, kind="stable")[:_RANKED].tolist()]
+
+
+def _seen_from_above(
+    query: Query, lat_deg: float, lon_deg: float, mosaic: Mosaic, step: int
+) -> _Patch | None:
+    """A query on the reference's pixels, as if its camera stood at a place; None where it shows too few, or more than there are."""
+    agl = query.height_m - query.ground_m
+    ground = WGS84.raised(query.ground_m)
+    pose = Poses.of_attitude(
+        np.array([lat_deg]),
+        np.array([lon_deg]),
+        np.array([agl]),
+        query.yaw_deg,
+        query.tilt_deg,
+        query.roll_deg,
+    )
+    seen = exact(query.camera, pose, (*CORNERS, (0.0, 0.0)), ground)
+    columns, rows = (px[0] / step for px in mosaic.px(seen.lat_deg, seen.lon_deg))
+    left, top = math.floor(columns[:4].min()), math.floor(rows[:4].min())
+    wide, high = math.ceil(columns[:4].max()) - left, math.ceil(rows[:4].max()) - top
+    if min(wide, high) < _LEAST_PX or wide > mosaic.width_px / step or high > mosaic.height_px / step:
+        return None
+    across, down = np.meshgrid(left + 0.5 + np.arange(wide), top + 0.5 + np.arange(high))
+    lat, lon = mosaic.ground(across * float(step), down * float(step))
+    dlon = lon - lon_deg
+    lines = sight_lines(np.array(lat_deg), np.array(agl), lat, dlon - 360.0 * np.rint(dlon / 360.0), ground)
+    points, in_front = query.camera.image_xy(lines, query.yaw_deg, query.tilt_deg, query.roll_deg)
+    inside = in_front & (np.abs(points) < 1.0).all(axis=-1)
+    picture = _reduced(open_image(query.image, as_shown=True).convert("L"), int(inside.sum()))
+    x, y = (points[..., 0] + 1.0) / 2.0 * picture.shape[1], (1.0 - points[..., 1]) / 2.0 * picture.shape[0]
+    grey = np.where(inside, _bilinear(picture, x, y), 0.0)
+    mask = inside.astype(np.float64)
+    grey = (grey - grey.sum() / max(mask.sum(), 1.0)) * mask
+    camera_at = mosaic.px(np.array(lat_deg), np.array(lon_deg))
+    camera = float(camera_at[0]) / step - left, float(camera_at[1]) / step - top
+    return _Patch(grey, mask, left, top, camera, (float(columns[4]) - left, float(rows[4]) - top))
+
+
+def _reduced(picture: Image.Image, pixels: int) -> Floats:
+    """Picture with no more pixels than twice so many along each side, each the mean of those that it was."""
+    factor = max(int(math.sqrt(picture.width * picture.height / max(pixels, 1))), 1)
+    return np.asarray(picture.reduce(factor) if factor > 1 else picture, np.float64)
+
+
+def _bilinear(picture: Floats, x: Floats, y: Floats) -> Floats:
+    """Values at positions from the upper left corner, where the first pixel's centre is (0.5, 0.5)."""
+    high, wide = picture.shape
+    x, y = np.clip(x - 0.5, 0.0, wide - 1.0), np.clip(y - 0.5, 0.0, high - 1.0)
+    left, top = x.astype(np.int64), y.astype(np.int64)
+    right, bottom = np.minimum(left + 1, wide - 1), np.minimum(top + 1, high - 1)
+    across, down = x - left, y - top
+    upper = picture[top, left] * (1.0 - across) + picture[top, right] * across
+    lower = picture[bottom, left] * (1.0 - across) + picture[bottom, right] * across
+    values: Floats = upper * (1.0 - down) + lower * down
+    return values
+
+
+def _transforms(grey: Floats) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Fourier transforms of a reference less its mean, and of its square."""
+    around = grey - grey.mean()
+    return np.fft.rfft2(around), np.fft.rfft2(around * around)
+
+
+def _agreement(
+    patch: _Patch, shape: tuple[int, ...], transforms: tuple[NDArray[np.complex128], ...]
+) -> Floats | None:
+    """Correlation coefficients (h, w) of a patch at each place where it lies within a reference of a shape."""
+    high, wide = shape[0] - patch.grey.shape[0] + 1, shape[1] - patch.grey.shape[1] + 1
+    own = float((patch.grey * patch.grey).sum())
+    count = patch.mask.sum()
+    if high < 1 or wide < 1 or own <= _FLAT * max(float(count), 1.0):
+        return None
+    grey, mask = (np.conj(np.fft.rfft2(one, shape)) for one in (patch.grey, patch.mask))
+    whole, squares = transforms
+
+    def summed(product: NDArray[np.complex128]) -> Floats:
+        return np.asarray(np.fft.irfft2(product, shape)[:high, :wide])
+
+    sums = summed(whole * mask)
+    spread = summed(squares * mask) - sums * sums / count
+    # Where the reference is of one colour nothing agrees, and rounding would make up what does.
+    some = spread > _FLAT * max(float(spread.max()), 1.0)
+    return np.where(some, summed(whole * grey) / np.sqrt(np.where(some, spread, 1.0) * own), -1.0)
+
+
+def _peaks(agreement: Floats, apart_px: int) -> list[tuple[int, int]]:
+    """Rows and columns of the best places, none near a better one."""
+    left, found = agreement.copy(), []
+    for _ in range(_LOOKED_AT):
+        at = int(left.argmax())
+        row, column = divmod(at, left.shape[1])
+        if left[row, column] == -np.inf:
+            break
+        found.append((row, column))
+        near = (
+            slice(max(row - apart_px, 0), row + apart_px + 1),
+            slice(max(column - apart_px, 0), column + apart_px + 1),
+        )
+        left[near] = -np.inf
+    return found
+
+
+def _summit(agreement: Floats) -> tuple[float, float]:
+    """Row and column of the best place, between pixels by the parabola through its neighbours."""
+    row, column = divmod(int(agreement.argmax()), agreement.shape[1])
+    down = _vertex(agreement[max(row - 1, 0) : row + 2, column]) if 0 < row < len(agreement) - 1 else 0.0
+    inside = 0 < column < agreement.shape[1] - 1
+    across = _vertex(agreement[row, max(column - 1, 0) : column + 2]) if inside else 0.0
+    return row + down, column + across
+
+
+def _vertex(three: Floats) -> float:
+    before, here, after = three.tolist()
+    bend = before - 2.0 * here + after
+    return 0.0 if bend >= 0.0 else (before - after) / (2.0 * bend)

@@ -1,0 +1,437 @@
+"""The folder of a benchmark: queries with their truth, the reference that they are to be found in, and what is right.
+
+``benchmark.json`` says how it was made; ``queries.csv``, ``references.csv`` and ``positives.csv`` are all that a judge
+needs. The images lie beside them as datasets, each as a capture leaves it.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.dataset import UNREADABLE, open_image
+from ..dataset.folder import PARTS
+from ..errors import InvalidInput
+from ..files import read_limited, write_whole
+from ..geodesy.camera import Camera, Poses
+from ..geodesy.mercator import Plane, WebMercator
+from ..geodesy.planes import ProjectedPlane
+from ..limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
+from ..safe_json import decoded, parse_json
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Pixels = NDArray[np.uint8]
+
+BENCHMARK_FILE = "benchmark.json"
+QUERIES_FILE, REFERENCES_FILE, POSITIVES_FILE = "queries.csv", "references.csv", "positives.csv"
+QUERIES_FOLDER, REFERENCE_FOLDER, MOSAIC, TILES = "queries", "reference", "mosaic", "tiles"
+SCHEMA = 1
+POSITIVE, SEMI_POSITIVE = "positive", "semi-positive"
+
+_Rows = TypeVar("_Rows", bound="Columns")
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A table: tuples of text and arrays of float64, one of each for every row."""
+
+    def __len__(self) -> int:
+        return len(getattr(self, fields(self)[0].name))
+
+    @classmethod
+    def read(cls: type[_Rows], path: Path) -> _Rows:
+        """Table of a file; raises InvalidInput where it cannot be read, naming the line."""
+        return cls(**_read_columns(path, {one.name: one.type == "Floats" for one in fields(cls)}))
+
+    @classmethod
+    def joined(cls: type[_Rows], pieces: Sequence[_Rows]) -> _Rows:
+        """Table of the rows of several, one after the other."""
+        columns: dict[str, Any] = {}
+        for one in fields(cls):
+            values = [getattr(piece, one.name) for piece in pieces]
+            is_number = one.type == "Floats"
+            columns[one.name] = np.concatenate(values) if is_number else tuple(chain.from_iterable(values))
+        return cls(**columns)
+
+    def take(self: _Rows, rows: Numbers) -> _Rows:
+        """Some of the rows, by their numbers."""
+        columns: dict[str, Any] = {}
+        for one in fields(self):
+            values = getattr(self, one.name)
+            is_number = isinstance(values, np.ndarray)
+            columns[one.name] = values[rows] if is_number else tuple(values[row] for row in rows.tolist())
+        return type(self)(**columns)
+
+    def write(self, path: Path) -> None:
+        """Write it, whole or not at all."""
+        columns = {one.name: getattr(self, one.name) for one in fields(self)}
+        write_columns(path, columns)
+
+
+@dataclass(frozen=True, eq=False)
+class Queries(Columns):
+    """Images whose place is to be found, and where they were taken; q of them.
+
+    Parameters
+    ----------
+    id : tuple of str
+        ``imagery/name``, which predictions call them by.
+    file : tuple of str
+        Of the image, from the benchmark's folder.
+    imagery : tuple of str
+        What they are pictures of.
+    part : tuple of str
+        ``train``, ``validation`` or ``test``, ``gap``, or empty where there is no split.
+    centre_lat_deg, centre_lon_deg : array (q,)
+        Ground in the middle of the image.
+    lat_deg, lon_deg, height_m : array (q,)
+        The camera, its height above the WGS 84 ellipsoid.
+    ground_m : array (q,)
+        Height of the ground below it.
+    yaw_deg, tilt_deg, roll_deg : array (q,)
+        As `Camera.rays_enu` has them.
+    fx_px, fy_px, cx_px, cy_px : array (q,)
+        Intrinsics; the upper left corner of the image is (0, 0), the centre of its first pixel (0.5, 0.5).
+    width_px, height_px : array (q,)
+    """
+
+    id: tuple[str, ...]
+    file: tuple[str, ...]
+    imagery: tuple[str, ...]
+    part: tuple[str, ...]
+    centre_lat_deg: Floats
+    centre_lon_deg: Floats
+    lat_deg: Floats
+    lon_deg: Floats
+    height_m: Floats
+    ground_m: Floats
+    yaw_deg: Floats
+    tilt_deg: Floats
+    roll_deg: Floats
+    fx_px: Floats
+    fy_px: Floats
+    cx_px: Floats
+    cy_px: Floats
+    width_px: Floats
+    height_px: Floats
+
+    @property
+    def poses(self) -> Poses:
+        """Poses above the ground below, (q,)."""
+        above = self.height_m - self.ground_m
+        return Poses(self.lat_deg, self.lon_deg, above, self.yaw_deg, self.tilt_deg, self.roll_deg)
+
+    def camera(self, index: int) -> Camera:
+        """Camera of a query."""
+        across = self.width_px[index] / 2.0 / self.fx_px[index]
+        down = self.height_px[index] / 2.0 / self.fy_px[index]
+        return Camera.from_horizontal_fov(2.0 * math.degrees(math.atan(across)), float(across / down))
+
+
+@dataclass(frozen=True, eq=False)
+class References(Columns):
+    """Tiles of the reference, r of them.
+
+    Parameters
+    ----------
+    id : tuple of str
+        ``tiles_200m/name``: what predictions call them by.
+    file : tuple of str
+        Of the image, from the benchmark's folder.
+    part : tuple of str
+        As of `Queries`; empty where all parts share the reference.
+    width_m : array (r,)
+        Width on the ground that they were made for.
+    lat_deg, lon_deg : array (r,)
+        Centres.
+    west, south, east, north : array (r,)
+        Edges in the reference's CRS.
+    """
+
+    id: tuple[str, ...]
+    file: tuple[str, ...]
+    part: tuple[str, ...]
+    width_m: Floats
+    lat_deg: Floats
+    lon_deg: Floats
+    west: Floats
+    south: Floats
+    east: Floats
+    north: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Positives(Columns):
+    """Queries and tiles that show the same ground.
+
+    Parameters
+    ----------
+    query, reference : tuple of str
+    kind : tuple of str
+        `POSITIVE` or `SEMI_POSITIVE`.
+    iou : array (p,)
+        Ground that both show over ground that either shows.
+    """
+
+    query: tuple[str, ...]
+    reference: tuple[str, ...]
+    kind: tuple[str, ...]
+    iou: Floats
+
+
+@dataclass(frozen=True)
+class Mosaic:
+    """The reference as one image: where it lies.
+
+    Parameters
+    ----------
+    file : str
+        From the benchmark's folder.
+    crs : str
+    west, north : float
+        Upper left corner in the CRS's unit.
+    pixel_width, pixel_height : float
+        In that unit, both positive.
+    width_px, height_px : int
+    """
+
+    file: str
+    crs: str
+    west: float
+    north: float
+    pixel_width: float
+    pixel_height: float
+    width_px: int
+    height_px: int
+
+    @cached_property
+    def _plane(self) -> Plane:
+        if self.crs == WebMercator.crs:
+            return WebMercator()
+        return ProjectedPlane(
+            self.crs,
+            self.west,
+            self.north,
+            self.width_px * self.pixel_width,
+            self.height_px * self.pixel_height,
+        )
+
+    def xy(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+        """Eastings and northings in the CRS's unit, of positions in degrees (any shape); about the mosaic."""
+        plane = self._plane
+        u, v = plane.forward(lat_deg, lon_deg)
+        if isinstance(plane, WebMercator):
+            middle = (self.west + self.width_px * self.pixel_width / 2.0 - plane.west) / plane.width
+            u = u - np.rint(u - middle)
+        return plane.west + u * plane.width, plane.north - v * plane.height
+
+    def lat_lon(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Latitude and longitude in degrees of eastings and northings (any shape); the inverse of `xy`."""
+        plane = self._plane
+        return plane.inverse((x - plane.west) / plane.width, (plane.north - y) / plane.height)
+
+    def px(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+        """Columns and rows from the upper left corner, of positions in degrees (any shape)."""
+        x, y = self.xy(lat_deg, lon_deg)
+        return (x - self.west) / self.pixel_width, (self.north - y) / self.pixel_height
+
+    def ground(self, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+        """Latitude and longitude in degrees of columns and rows (any shape); the inverse of `px`."""
+        return self.lat_lon(self.west + column * self.pixel_width, self.north - row * self.pixel_height)
+
+
+@dataclass(frozen=True, eq=False)
+class Benchmark:
+    """A benchmark as it is read.
+
+    Attributes
+    ----------
+    about : mapping
+        What ``benchmark.json`` says.
+    """
+
+    folder: Path
+    about: Mapping[str, Any]
+    mosaic: Mosaic
+    queries: Queries
+    references: References
+    truth: Positives
+
+    @classmethod
+    def read(cls, folder: str | os.PathLike[str]) -> Benchmark:
+        """Benchmark in a folder; raises InvalidInput where it is none, or one of its files cannot be read."""
+        path = Path(folder)
+        mark = path / BENCHMARK_FILE
+        try:
+            about = parse_json(decoded(read_limited(mark, MAX_SETTINGS_BYTES)))
+        except (OSError, InvalidInput) as wrong:
+            raise InvalidInput(
+                "folder {0}: is no benchmark, as {1} in it cannot be read ({2})",
+                folder,
+                BENCHMARK_FILE,
+                getattr(wrong, "strerror", None) or wrong,
+                remedy="make one first (terrainav benchmark make)",
+            ) from wrong
+        if not isinstance(about, dict) or about.get("schema") != SCHEMA:
+            raise InvalidInput("{0}: is not of a benchmark that this version reads", mark)
+        if "mosaic" not in about:
+            raise InvalidInput("folder {0}: is not finished", folder, remedy="make it with --resume")
+        try:
+            mosaic = Mosaic(**about["mosaic"])
+        except TypeError as wrong:
+            raise InvalidInput("{0}: does not say where the mosaic lies ({1})", mark, wrong) from wrong
+        found = cls(
+            path,
+            about,
+            mosaic,
+            Queries.read(path / QUERIES_FILE),
+            References.read(path / REFERENCES_FILE),
+            Positives.read(path / POSITIVES_FILE),
+        )
+        found._check()
+        return found
+
+    def _check(self) -> None:
+        for rows, name in ((self.queries, QUERIES_FILE), (self.references, REFERENCES_FILE)):
+            for file in rows.file:
+                if Path(file).is_absolute() or ".." in Path(file).parts:
+                    raise InvalidInput("{0}: {1!r} is no file of the benchmark", self.folder / name, file)
+        for known, named in (
+            (self.query_at, self.truth.query),
+            (self.reference_at, self.truth.reference),
+        ):
+            for one in named:
+                if one not in known:
+                    raise InvalidInput(
+                        "{0}: names {1!r}, which is not there", self.folder / POSITIVES_FILE, one
+                    )
+
+    @cached_property
+    def query_at(self) -> dict[str, int]:
+        """Rows of queries by their ids."""
+        return {name: index for index, name in enumerate(self.queries.id)}
+
+    @cached_property
+    def reference_at(self) -> dict[str, int]:
+        """Rows of tiles by their ids."""
+        return {name: index for index, name in enumerate(self.references.id)}
+
+    def positives(self, *, with_semi: bool = False) -> list[Numbers]:
+        """Tiles of each query that are right, by their rows."""
+        found: list[list[int]] = [[] for _ in self.queries.id]
+        for query, reference, kind in zip(self.truth.query, self.truth.reference, self.truth.kind):
+            if kind == POSITIVE or with_semi:
+                found[self.query_at[query]].append(self.reference_at[reference])
+        return [np.array(rows, np.int64) for rows in found]
+
+    def gallery(self, part: str) -> Numbers:
+        """Rows of the tiles that queries of a part are looked for in; of all parts for an empty one."""
+        own = self.references.part
+        return np.array([at for at, name in enumerate(own) if not part or name in (part, "")], np.int64)
+
+    def chosen(self, part: str) -> Numbers:
+        """Rows of the queries of a part; of all for an empty one."""
+        if part and part not in PARTS:
+            raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join(PARTS))
+        found = np.array([at for at, name in enumerate(self.queries.part) if part in ("", name)], np.int64)
+        if not len(found):
+            raise InvalidInput("part {0!r}: the benchmark in {1} has no such queries", part, self.folder)
+        return found
+
+    def grey(self, file: str) -> Pixels:
+        """Grey image (h, w) of a file of the benchmark; raises InvalidInput where it cannot be read."""
+        try:
+            image = open_image(self.folder / file, as_shown=True)
+        except UNREADABLE as wrong:
+            raise InvalidInput("image {0}: cannot be read ({1})", self.folder / file, wrong) from wrong
+        return np.asarray(image.convert("L"), np.uint8)
+
+
+def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:
+    """Write columns as CSV, whole or not at all; NaN is an empty cell."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*map(_cells, columns.values())))
+    write_whole(path, buffer.getvalue().encode("utf-8"))
+
+
+def _cells(column: Sequence[str] | Floats) -> Iterable[str]:
+    if not isinstance(column, np.ndarray):
+        return column
+    return ["" if math.isnan(value) else repr(value) for value in column.tolist()]
+
+
+def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
+    """Columns of a CSV by name; those of numbers, as ``kinds`` says, as arrays, of which empty cells are NaN."""
+    lines = read_rows(path)
+    header = next(lines)[1]
+    missing = [name for name in kinds if name not in header]
+    if missing:
+        raise InvalidInput("table {0}: has no column {1}", path, missing[0])
+    at = {name: header.index(name) for name in kinds}
+    cells: dict[str, list[Any]] = {name: [] for name in kinds}
+    for number, row in lines:
+        for name, is_number in kinds.items():
+            text = row[at[name]]
+            cells[name].append(number_of(text, f"table {path}, line {number}: {name}") if is_number else text)
+    return {
+        name: np.array(found, np.float64) if kinds[name] else tuple(found) for name, found in cells.items()
+    }
+
+
+def read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Yield line number and cells of a CSV's header and of each row, which has as many.
+
+    Raises
+    ------
+    InvalidInput
+        It cannot be read, has no header, or a row has more cells or fewer.
+    """
+    try:
+        text = decoded(read_limited(path, MAX_MISSION_BYTES))
+    except OSError as wrong:
+        raise InvalidInput("table {0}: cannot be read ({1})", path, wrong.strerror) from wrong
+    except InvalidInput as wrong:
+        raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    width = 0
+    try:
+        for row in reader:
+            if not row:
+                continue
+            width = width or len(row)
+            if len(row) != width:
+                raise InvalidInput(
+                    "table {0}, line {1}: has {2} cells, not {3}", path, reader.line_num, len(row), width
+                )
+            yield reader.line_num, row
+    except csv.Error as wrong:
+        raise InvalidInput("table {0}, line {1}: is not CSV ({2})", path, reader.line_num, wrong) from wrong
+    if not width:
+        raise InvalidInput("table {0}: is empty", path)
+
+
+def number_of(text: str, where: str) -> float:
+    """Return the number of a cell, NaN of an empty one; raises InvalidInput for what is no finite number."""
+    if not text.strip():
+        return math.nan
+    try:
+        value = float(text)
+    except ValueError as wrong:
+        raise InvalidInput("{0} {1!r}: must be a number", where, text) from wrong
+    if not math.isfinite(value):
+        raise InvalidInput("{0} {1!r}: must be a finite number", where, text)
+    return value

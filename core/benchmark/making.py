@@ -1,0 +1,255 @@
+"""The run that makes a benchmark: captures of the reference and of the queries, then what is true of them."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
+from ..dataset.ground import Boxes, boxes_of
+from ..dataset.labels import middle_of
+from ..dataset.split import by_blocks, checked_shares, counted, shuffled
+from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..files import make_folder, open_locked, write_whole
+from ..imagery.source import Source
+from .folder import (
+    BENCHMARK_FILE,
+    MOSAIC,
+    POSITIVES_FILE,
+    QUERIES_FILE,
+    QUERIES_FOLDER,
+    REFERENCE_FOLDER,
+    REFERENCES_FILE,
+    Benchmark,
+)
+from .planning import CROSS_AREA, NO_SPLIT, BenchmarkPlan, tiles_folder
+from .truth import Captured, captured, mosaic_of, positives_of, queries_of, references_of
+
+#: Held while a run is at work in a folder.
+_LOCK_FILE = "run.lock"
+
+
+@dataclass(frozen=True)
+class Making:
+    """What a run did.
+
+    Parameters
+    ----------
+    results : mapping of str to CaptureResult
+        Of each capture, by its folder.
+    benchmark : Benchmark or None
+        None where the run was stopped.
+    """
+
+    folder: Path
+    results: Mapping[str, CaptureResult]
+    benchmark: Benchmark | None
+
+    @property
+    def total(self) -> CaptureResult:
+        """All captures together; what failed or repeats is named by its folder."""
+        done = self.results.values()
+        failed: list[Failure] = []
+        repeated: list[Repeat] = []
+        for name, one in self.results.items():
+            failed += [replace(failure, map_type=name) for failure in one.failed]
+            repeated += [replace(repeat, map_type=name) for repeat in one.repeated]
+        return CaptureResult(
+            self.folder,
+            sum(one.total for one in done),
+            sum(one.written for one in done),
+            tuple(failed),
+            sum(one.skipped for one in done),
+            sum(one.requests for one in done),
+            sum(one.unique_parts for one in done),
+            sum(one.seconds for one in done),
+            any(one.cancelled for one in done),
+            tuple(repeated),
+        )
+
+
+def make_benchmark(
+    worked_out: BenchmarkPlan,
+    sources: Mapping[str, Source],
+    folder: str | os.PathLike[str],
+    *,
+    connections: int = DEFAULT_CONNECTIONS,
+    workers: int | None = None,
+    resume: bool = False,
+    progress: Callable[[Progress], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Making:
+    """Make a benchmark in a folder.
+
+    The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; the queries into
+    ``queries/NAME``. All are datasets as any capture leaves them. ``queries.csv``, ``references.csv`` and
+    ``positives.csv`` say what is true of them, ``benchmark.json`` how all was made. The same settings leave the same
+    bytes, in one go or in several.
+
+    Parameters
+    ----------
+    sources : mapping of str to Source
+        By the imageries' texts, with the pixel grids that the plan was made for.
+    resume : bool
+        Go on with a folder that holds this benchmark.
+    connections, workers, progress, cancelled
+        As for `capture`; progress names the folder as its map type.
+
+    Raises
+    ------
+    InvalidInput
+        A split that cannot be made, or imagery that its source does not have.
+    OutputError
+        A folder that cannot be written, or holds something else, or this benchmark without ``resume``.
+    SourceError
+        A source cannot serve; what was finished is kept.
+    """
+    shares = checked_shares(worked_out.settings.shares)
+    path = Path(folder)
+    # As it is read again: JSON has no tuples.
+    about = json.loads(_json(worked_out.settings.to_dict()))
+    _claim(path, about, resume=resume)
+    with open_locked(path / _LOCK_FILE):
+        results: dict[str, CaptureResult] = {}
+        for name, (imagery, plan) in worked_out.captures.items():
+            results[name] = capture(
+                plan,
+                sources[str(imagery)],
+                path / name,
+                connections=connections,
+                workers=workers,
+                resume=True,
+                progress=None if progress is None else partial(_tell, progress, name),
+                cancelled=cancelled,
+            )
+            if results[name].cancelled:
+                return Making(path, results, None)
+        _write_truth(path, worked_out, about, shares)
+    return Making(path, results, Benchmark.read(path))
+
+
+def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
+    """Make a folder this benchmark's own, unless it holds something else."""
+    make_folder(path)
+    mark = path / BENCHMARK_FILE
+    try:
+        found = json.loads(mark.read_bytes()) if mark.exists() else None
+        foreign = sorted(one.name for one in path.iterdir() if one.name != _LOCK_FILE)
+    except (OSError, ValueError) as wrong:
+        raise OutputError("folder {0}: cannot read {1} ({2})", path, BENCHMARK_FILE, wrong) from wrong
+    if found is None:
+        if foreign:
+            raise OutputError(
+                "folder {0}: holds {1} but no {2}, so it is no benchmark's",
+                path,
+                foreign[0],
+                BENCHMARK_FILE,
+                remedy="choose another folder",
+            )
+        write_whole(mark, _json(about), durable=True)
+        return
+    if not isinstance(found, dict) or {key: found.get(key) for key in about} != about:
+        raise OutputError("folder {0}: holds another benchmark", path, remedy="choose another folder")
+    if not resume:
+        raise OutputError(
+            "folder {0}: already holds this benchmark",
+            path,
+            remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
+        )
+
+
+def _json(about: Mapping[str, object]) -> bytes:
+    return (json.dumps(about, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def _tell(progress: Callable[[Progress], object], name: str, report: Progress) -> None:
+    progress(replace(report, map_type=name))
+
+
+def _write_truth(
+    path: Path, worked_out: BenchmarkPlan, about: dict[str, object], shares: tuple[float, float, float]
+) -> None:
+    whole = captured(path / REFERENCE_FOLDER / MOSAIC, worked_out.mosaic)
+    if not len(whole.rows):
+        raise OutputError(
+            "folder {0}: the mosaic of the reference has failed",
+            path,
+            remedy=Message(
+                "go on{0} once its source serves, or take a smaller margin", OptionName("resume").in_brackets
+            ),
+        )
+    mosaic = mosaic_of(path, worked_out.mosaic, whole)
+    parts, tile_parts = _parts(path, worked_out, shares)
+    queries = queries_of(path, worked_out, parts)
+    references = references_of(path, worked_out, tile_parts)
+    queries.write(path / QUERIES_FILE)
+    references.write(path / REFERENCES_FILE)
+    positives_of(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)
+    # Last, so that a benchmark that says where its mosaic lies is whole.
+    write_whole(
+        path / BENCHMARK_FILE, _json({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)})
+    )
+
+
+def _credits(path: Path, worked_out: BenchmarkPlan) -> dict[str, object]:
+    """Who made the imagery, by its name."""
+    found = {}
+    for name, (imagery, plan) in worked_out.captures.items():
+        table = captured(path / name, plan).images.table
+        if len(table):
+            found[imagery.name] = {
+                "source": table.source[0],
+                "attribution": table.attribution[0],
+                "date": table.imagery_date[0],
+            }
+    return {"imagery": found}
+
+
+def _parts(
+    path: Path, worked_out: BenchmarkPlan, shares: tuple[float, float, float]
+) -> tuple[list[str], dict[str, list[str]]]:
+    """Parts of the queries of one imagery, and of the tiles of each folder; empty where there are none."""
+    settings = worked_out.settings
+    first = settings.imageries[0].name
+    plan = worked_out.queries[first]
+    if settings.split == NO_SPLIT:
+        return [], {}
+    if settings.split != CROSS_AREA:
+        order = shuffled(plan.names, settings.queries.imagery.seed)
+        of_name = dict(zip(order, counted(len(order), shares)))
+        return [of_name[name] for name in plan.names], {}
+    sets = {f"{QUERIES_FOLDER}/{first}": plan}
+    sets.update((tiles_folder(width), tiles) for width, tiles in worked_out.tiles.items())
+    there = {name: captured(path / name, one) for name, one in sets.items()}
+    boxes, names = _ground(path, there)
+    part, _, _ = by_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
+    of_image = dict(zip(names, part))
+    found = {name: [of_image.get(f"{name}/{stem}", "") for stem in one.names] for name, one in sets.items()}
+    return found.pop(f"{QUERIES_FOLDER}/{first}"), found
+
+
+def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[Boxes, list[str]]:
+    """Boxes of the ground of images, and their names."""
+    tables = [(one.images.table, one.rows) for one in there.values()]
+    _, middle_lon = middle_of(
+        np.concatenate([table.lat_deg[rows] for table, rows in tables]),
+        np.concatenate([table.lon_deg[rows] for table, rows in tables]),
+    )
+    pieces = [boxes_of(one.images, one.rows, path / name, middle_lon) for name, one in there.items()]
+    names = [f"{name}/{stem}" for name, one in there.items() for stem in one.stems]
+    boxes = Boxes(*(np.concatenate(edges) for edges in zip(*pieces)))
+    unknown = np.flatnonzero(~boxes.known)
+    if len(unknown):
+        raise InvalidInput(
+            "split {0}: the ground of {1} is not known",
+            CROSS_AREA,
+            names[unknown[0]],
+            remedy=Message("split {0} or {1}", "same-area", NO_SPLIT),
+        )
+    return boxes, names

@@ -1,0 +1,312 @@
+"""What a judge leaves: figures as JSON, errors of every query as CSV and GeoJSON, diagrams, and a page."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import cycle
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ..dataset.dataset import open_image
+from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, new_figure, png
+from ..files import make_folder, write_whole
+from ..markup import Markup, document, element, figure, pairs, table
+from .folder import Benchmark
+from .scoring import ALL, Errors, Figure, Scores
+
+Floats = NDArray[np.float64]
+
+PAGE, FIGURES_FILE, ERRORS_FILE, MAP_FILE = "index.html", "scores.json", "errors.csv", "errors.geojson"
+RECALL, WITHIN, MAP, FAILURES = "recall.png", "within.png", "map.png", "failures.png"
+_COLOURS = (BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE)
+#: Errors that are drawn, metres: from the least to the greatest that the diagram and the map tell apart.
+_LEAST_M, _GREATEST_M = 0.1, 10_000.0
+#: Errors that the map draws in colours of their own, metres.
+_STEPS_M = (5.0, 20.0, 100.0)
+_STEP_COLOURS = (BLUE, SKY, ORANGE, VERMILION)
+#: Pixels of the mosaic under a map along its longer side, and maps beside each other.
+_MAP_PX, _MAPS_ACROSS = 1200, 3
+#: Queries shown on the sheet of failures, and pixels of each cut of the mosaic.
+_SHOWN, _THUMB_PX = 4, 300
+#: Pixels over which the size of the mosaic's is taken, and metres of a degree of latitude, on average.
+_FAR_PX, _DEGREE_M = 100.0, 111_195.0
+
+
+def write_scores(
+    benchmark: Benchmark,
+    scores: Scores,
+    folder: str | os.PathLike[str],
+    title: str,
+) -> Path:
+    """Write figures, errors, diagrams and the page of a method into a folder; returns the page, written last.
+
+    Raises
+    ------
+    OutputError
+        The folder cannot be written, or matplotlib is not installed.
+    """
+    target = Path(folder)
+    errors = scores.errors
+    drawn: dict[str, bytes] = {}
+    if scores.recall:
+        drawn[RECALL] = _recall(scores.recall, title)
+    if np.isfinite(errors.error_m).any():
+        drawn[WITHIN] = _within(errors, title)
+        drawn[MAP] = _map(benchmark, errors, title)
+        drawn[FAILURES] = _failures(benchmark, errors, title)
+    make_folder(target)
+    write_whole(target / FIGURES_FILE, _json(document_of(scores, title)))
+    errors.write(target / ERRORS_FILE)
+    write_whole(target / MAP_FILE, _json(_geojson(errors)))
+    for name, data in drawn.items():
+        write_whole(target / name, data)
+    text = _page(benchmark, scores, title, set(drawn))
+    write_whole(target / PAGE, text.encode("utf-8"))
+    return target / PAGE
+
+
+def document_of(scores: Scores, title: str) -> dict[str, Any]:
+    """Figures for JSON; null where nothing was to be counted."""
+    return {
+        "method": title,
+        "tiles": scores.tiles,
+        "groups": {
+            name: [
+                {**one._asdict(), "value": one.value if math.isfinite(one.value) else None} for one in figures
+            ]
+            for name, figures in scores.groups.items()
+        },
+    }
+
+
+def value_text(one: Figure) -> str:
+    """Value of a figure for people: shares in per cent, errors to three digits."""
+    if not math.isfinite(one.value):
+        return "–"
+    if one.name == "queries":
+        return f"{one.value:,.0f}"
+    if one.unit:
+        return f"{one.value:.3g} {one.unit}" if one.value < 1000.0 else f"{one.value:,.0f} {one.unit}"
+    return f"{100.0 * one.value:.1f} %" if _is_share(one) else f"{one.value:.3f}"
+
+
+def _is_share(one: Figure) -> bool:
+    return one.name.startswith(("recall", "within", "AP"))
+
+
+def rows_of(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]:
+    """Rows of a table: each figure's name, its value in each group, and its definition."""
+    names: dict[str, Figure] = {}
+    for figures in groups.values():
+        for one in figures:
+            names.setdefault(one.name, one)
+    by_name = {group: {one.name: one for one in figures} for group, figures in groups.items()}
+    return [
+        (
+            name,
+            *(value_text(found[name]) if name in found else "–" for found in by_name.values()),
+            one.definition,
+        )
+        for name, one in names.items()
+    ]
+
+
+def _json(value: object) -> bytes:
+    return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def _geojson(errors: Errors) -> dict[str, Any]:
+    """Places where queries were taken, with their errors as properties."""
+    features = []
+    for at, name in enumerate(errors.query):
+        values = {
+            "error_m": errors.error_m[at],
+            "error_deg": errors.error_deg[at],
+            "rank": errors.rank[at],
+            "predicted_lat_deg": errors.predicted_lat_deg[at],
+            "predicted_lon_deg": errors.predicted_lon_deg[at],
+        }
+        known = {key: float(value) if math.isfinite(value) else None for key, value in values.items()}
+        place = [float(errors.lon_deg[at]), float(errors.lat_deg[at])]
+        features.append(
+            {
+                "type": "Feature",
+                "geometry": {"type": "Point", "coordinates": place},
+                "properties": {"query": name, "imagery": errors.imagery[at], **known},
+            }
+        )
+    return {"type": "FeatureCollection", "features": features}
+
+
+def _recall(recall: Mapping[str, Floats], title: str) -> bytes:
+    drawing = new_figure(8.0, 4.6)
+    axes = drawing.add_subplot()
+    colours = _colours(name for name in recall if name != ALL)
+    for name, shares in recall.items():
+        ranks = np.arange(1, len(shares) + 1)
+        colour = colours.get(name, BLACK)
+        axes.step(ranks, 100.0 * shares, where="post", color=colour, linewidth=1.8, label=name)
+    axes.set_ylim(0.0, 103.0)
+    dress(axes, f"Queries with a right tile among the first, {title}", "first tiles", "queries in %")
+    axes.legend(frameon=False, fontsize=FONT["note"])
+    return png(drawing)
+
+
+def _within(errors: Errors, title: str) -> bytes:
+    drawing = new_figure(8.0, 4.6)
+    axes = drawing.add_subplot()
+    for name, colour in _colours(errors.imagery).items():
+        own = errors.error_m[_of(errors, name)]
+        known = np.sort(np.clip(own[np.isfinite(own)], _LEAST_M, None))
+        share = 100.0 * np.arange(1, len(known) + 1) / len(own)
+        ends = [_LEAST_M, *known, _GREATEST_M], [0.0, *share, share[-1] if len(share) else 0.0]
+        axes.step(*ends, where="post", color=colour, linewidth=1.8, label=name)
+    axes.set_xscale("log")
+    axes.set_xlim(_LEAST_M, _GREATEST_M)
+    axes.set_ylim(0.0, 103.0)
+    dress(axes, f"Queries found within an error, {title}", "error along the ground in m", "queries in %")
+    axes.legend(frameon=False, fontsize=FONT["note"])
+    return png(drawing)
+
+
+def _colours(names: Iterable[str]) -> dict[str, str]:
+    """Colours of imageries, the same in all diagrams."""
+    return dict(zip(dict.fromkeys(names), cycle(_COLOURS)))
+
+
+def _of(errors: Errors, imagery: str) -> NDArray[np.intp]:
+    """Rows of an imagery."""
+    return np.flatnonzero([one == imagery for one in errors.imagery])
+
+
+def _map(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
+    """Where queries were taken, coloured by their errors, over the reference; one map for each imagery."""
+    mosaic = benchmark.mosaic
+    grey = Image.fromarray(benchmark.grey(mosaic.file))
+    ground = np.asarray(grey.reduce(max(max(grey.size) // _MAP_PX, 1)))
+    x, y = mosaic.px(errors.lat_deg, errors.lon_deg)
+    names = list(dict.fromkeys(errors.imagery))
+    across = min(len(names), _MAPS_ACROSS)
+    down = -(-len(names) // across)
+    shape = min(max(grey.height / grey.width, 0.4), 1.4)
+    drawing = new_figure(4.6 * across + 0.2, (4.6 * shape + 0.4) * down + 0.8)
+    drawing.suptitle(f"Where queries were taken, by error, {title}", fontsize=FONT["title"])
+    bounds = [0.0, *_STEPS_M, math.inf]
+    for at, name in enumerate(names):
+        axes = drawing.add_subplot(down, across, at + 1)
+        size = (0.0, mosaic.width_px, mosaic.height_px, 0.0)
+        axes.imshow(ground, cmap="gray", extent=size, alpha=0.55, vmin=0, vmax=255)
+        rows = _of(errors, name)
+        for low, high, colour in zip(bounds, bounds[1:], _STEP_COLOURS):
+            some = rows[(errors.error_m[rows] >= low) & (errors.error_m[rows] < high)]
+            label = f"up to {high:g} m" if math.isfinite(high) else f"farther than {low:g} m"
+            axes.scatter(
+                x[some], y[some], s=28, color=colour, edgecolors="white", linewidths=0.6, label=label
+            )
+        some = rows[~np.isfinite(errors.error_m[rows])]
+        axes.scatter(x[some], y[some], s=22, color=BLACK, marker="x", linewidths=1.2, label="no answer")
+        axes.set_title(name, fontsize=FONT["label"], loc="left")
+        axes.set_xticks([])
+        axes.set_yticks([])
+    handles, labels = axes.get_legend_handles_labels()
+    drawing.legend(handles, labels, loc="lower center", ncol=5, fontsize=FONT["note"], frameon=False)
+    return png(drawing)
+
+
+def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
+    """Queries that are farthest off, beside the reference where they were taken and where the answer puts them."""
+    known = np.flatnonzero(np.isfinite(errors.error_m))
+    worst = known[np.argsort(-errors.error_m[known], kind="stable")][:_SHOWN]
+    whole = Image.fromarray(benchmark.grey(benchmark.mosaic.file))
+    drawing = new_figure(7.6, 2.75 * len(worst) + 0.6)
+    drawing.suptitle(f"Farthest off, {title}", fontsize=FONT["title"])
+    for row, at in enumerate(worst.tolist()):
+        query, side_m = _turned(benchmark, benchmark.query_at[errors.query[at]])
+        index = benchmark.query_at[errors.query[at]]
+        centre = benchmark.queries.centre_lat_deg[index], benchmark.queries.centre_lon_deg[index]
+        # What the answer puts below the camera lies as far from the middle of the image as in truth.
+        shift = [float(answer[at] - truth[at]) for answer, truth in _places(errors)]
+        moved = centre[0] + shift[0], centre[1] + shift[1]
+        shown = (
+            (query, f"{errors.imagery[at]}, {at + 1}, north up"),
+            (_around(whole, benchmark, centre, side_m), "reference where it was taken"),
+            (
+                _around(whole, benchmark, moved, side_m),
+                f"at the answer, {errors.error_m[at]:,.0f} m off",
+            ),
+        )
+        for column, (picture, said) in enumerate(shown):
+            axes = drawing.add_subplot(len(worst), len(shown), row * len(shown) + column + 1)
+            axes.imshow(picture, cmap="gray", vmin=0, vmax=255)
+            axes.set_title(said, fontsize=7)
+            axes.set_axis_off()
+    return png(drawing)
+
+
+def _places(errors: Errors) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
+    return (errors.predicted_lat_deg, errors.lat_deg), (errors.predicted_lon_deg, errors.lon_deg)
+
+
+def _turned(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
+    """A query with north about up, on a square, and the width of that on the ground in metres, about."""
+    queries = benchmark.queries
+    picture = open_image(benchmark.folder / queries.file[index], as_shown=True).convert("RGB")
+    turned = picture.rotate(-float(queries.yaw_deg[index]), Image.BILINEAR, expand=True, fillcolor="white")
+    side = max(turned.size)
+    square = Image.new("RGB", (side, side), "white")
+    square.paste(turned, ((side - turned.width) // 2, (side - turned.height) // 2))
+    above_m = queries.height_m[index] - queries.ground_m[index]
+    return square, float(side / queries.fx_px[index] * above_m)
+
+
+def _around(
+    whole: Image.Image, benchmark: Benchmark, place: tuple[float, float], side_m: float
+) -> Image.Image:
+    """Square of the mosaic around a place."""
+    mosaic = benchmark.mosaic
+    lat, lon = place
+    x, y = (float(value) for value in mosaic.px(np.array(lat), np.array(lon)))
+    there, _ = mosaic.ground(np.array(x), np.array(y - _FAR_PX))
+    half = side_m / 2.0 * _FAR_PX / max(abs(float(there) - lat) * _DEGREE_M, 1e-6)
+    box = round(x - half), round(y - half), round(x + half), round(y + half)
+    return whole.crop(box).resize((_THUMB_PX, _THUMB_PX), Image.BILINEAR)
+
+
+def _page(benchmark: Benchmark, scores: Scores, title: str, drawn: set[str]) -> str:
+    about = benchmark.about
+    groups = {"all" if name == ALL else name: figures for name, figures in scores.groups.items()}
+    facts = [
+        ("Reference", str(about.get("reference", ""))),
+        ("Queries", ", ".join(map(str, about.get("imageries", ())))),
+        ("Tiles", f"{scores.tiles:,}"),
+        ("Split", str(about.get("split", ""))),
+    ]
+    captions = {
+        RECALL: "Share of queries that have a right tile among the first so many.",
+        WITHIN: "Share of all queries whose camera is found within an error; queries without an answer count.",
+        MAP: "The reference, and where queries were taken.",
+        FAILURES: "The queries that are farthest off.",
+    }
+    sections: list[Markup] = [
+        element("p", "TerrAInav: benchmark", class_="kicker"),
+        element("h1", title),
+        pairs(facts),
+        element("h2", "Figures"),
+        table(("", *groups, "what it is"), rows_of(groups)),
+    ]
+    for name, caption in captions.items():
+        if name in drawn:
+            sections.append(figure(name, caption, caption))
+    files = (FIGURES_FILE, ERRORS_FILE, MAP_FILE)
+    sections += [
+        element("h2", "The numbers"),
+        element("ul", *(element("li", element("a", name, href=name)) for name in files)),
+    ]
+    return document(f"{title}: benchmark", *sections)

@@ -1,0 +1,341 @@
+"""A benchmark worked out before anything is fetched: its queries, and the reference that holds their ground."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.folder import SHARES
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.frames import Windows, window_centres
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid
+from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
+from ..mission.area import Box, Points
+from ..mission.imageries import NamedImagery
+from ..mission.mission import Mission
+from ..mission.plan import Plan, plan
+from ..mission.relief import Heights
+from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
+
+#: How queries are shared out: no ground in two parts, neither of queries nor of tiles; by places, over one reference;
+#: or not at all.
+CROSS_AREA, SAME_AREA, NO_SPLIT = SPLITS = ("cross-area", "same-area", "none")
+#: Intersection over union from which a tile is right, and from which it is nearly so: those of GTA-UAV.
+POSITIVE_IOU, SEMI_POSITIVE_IOU = 0.39, 0.14
+#: Tiles of the reference overlap by half: every place is then within a quarter of a tile's width of a tile's middle,
+#: along each side.
+TILE_OVERLAP = 0.5
+#: Field of view across the mosaic and its tiles, whose frames are windows of the map whatever the camera.
+_FOV_DEG = 30.0
+#: What the mosaic reaches beyond its box: a camera straight above the middle sees its sides' midpoints there.
+_SPARE = 1.01
+#: Corners of imagery are one where they agree to so many digits of a world's width; edges are whole pixels to a share.
+_DIGITS, _SPARE_PX = 12, 1e-3
+
+
+@dataclass(frozen=True)
+class BenchmarkSettings:
+    """What is asked for.
+
+    Parameters
+    ----------
+    queries : Mission
+        How queries are taken; its imagery is replaced by each of ``imageries``.
+    imageries : tuple of NamedImagery
+        What the queries are pictures of; each has all of them.
+    reference : NamedImagery
+        What they are to be found in.
+    tile_widths_m : tuple of float
+        Widths of the reference's tiles on the ground; empty for that of a square as large as what a query shows.
+    tile_overlap : float
+        Share of a tile that its neighbour shows again, in [0, 1).
+    margin_m : float or None
+        Ground of the reference around that of the queries; None for as much as the widest tile is wide.
+    positive_iou, semi_positive_iou : float
+        Ground that query and tile both show, over ground that either shows, from which a tile is right or nearly so.
+    split : str
+        One of `SPLITS`.
+    shares : three numbers
+        Of training, validation and test.
+    gap_m : float
+        With cross-area: least distance between ground of two parts.
+    """
+
+    queries: Mission
+    imageries: tuple[NamedImagery, ...]
+    reference: NamedImagery
+    tile_widths_m: tuple[float, ...] = ()
+    tile_overlap: float = TILE_OVERLAP
+    margin_m: float | None = None
+    positive_iou: float = POSITIVE_IOU
+    semi_positive_iou: float = SEMI_POSITIVE_IOU
+    split: str = CROSS_AREA
+    shares: tuple[float, float, float] = SHARES
+    gap_m: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.imageries:
+            raise InvalidInput("no imagery of queries: give one or more, such as drone=world")
+        for width in self.tile_widths_m:
+            if not (math.isfinite(width) and width > 0.0):
+                raise InvalidInput("tiles of {0} m: must be wider than 0", width)
+        if len({f"{width:g}" for width in self.tile_widths_m}) != len(self.tile_widths_m):
+            raise InvalidInput("tiles of {0} m: each width may be given once", _listed(self.tile_widths_m))
+        if not 0.0 <= self.tile_overlap < 1.0:
+            raise InvalidInput("overlap of tiles {0}: must be from 0 to below 1", self.tile_overlap)
+        if self.margin_m is not None and not (math.isfinite(self.margin_m) and self.margin_m >= 0.0):
+            raise InvalidInput("margin {0} m: must be 0 or more", self.margin_m)
+        if not 0.0 < self.semi_positive_iou <= self.positive_iou <= 1.0:
+            raise InvalidInput(
+                "intersection over union {0} and {1}: must be above 0, up to 1, and the first not below the second",
+                self.positive_iou,
+                self.semi_positive_iou,
+            )
+        if self.split not in SPLITS:
+            raise InvalidInput("split {0!r}: must be one of {1}", self.split, ", ".join(SPLITS))
+
+    def to_dict(self) -> dict[str, Any]:
+        """JSON-ready mapping: the same settings give the same text."""
+        return {
+            "schema": SCHEMA,
+            "queries": self.queries.to_dict(),
+            "imageries": [str(one) for one in self.imageries],
+            "reference": str(self.reference),
+            "tile_widths_m": list(self.tile_widths_m),
+            "tile_overlap": self.tile_overlap,
+            "margin_m": self.margin_m,
+            "positive_iou": self.positive_iou,
+            "semi_positive_iou": self.semi_positive_iou,
+            "split": self.split,
+            "shares": list(self.shares),
+            "gap_m": self.gap_m,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class BenchmarkPlan:
+    """A benchmark worked out.
+
+    Attributes
+    ----------
+    queries : mapping of str to Plan
+        By the imagery's name; captures of one index are of one pose.
+    mosaic : Plan
+        Of one image.
+    tiles : mapping of float to Plan
+        By their width in metres.
+    """
+
+    settings: BenchmarkSettings
+    queries: Mapping[str, Plan]
+    mosaic: Plan
+    tiles: Mapping[float, Plan] = field(default_factory=dict)
+
+    @property
+    def captures(self) -> dict[str, tuple[NamedImagery, Plan]]:
+        """Imagery and plan of each capture, by its folder in the benchmark's."""
+        reference = self.settings.reference
+        return {
+            f"{REFERENCE_FOLDER}/{MOSAIC}": (reference, self.mosaic),
+            **{tiles_folder(width): (reference, one) for width, one in self.tiles.items()},
+            **{
+                f"{QUERIES_FOLDER}/{one.name}": (one, self.queries[one.name])
+                for one in self.settings.imageries
+            },
+        }
+
+
+def tiles_folder(width_m: float) -> str:
+    """Folder of tiles of a width, in the benchmark's."""
+    return f"{REFERENCE_FOLDER}/{TILES}_{width_m:g}m"
+
+
+def plan_benchmark(
+    settings: BenchmarkSettings, grids: Mapping[str, PixelGrid], heights: Heights | None = None
+) -> BenchmarkPlan:
+    """Work a benchmark out.
+
+    Parameters
+    ----------
+    grids : mapping of str to PixelGrid
+        Of each imagery's source, by the imagery's text.
+    heights : Heights or None
+        Those of the queries' elevation, where they have one.
+
+    Raises
+    ------
+    InvalidInput
+        Queries that cannot be flown or see the horizon; a reference of more pixels than an image may have.
+    """
+    mission = settings.queries.with_(frame="camera")
+    queries = {one.name: plan(_of(mission, one), grids[str(one)], heights) for one in settings.imageries}
+    first = queries[settings.imageries[0].name]
+    for name, worked_out in queries.items():
+        beyond = np.flatnonzero(~worked_out.corners.hit.all(axis=1))
+        if len(beyond):
+            raise InvalidInput(
+                "queries of {0}: {1:,} of {2:,} see the horizon, first {3}, and no reference holds their ground",
+                name,
+                len(beyond),
+                len(worked_out),
+                worked_out.names[beyond[0]],
+                remedy="tilt less, or take a narrower camera",
+            )
+    widths = settings.tile_widths_m or (round(_side_of_ground_m(first), 1),)
+    box = _grown(_ground(queries), max(widths) if settings.margin_m is None else settings.margin_m)
+    gsd_m = first.delivered_gsd_m_per_px
+    mosaic = _cut(plan(_mosaic(settings, box, gsd_m), grids[str(settings.reference)]))
+    tiles = {width: _tiles(settings, mosaic, width) for width in widths}
+    return BenchmarkPlan(settings, queries, mosaic, tiles)
+
+
+def _cut(mosaic: Plan) -> Plan:
+    """Plan of one map frame without what lies beyond its source's imagery."""
+    windows, (west, top, east, bottom) = mosaic.windows, _extent_px(mosaic)
+    left, upper = np.maximum(windows.left_px, west), np.maximum(windows.top_px, top)
+    right = np.minimum(windows.left_px + windows.width_px, east)
+    lower = np.minimum(windows.top_px + windows.height_px, bottom)
+    if (right <= left).any() or (lower <= upper).any():
+        raise InvalidInput(
+            "reference {0}: has no imagery where the queries are", mosaic.mission.imagery.source
+        )
+    size = (right - left).astype(np.int64), (lower - upper).astype(np.int64)
+    return replace(mosaic, windows=Windows(left.astype(np.int64), upper.astype(np.int64), *size))
+
+
+def _extent_px(one: Plan) -> tuple[float, float, float, float]:
+    """Left, top, right and bottom of a source's imagery at a plan's zoom; infinite where they are not known.
+
+    They are where the imagery is a rectangle along the grid's own axes, as that of a raster is.
+    """
+    extent, world = one.grid.extent, one.grid.world_px(one.zoom)
+    corners = np.array(extent or (), np.float64).reshape(-1, 2)
+    u, v = np.unique(np.round(corners, _DIGITS), axis=0).T if len(corners) else (corners[:, 0], corners[:, 1])
+    if len(np.unique(u)) != 2 or len(np.unique(v)) != 2:
+        return -math.inf, -math.inf, math.inf, math.inf
+    # Whole pixels, but for the rounding of fractions.
+    low, high = (
+        np.ceil(corners.min(axis=0) * world - _SPARE_PX),
+        np.floor(corners.max(axis=0) * world + _SPARE_PX),
+    )
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def _of(mission: Mission, imagery: NamedImagery) -> Mission:
+    return mission.with_(source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
+
+
+def _side_of_ground_m(queries: Plan) -> float:
+    """Side of a square as large as the ground that a query shows, median."""
+    lat, lon = queries.corners.lat_deg, queries.corners.lon_deg
+    ring = np.repeat(np.arange(len(lat)), lat.shape[1])
+    areas = WGS84.ring_areas_m2(lon.ravel(), lat.ravel(), ring, len(lat))
+    return math.sqrt(float(np.median(areas)))
+
+
+def _ground(queries: Mapping[str, Plan]) -> Box:
+    """Box of all that queries show; longitudes of one mission are continuous."""
+    corners = [one.corners for one in queries.values()]
+    lat = np.concatenate([one.lat_deg.ravel() for one in corners])
+    lon = np.concatenate([one.lon_deg.ravel() for one in corners])
+    return Box(float(lat.max()), float(lon.min()), float(lat.min()), float(lon.max()))
+
+
+def _grown(box: Box, margin_m: float) -> Box:
+    """Box with a margin around it, within the map."""
+    farthest = np.array(max(abs(box.north_deg), abs(box.south_deg)))
+    more_lat = math.degrees(margin_m / float(WGS84.meridional_radius_m(farthest)))
+    shrink = max(math.cos(math.radians(float(farthest))), 1e-3)
+    more_lon = math.degrees(margin_m / (float(WGS84.normal_radius_m(farthest)) * shrink))
+    return Box(
+        min(box.north_deg + more_lat, MAX_LAT_DEG),
+        box.west_deg - more_lon,
+        max(box.south_deg - more_lat, -MAX_LAT_DEG),
+        box.east_deg + more_lon,
+    )
+
+
+def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any) -> Mission:
+    """Mission of map frames of the reference, as its source has its pixels."""
+    asked = settings.queries
+    values = {
+        "frame": "map",
+        # How far a map is from one camera's picture is no error of it.
+        "accept_error": True,
+        "image_format": asked.output.image_format,
+        "crs": asked.imagery.crs,
+        "bands": asked.imagery.bands,
+        "stretch": asked.imagery.stretch,
+        "seed": asked.imagery.seed,
+    }
+    return _of(Mission(area, agl_m, **{**values, **more}), settings.reference)
+
+
+def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float) -> Mission:
+    middle = (box.north_deg + box.south_deg) / 2.0
+    # At the latitude that is nearest to the equator the box is widest.
+    widest = 0.0 if box.south_deg <= 0.0 <= box.north_deg else min(abs(box.south_deg), abs(box.north_deg))
+    width_m = (
+        math.radians(box.span_deg)
+        * float(WGS84.normal_radius_m(np.array(widest)))
+        * math.cos(math.radians(widest))
+    )
+    height_m = math.radians(box.north_deg - box.south_deg) * float(
+        WGS84.meridional_radius_m(np.array(middle))
+    )
+    width_m, height_m = width_m * _SPARE, height_m * _SPARE
+    px = math.ceil(max(width_m, height_m) / gsd_m)
+    if px > MAX_PICTURE_SIDE_PX or width_m * height_m / gsd_m**2 > MAX_PICTURE_PX:
+        raise InvalidInput(
+            "reference of {0:,.0f} x {1:,.0f} m in pixels of {2:.3g} m: more than {3:,} px along a side or {4:,} px",
+            width_m,
+            height_m,
+            gsd_m,
+            MAX_PICTURE_SIDE_PX,
+            MAX_PICTURE_PX,
+            remedy="choose a smaller area, or coarser pixels of the queries (--gsd)",
+        )
+    camera = Camera.from_horizontal_fov(_FOV_DEG, width_m / height_m)
+    agl_m = width_m / camera.ground_size_m(1.0)[0]
+    lon = box.west_deg + box.span_deg / 2.0
+    return _reference(
+        settings, Points(((middle, lon, agl_m),)), agl_m, camera=camera, image_px=px, image_format="tif"
+    )
+
+
+def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
+    """Plan of tiles: windows of the mosaic, of one size, to its ends; as far apart as the overlap asks, or nearer."""
+    grid, zoom = mosaic.grid, mosaic.zoom
+    left, top, wide, high = (int(part[0]) for part in mosaic.windows)
+    lat, lon = (angle[:1] for angle in mosaic.frame_centres)
+    side = max(round(width_m / float(grid.ground_m_per_px(lat, lon, zoom)[0])), 1)
+    across, down = (_steps(length, min(side, length), settings.tile_overlap) for length in (wide, high))
+    row, column = (
+        part.ravel() for part in np.meshgrid(np.arange(len(down)), np.arange(len(across)), indexing="ij")
+    )
+    size = tuple(np.full(len(row), min(side, length), np.int64) for length in (wide, high))
+    windows = Windows(left + across[column], top + down[row], *size)
+    lat, lon = window_centres(windows, grid, zoom)
+    camera = Camera.from_horizontal_fov(_FOV_DEG, 1.0)
+    agl_m = width_m / camera.ground_size_m(1.0)[0]
+    places = tuple((*place, agl_m) for place in zip(lat.tolist(), lon.tolist()))
+    found = plan(_reference(settings, Points(places), agl_m, camera=camera, zoom=zoom), grid)
+    return replace(found, windows=windows, column=column.astype(np.int64), row=row.astype(np.int64))
+
+
+def _steps(length_px: int, side_px: int, overlap: float) -> NDArray[np.int64]:
+    """Where tiles begin along a side, from its one end to its other."""
+    count = math.ceil((length_px - side_px) / max(side_px * (1.0 - overlap), 1.0)) + 1
+    starts: NDArray[np.int64] = np.round(np.linspace(0.0, length_px - side_px, count)).astype(np.int64)
+    return starts
+
+
+def _listed(values: tuple[float, ...]) -> str:
+    return " ".join(f"{value:g}" for value in values)

@@ -1,0 +1,116 @@
+"""The run of a method over the queries of a benchmark."""
+
+from __future__ import annotations
+
+import importlib
+import math
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InvalidInput
+from .answers import Answer, Locate, Method, Numbers, Predictions, Query, query_of
+from .folder import Benchmark
+
+#: Methods that are part of the program: their modules and functions.
+METHODS = {
+    "ncc": (".correlation", "correlation"),
+    "sift": (".features", "sift"),
+    "orb": (".features", "orb"),
+    "middle": (".running", "middle"),
+}
+
+
+def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:
+    """Method that says the middle of the reference, whatever it is asked: what every other has to beat."""
+    mosaic = benchmark.mosaic
+    lat, lon = (
+        float(angle)
+        for angle in mosaic.ground(np.array(mosaic.width_px / 2.0), np.array(mosaic.height_px / 2.0))
+    )
+    tiles = benchmark.references
+    far = np.hypot(tiles.lat_deg[gallery] - lat, (tiles.lon_deg[gallery] - lon) * math.cos(math.radians(lat)))
+    ranked = tuple(tiles.id[gallery[at]] for at in np.argsort(far, kind="stable")[:100].tolist())
+    return lambda _: Answer(ranked, lat, lon)
+
+
+def method_named(name: str) -> Method:
+    """Return a method by its name, or one of the user's by ``module:function``.
+
+    Raises
+    ------
+    InvalidInput
+        There is none, or it cannot be imported.
+    """
+    if name in METHODS:
+        module, function = METHODS[name]
+        return getattr(importlib.import_module(module, __package__), function)  # type: ignore[no-any-return]
+    module, colon, function = name.partition(":")
+    if not colon:
+        raise InvalidInput(
+            "method {0!r}: must be one of {1}, or module:function of your own", name, ", ".join(METHODS)
+        )
+    # As with `python -m`: modules of the current folder are found.
+    if "" not in sys.path:
+        sys.path.insert(0, "")
+    try:
+        found = getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError, ValueError) as wrong:
+        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, wrong) from wrong
+    if not callable(found):
+        raise InvalidInput("method {0!r}: is not a function", name)
+    return found  # type: ignore[no-any-return]
+
+
+def run_method(
+    benchmark: Benchmark,
+    method: Method,
+    part: str = "",
+    *,
+    progress: Callable[[int, int], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+) -> Predictions | None:
+    """Answers of a method to the queries of a part; None where cancelled.
+
+    Parameters
+    ----------
+    part : str
+        As for `score`.
+    progress : callable
+        Called with the number of queries that are answered, and that of all.
+    cancelled : callable
+        Asked before each query.
+
+    Raises
+    ------
+    InvalidInput
+        A part without queries, or a method that answers with something else than an `Answer`.
+    """
+    rows = benchmark.chosen(part).tolist()
+    locate = method(benchmark, benchmark.gallery(part))
+    answers: list[Answer] = []
+    seconds: list[float] = []
+    for row in rows:
+        if cancelled is not None and cancelled():
+            return None
+        begun = time.perf_counter()
+        answers.append(_answered(locate, query_of(benchmark, row)))
+        seconds.append(time.perf_counter() - begun)
+        if progress is not None:
+            progress(len(answers), len(rows))
+    return Predictions.of(benchmark, rows, answers, seconds)
+
+
+def _answered(locate: Locate, query: Query) -> Answer:
+    answer = locate(query)
+    if not isinstance(answer, Answer):
+        raise InvalidInput("method: answers {0} with {1!r}, which is no Answer", query.id, answer)
+    return answer
+
+
+def prediction_file(folder: Path, name: str) -> Path:
+    """File of the predictions of a method, beside its scores."""
+    return folder / f"{name.replace(':', '-')}.csv"

@@ -1,0 +1,348 @@
+"""The judge: how near answers are to the truth, in the figures that the field reports."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.camera import image_axes
+from ..geodesy.local import LocalFrame, axes_at
+from . import metrics
+from .answers import POSE, Predictions
+from .folder import Benchmark, Columns
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+#: Ranks at which figures of retrieval are given.
+RANKS = (1, 5, 10)
+ALL = "all"
+
+
+class Figure(NamedTuple):
+    """One figure.
+
+    Attributes
+    ----------
+    name, unit : str
+        The unit is empty for a share, from 0 to 1.
+    value : float
+        NaN where nothing was to be counted.
+    definition : str
+    """
+
+    name: str
+    value: float
+    unit: str
+    definition: str
+
+
+@dataclass(frozen=True, eq=False)
+class Errors(Columns):
+    """What became of each query that was to be found; NaN where there is no answer of that kind.
+
+    Parameters
+    ----------
+    query, imagery : tuple of str
+    lat_deg, lon_deg : array (q,)
+        Where it was taken.
+    predicted_lat_deg, predicted_lon_deg : array (q,)
+        Where the answer says so.
+    error_m : array (q,)
+        Between the two, along the ground.
+    distance_m : array (q,)
+        Between camera and answer in space, where the answer has a height.
+    error_deg : array (q,)
+        Angle between the attitudes.
+    rank : array (q,)
+        Of the first tile that is right, from 1.
+    tile_m : array (q,)
+        From the ground in the middle of the query to the middle of the first tile.
+    seconds : array (q,)
+    """
+
+    query: tuple[str, ...]
+    imagery: tuple[str, ...]
+    lat_deg: Floats
+    lon_deg: Floats
+    predicted_lat_deg: Floats
+    predicted_lon_deg: Floats
+    error_m: Floats
+    distance_m: Floats
+    error_deg: Floats
+    rank: Floats
+    tile_m: Floats
+    seconds: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Scores:
+    """The figures of a method.
+
+    Attributes
+    ----------
+    groups : dict of str to tuple of Figure
+        By the queries' imagery; `ALL` for all together, where there are several.
+    recall : dict of str to array (k,)
+        Recall at each rank up to the last that was asked for, of the same.
+    errors : Errors
+    tiles : int
+        In the gallery.
+    """
+
+    groups: dict[str, tuple[Figure, ...]]
+    recall: dict[str, Floats]
+    errors: Errors
+    tiles: int
+
+
+class _Judged(NamedTuple):
+    """What figures are made of, for q queries and their first k tiles."""
+
+    errors: Errors
+    hits: NDArray[np.bool_]
+    positives: Numbers
+    centre_m: Floats
+    centre_deg: Floats
+    widths: Floats
+    is_ranked: bool
+
+    def of(self, rows: Numbers) -> _Judged:
+        """Some of the queries."""
+        return _Judged(
+            self.errors.take(rows),
+            self.hits[rows],
+            self.positives[rows],
+            self.centre_m[rows],
+            self.centre_deg[rows],
+            self.widths[rows],
+            self.is_ranked,
+        )
+
+
+def score(benchmark: Benchmark, predictions: Predictions, part: str = "") -> Scores:
+    """Judge predictions.
+
+    Parameters
+    ----------
+    part : str
+        ``train``, ``validation`` or ``test``: queries of that part, found among its tiles; empty for all.
+
+    Raises
+    ------
+    InvalidInput
+        A part without queries, or answers that rank tiles of another part.
+    """
+    rows, gallery = benchmark.chosen(part), benchmark.gallery(part)
+    judged = _judged(benchmark, predictions, rows, gallery)
+    imagery = np.array(judged.errors.imagery)
+    names = list(dict.fromkeys(judged.errors.imagery))
+    of_group = {name: np.flatnonzero(imagery == name) for name in names}
+    if len(names) > 1:
+        of_group = {ALL: np.arange(len(rows)), **of_group}
+    groups, recall = {}, {}
+    for name, some in of_group.items():
+        group = judged.of(some)
+        groups[name] = tuple(_figures(group, len(gallery)))
+        findable = group.hits[group.positives > 0]
+        if group.is_ranked and len(findable):
+            recall[name] = np.logical_or.accumulate(findable, axis=1).mean(axis=0)
+    return Scores(groups, recall, judged.errors, len(gallery))
+
+
+def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gallery: Numbers) -> _Judged:
+    """Compare answers with the truth, for queries by their rows."""
+    queries, tiles = benchmark.queries, benchmark.references
+    answer = np.full(len(queries), -1, np.int64)
+    answer[predictions.index] = np.arange(len(predictions.index))
+    at = answer[rows]
+    there = at >= 0
+    ranking = np.full((len(rows), max(predictions.ranking.shape[1], 1)), -1, np.int64)
+    ranking[there, : predictions.ranking.shape[1]] = predictions.ranking[at[there]]
+    strange = np.setdiff1d(ranking[ranking >= 0], gallery)
+    if len(strange):
+        raise InvalidInput(
+            "predictions: rank {0}, which is of another part than the queries", tiles.id[strange[0]]
+        )
+    pose, seconds = np.full((len(rows), len(POSE)), np.nan), np.full(len(rows), np.nan)
+    pose[there], seconds[there] = predictions.pose[at[there]], predictions.seconds[at[there]]
+    right = benchmark.positives()
+    positives = [right[row] for row in rows.tolist()]
+    hits = metrics.hits(ranking, positives)
+    centre_m, centre_deg = _to_tiles(benchmark, rows, ranking)
+    lat, lon, height, *attitude = pose.T
+    truth = (
+        queries.lat_deg[rows],
+        queries.lon_deg[rows],
+        queries.height_m[rows],
+        *(angle[rows] for angle in (queries.yaw_deg, queries.tilt_deg, queries.roll_deg)),
+    )
+    first = np.where(hits.any(axis=1), hits.argmax(axis=1) + 1.0, np.nan)
+    errors = Errors(
+        query=tuple(queries.id[row] for row in rows.tolist()),
+        imagery=tuple(queries.imagery[row] for row in rows.tolist()),
+        lat_deg=truth[0],
+        lon_deg=truth[1],
+        predicted_lat_deg=lat,
+        predicted_lon_deg=lon,
+        error_m=_ground_m(truth[0], truth[1], lat, lon),
+        distance_m=_space_m(truth[:3], (lat, lon, height)),
+        error_deg=_between_deg((*truth[:2], *truth[3:]), (lat, lon, *attitude)),
+        rank=first,
+        tile_m=centre_m[:, 0],
+        seconds=seconds,
+    )
+    widths = np.where(ranking >= 0, tiles.width_m[ranking], np.nan)
+    counts = np.array([len(one) for one in positives], np.int64)
+    return _Judged(errors, hits, counts, centre_m, centre_deg, widths, bool((ranking >= 0).any()))
+
+
+def _figures(judged: _Judged, tiles: int) -> list[Figure]:
+    """Figures of some queries."""
+    errors = judged.errors
+    count = len(errors.query)
+    said = np.isfinite(errors.error_m) | np.isfinite(errors.tile_m)
+    found = [Figure("queries", float(count), "", f"asked for; {int(said.sum()):,} answered")]
+    if judged.is_ranked:
+        found += _of_ranking(judged, tiles)
+    if np.isfinite(errors.error_m).any():
+        position = metrics.position_figures(errors.error_m)
+        found.append(
+            Figure("position", position.median, "m", "median error along the ground, of those answered")
+        )
+        found += [
+            Figure(f"within {limit:g} m", share, "", "of all queries, along the ground")
+            for limit, share in zip(metrics.WITHIN_M, position.within)
+        ]
+    if np.isfinite(errors.error_deg).any():
+        pose = metrics.pose_figures(errors.distance_m, errors.error_deg)
+        found.append(
+            Figure("attitude", pose.median, "deg", "median angle between attitudes, of those answered")
+        )
+        found += [
+            Figure(f"within {m:g} m, {deg:g} deg", share, "", "of all queries, in space (OrthoLoC)")
+            for (m, deg), share in zip(metrics.WITHIN_M_DEG, pose.within)
+        ]
+    if np.isfinite(errors.seconds).any():
+        found.append(Figure("time", float(np.nanmedian(errors.seconds)), "s", "median for a query"))
+    return found
+
+
+def _of_ranking(judged: _Judged, tiles: int) -> list[Figure]:
+    """Figures of retrieval."""
+    findable = judged.positives > 0
+    hits, counts = judged.hits[findable], judged.positives[findable]
+    rest = int((~findable).sum())
+    of_what = f"of {len(counts):,} queries that have a tile that is right" + (
+        f", {rest:,} have none" if rest else ""
+    )
+    found = [
+        Figure(f"recall@{k}", metrics.recall(hits, k), "", f"a right tile among the first {k}, {of_what}")
+        for k in RANKS
+    ]
+    if len(hits):
+        percent = round(tiles * 0.01) + 1
+        found.append(
+            Figure(
+                "recall@1%",
+                metrics.top_percent(hits, tiles),
+                "",
+                f"among the first {percent} of {tiles:,} tiles",
+            )
+        )
+    found += [
+        Figure("AP", metrics.average_precision(hits, counts), "", "mean of precisions at hits (GTA-UAV)"),
+        Figure(
+            "AP trapezoid", metrics.trapezoid_precision(hits, counts), "", "University-1652's and DenseUAV's"
+        ),
+    ]
+    for k in RANKS[:2]:
+        weights = f"first {k} tiles, weights {k} to 1" if k > 1 else "first tile"
+        found += [
+            Figure(
+                f"SDM@{k} per metre",
+                metrics.sdm(judged.centre_m, k, metrics.SDM_PER_M),
+                "",
+                f"mean of exp(-0.001 d), d in metres to the {weights} (GTA-UAV)",
+            ),
+            Figure(
+                f"SDM@{k} per degree",
+                metrics.sdm(judged.centre_deg, k, metrics.SDM_PER_DEG),
+                "",
+                f"mean of exp(-5000 d), d in degrees to the {weights} (DenseUAV)",
+            ),
+            Figure(
+                f"PDM@{k}",
+                metrics.pdm(judged.centre_m / judged.widths, k),
+                "",
+                f"mean of 1 / (1 + exp(6 (d - 0.9))), d in tile widths to the {weights} (AnyVisLoc)",
+            ),
+        ]
+    found.append(
+        Figure(
+            "Dis@1",
+            _mean(judged.centre_m[:, 0]),
+            "m",
+            "mean distance from the ground in the middle of the query to the middle of the first tile (GTA-UAV)",
+        )
+    )
+    return found
+
+
+def _mean(values: Floats) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.mean()) if len(known) else math.nan
+
+
+def _to_tiles(benchmark: Benchmark, rows: Numbers, ranking: Numbers) -> tuple[Floats, Floats]:
+    """Distances (q, k) from the ground in the middle of queries to the middles of their tiles, metres and degrees."""
+    queries, tiles = benchmark.queries, benchmark.references
+    lat, lon = (np.where(ranking >= 0, angle[ranking], np.nan) for angle in (tiles.lat_deg, tiles.lon_deg))
+    own_lat, own_lon = (
+        np.broadcast_to(angle[rows, np.newaxis], lat.shape)
+        for angle in (queries.centre_lat_deg, queries.centre_lon_deg)
+    )
+    dlon = lon - own_lon
+    return _ground_m(own_lat, own_lon, lat, lon), np.sqrt(
+        (lat - own_lat) ** 2 + (dlon - 360.0 * np.rint(dlon / 360.0)) ** 2
+    )
+
+
+def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) -> Floats:
+    """Geodesic distances (any shape), NaN where a place is not known."""
+    from pyproj import Geod
+
+    found = np.full(lat.shape, np.nan)
+    known = np.isfinite(lat) & np.isfinite(lon) & np.isfinite(other_lat) & np.isfinite(other_lon)
+    pairs = (values[known] for values in (lon, lat, other_lon, other_lat))
+    found[known] = Geod(ellps="WGS84").inv(*pairs)[2]
+    return found
+
+
+def _space_m(place: Sequence[Floats], other: Sequence[Floats]) -> Floats:
+    """Straight distances (q,) between places by latitude, longitude and height; NaN where one is not known."""
+    found = np.full(len(place[0]), np.nan)
+    for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
+        frame = LocalFrame(*(float(values[at]) for values in place))
+        found[at] = np.linalg.norm(frame.enu(*(np.array(values[at]) for values in other)))
+    return found
+
+
+def _between_deg(pose: Sequence[Floats], other: Sequence[Floats]) -> Floats:
+    """Angles (q,) between attitudes by latitude, longitude, yaw, tilt and roll; NaN where one is not known."""
+    found = np.full(len(pose[0]), np.nan)
+    for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
+        axes = [
+            np.stack(image_axes(*attitude)) @ axes_at(lat, lon)
+            for lat, lon, *attitude in ([float(values[at]) for values in one] for one in (pose, other))
+        ]
+        # From the chord between axes, which keeps digits where the arccosine of a trace has none.
+        chord = np.linalg.norm(axes[0] - axes[1])
+        found[at] = math.degrees(2.0 * math.asin(min(float(chord) / math.sqrt(8.0), 1.0)))
+    return found

@@ -1,0 +1,275 @@
+"""Benchmarks on the command line: made, answered by baselines, judged."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from contextlib import ExitStack, closing
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import InvalidInput
+from ..mission.options import OPTIONS
+from ..text import printable
+from .exits import DONE, INCOMPLETE, exit_code
+from .flying import (
+    NAMED,
+    Bar,
+    document_of,
+    named,
+    names_source,
+    print_failed,
+    print_repeated,
+    print_written,
+)
+from .listing import opened_cache
+from .stopping import collected
+
+if TYPE_CHECKING:
+    from ..benchmark.folder import Benchmark
+    from ..benchmark.making import Making
+    from ..benchmark.planning import BenchmarkPlan, BenchmarkSettings
+    from ..benchmark.scoring import Scores
+    from ..imagery.source import Source
+    from ..mission.imageries import NamedImagery
+
+
+def run_benchmark(arguments: argparse.Namespace) -> int:
+    """Make a benchmark, run a method over it, or judge predictions."""
+    actions = {"make": _make, "run": _run, "score": _score}
+    if arguments.action is None:
+        raise InvalidInput("benchmark: needs one of {0}", ", ".join(actions))
+    return actions[arguments.action](arguments)
+
+
+def _make(arguments: argparse.Namespace) -> int:
+    from ..benchmark.planning import plan_benchmark
+
+    values, settings = _settings(arguments)
+    if not values["data_dir"]:
+        raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
+    with ExitStack() as open_now, collected() as signals:
+        sources = {
+            str(imagery): open_now.enter_context(closing(_opened(imagery, settings, values)))
+            for imagery in {str(one): one for one in (settings.reference, *settings.imageries)}.values()
+        }
+        grids = {name: source.grid for name, source in sources.items()}
+        worked_out = plan_benchmark(settings, grids, _heights(settings, values))
+        if arguments.dry_run:
+            _print_plan(worked_out)
+            return DONE
+        made = _made(worked_out, sources, arguments, values, signals)
+    _print_made(made, arguments.json)
+    if made.benchmark is None:
+        print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
+        return exit_code(signals[0])
+    return INCOMPLETE if made.total.failed else DONE
+
+
+def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkSettings]:
+    from ..benchmark.planning import BenchmarkSettings
+    from ..mission.imageries import NamedImagery, named_imageries
+    from ..mission.settings import mission_from, resolve
+
+    given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
+    values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
+    more: dict[str, Any] = {} if arguments.shares is None else {"shares": tuple(arguments.shares)}
+    return values, BenchmarkSettings(
+        mission_from(values),
+        named_imageries(arguments.queries),
+        NamedImagery.of(arguments.reference),
+        tile_widths_m=tuple(arguments.tiles or ()),
+        tile_overlap=arguments.tile_overlap,
+        margin_m=arguments.margin,
+        positive_iou=arguments.positive,
+        semi_positive_iou=arguments.semi_positive,
+        split=arguments.split,
+        gap_m=arguments.gap,
+        **more,
+    )
+
+
+def _opened(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str, Any]) -> Source:
+    mission = settings.queries.with_(source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
+    asked = mission.imagery
+    return named(
+        asked,
+        {**values, NAMED: True},
+        opened_cache(values),
+        area_deg=mission.area.bounds.edges_deg,
+        bands=asked.bands,
+        stretch=asked.stretch,
+        as_stored=mission.output.image_format == "tif",
+    ).open()
+
+
+def _heights(settings: BenchmarkSettings, values: dict[str, Any]) -> Any:
+    if not settings.queries.terrain.elevation:
+        return None
+    from ..imagery.opening import SourceOptions
+    from ..picture.heights import heights_of
+
+    imagery = settings.queries.imagery
+    options = SourceOptions(
+        seed=imagery.seed,
+        crs=imagery.crs,
+        connections=values["connections"],
+        cache=opened_cache(values),
+        named_by_user=values[NAMED],
+    )
+    return heights_of(settings.queries, options)
+
+
+def _made(
+    worked_out: BenchmarkPlan,
+    sources: dict[str, Source],
+    arguments: argparse.Namespace,
+    values: dict[str, Any],
+    signals: list[int],
+) -> Making:
+    from ..benchmark.making import make_benchmark
+    from ..imagery.catalogue import check_policy
+
+    for imagery, plan in worked_out.captures.values():
+        check_policy(
+            sources[str(imagery)],
+            plan.requests,
+            accept_terms=arguments.accept_terms,
+            map_types=(imagery.map_type,),
+            bounds_deg=settings_bounds(worked_out),
+        )
+    bar = Bar(arguments.quiet)
+    try:
+        return make_benchmark(
+            worked_out,
+            sources,
+            values["data_dir"],
+            connections=values["connections"],
+            resume=arguments.resume,
+            progress=bar,
+            cancelled=lambda: bool(signals),
+        )
+    finally:
+        bar.close()
+
+
+def settings_bounds(worked_out: BenchmarkPlan) -> tuple[float, float, float, float]:
+    """West, south, east, north of the queries."""
+    return worked_out.settings.queries.area.bounds.edges_deg
+
+
+def _print_plan(worked_out: BenchmarkPlan) -> None:
+    for folder, (imagery, plan) in worked_out.captures.items():
+        size = f"{int(plan.width_px.max()):,} x {int(plan.height_px.max()):,} px"
+        images = f"{len(plan):,} image{'s' * (len(plan) > 1)} of {size}"
+        print(printable(f"{folder:28s}{images}, {plan.requests:,} requests, {imagery}"))
+
+
+def _print_made(made: Making, as_json: bool) -> None:
+    total = made.total
+    if as_json:
+        print(json.dumps({**document_of(total, "folder_in"), **_counts(made.benchmark)}, indent=1))
+        return
+    print_written(total)
+    print_failed(total.failed, total.folder)
+    print_repeated(total.repeated)
+    if made.benchmark is not None:
+        for name, text in _counts(made.benchmark).items():
+            print(f"{name:22s}{text}")
+        print(f"benchmark in {made.folder}")
+
+
+def _counts(benchmark: Benchmark | None) -> dict[str, Any]:
+    if benchmark is None:
+        return {}
+    positives = benchmark.positives()
+    counts: dict[str, Any] = {
+        "queries": len(benchmark.queries),
+        "tiles": len(benchmark.references),
+        "queries without a tile": sum(not len(one) for one in positives),
+    }
+    parts = benchmark.queries.part
+    for part in dict.fromkeys(parts):
+        if part:
+            tiles = benchmark.references.part.count(part)
+            counts[part] = f"{parts.count(part):,} queries" + (f", {tiles:,} tiles" if tiles else "")
+    return counts
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from ..benchmark.folder import Benchmark
+    from ..benchmark.running import method_named, prediction_file, run_method
+
+    benchmark = Benchmark.read(arguments.folder)
+    method = method_named(arguments.method)
+    target = _target(arguments, benchmark, arguments.method)
+    live = not arguments.quiet and sys.stderr.isatty()
+
+    def tell(done: int, total: int) -> None:
+        if live:
+            print(f"\r{done:,} of {total:,} queries", end="", file=sys.stderr, flush=True)
+
+    with collected() as signals:
+        predictions = run_method(
+            benchmark, method, arguments.part or "", progress=tell, cancelled=lambda: bool(signals)
+        )
+    if live:
+        print(file=sys.stderr)
+    if predictions is None:
+        print("terrainav: stopped; nothing was written", file=sys.stderr)
+        return exit_code(signals[0])
+    from ..files import make_folder
+
+    make_folder(target)
+    written = prediction_file(target, arguments.method)
+    predictions.write(written, benchmark)
+    print(f"predictions in {printable(str(written))}", file=sys.stderr)
+    return _judge(arguments, benchmark, predictions, arguments.method, target)
+
+
+def _score(arguments: argparse.Namespace) -> int:
+    from ..benchmark.answers import Predictions
+    from ..benchmark.folder import Benchmark
+
+    benchmark = Benchmark.read(arguments.folder)
+    predictions = Predictions.read(arguments.predictions, benchmark)
+    name = Path(arguments.predictions).stem
+    return _judge(arguments, benchmark, predictions, name, _target(arguments, benchmark, name))
+
+
+def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> Path:
+    if arguments.output is not None:
+        return Path(arguments.output)
+    return benchmark.folder / "scores" / name.replace(":", "-")
+
+
+def _judge(
+    arguments: argparse.Namespace, benchmark: Benchmark, predictions: Any, title: str, target: Path
+) -> int:
+    from ..benchmark.page import document_of as scores_document
+    from ..benchmark.page import write_scores
+    from ..benchmark.scoring import score
+
+    scores = score(benchmark, predictions, arguments.part or "")
+    page = None if arguments.no_page else write_scores(benchmark, scores, target, title)
+    if arguments.json:
+        print(json.dumps(scores_document(scores, title), indent=1))
+        return DONE
+    _print_scores(scores)
+    if page is not None:
+        print(f"page in {printable(str(page))}")
+    return DONE
+
+
+def _print_scores(scores: Scores) -> None:
+    from ..benchmark.page import rows_of
+
+    rows = [("", *scores.groups, ""), *rows_of(scores.groups)]
+    widths = [max(len(row[at]) for row in rows) for at in range(len(rows[0]) - 1)]
+    for row in rows:
+        cells = (
+            cell.rjust(width) if at else cell.ljust(width)
+            for at, (cell, width) in enumerate(zip(row, widths))
+        )
+        print(printable("  ".join([*cells, row[-1]]).rstrip()))

@@ -1,0 +1,72 @@
+"""Local frames: metres east, north and up of a place (EPSG methods 9837 and 9602), through PROJ."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .ellipsoid import sin_cos
+
+if TYPE_CHECKING:
+    from pyproj import Transformer
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LocalFrame:
+    """East, north, up of a place of WGS 84, in metres.
+
+    Parameters
+    ----------
+    lat_deg, lon_deg, height_m : float
+        Its origin, its height above the ellipsoid.
+    """
+
+    lat_deg: float
+    lon_deg: float
+    height_m: float = 0.0
+
+    @cached_property
+    def _transformer(self) -> Transformer:
+        from pyproj import Transformer
+
+        origin = f"+lat_0={self.lat_deg!r} +lon_0={self.lon_deg!r} +h_0={self.height_m!r}"
+        return Transformer.from_pipeline(
+            "+proj=pipeline +step +proj=unitconvert +xy_in=deg +xy_out=rad +step +proj=cart +ellps=WGS84 "
+            f"+step +proj=topocentric +ellps=WGS84 {origin}"
+        )
+
+    def enu(self, lat_deg: Floats, lon_deg: Floats, height_m: Floats) -> Floats:
+        """Places (..., 3) in metres, of positions in degrees and heights above the ellipsoid."""
+        return np.stack(self._transformer.transform(lon_deg, lat_deg, height_m), axis=-1)
+
+    def geodetic(self, enu_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """Latitude, longitude in degrees and height above the ellipsoid of places (..., 3); the inverse of `enu`."""
+        lon, lat, height = self._transformer.transform(
+            enu_m[..., 0], enu_m[..., 1], enu_m[..., 2], direction="INVERSE"
+        )
+        return np.asarray(lat), np.asarray(lon), np.asarray(height)
+
+    def turn_to(self, lat_deg: float, lon_deg: float) -> Floats:
+        """Rotation (3, 3) that takes vectors of this frame to those of the frame at another place."""
+        turn: Floats = axes_at(lat_deg, lon_deg) @ axes_at(self.lat_deg, self.lon_deg).T
+        return turn
+
+
+def axes_at(lat_deg: float, lon_deg: float) -> Floats:
+    """East, north and up of a place as rows (3, 3), in geocentric axes."""
+    (sin_lat, cos_lat), (sin_lon, cos_lon) = (
+        tuple(float(part) for part in sin_cos(np.array(angle))) for angle in (lat_deg, lon_deg)
+    )
+    return np.array(
+        [
+            [-sin_lon, cos_lon, 0.0],
+            [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
+            [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
+        ]
+    )

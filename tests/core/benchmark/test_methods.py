@@ -1,0 +1,176 @@
+"""Baselines: what they find, and of what their parts are made."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from pyproj import Geod
+from terrainav.core.benchmark import correlation, features
+from terrainav.core.benchmark.answers import Answer, Query, query_of
+from terrainav.core.benchmark.planning import BenchmarkSettings
+from terrainav.core.benchmark.running import method_named, middle, run_method
+from terrainav.core.errors import InvalidInput, OutputError
+
+from tests.core.benchmark.conftest import made, mission
+
+#: A module with methods of a user's.
+MINE = """
+from terrainav.core.benchmark.answers import Answer
+
+def constant(benchmark, gallery):
+    first = benchmark.references.id[gallery[0]]
+    return lambda query: Answer((first,), 35.0, -90.0)
+
+def wrong(benchmark, gallery):
+    return lambda query: 7
+"""
+
+
+def errors_m(benchmark, predictions):
+    """Distances along the ground between cameras and answers."""
+    queries, at = benchmark.queries, predictions.index
+    return Geod(ellps="WGS84").inv(
+        queries.lon_deg[at], queries.lat_deg[at], predictions.pose[:, 1], predictions.pose[:, 0]
+    )[2]
+
+
+def of(benchmark, imagery):
+    return np.array([name == imagery for name in benchmark.queries.imagery])
+
+
+def test_correlation_finds_what_has_not_changed_within_a_pixel(benchmark):
+    found = errors_m(benchmark, run_method(benchmark, correlation.correlation))
+    # A pixel is 1 m. Between pixels the parabola is no more than near.
+    assert found[of(benchmark, "old")].max() < 0.5
+    assert found[of(benchmark, "new")].max() < 2.0
+
+
+def test_correlation_finds_tilted_and_rolled_cameras(tmp_path, dates):
+    queries = mission(5, tilt_deg=30.0, roll_deg=-8.0)
+    settings = BenchmarkSettings(queries, (dates["old"],), dates["old"], split="none")
+    tilted = made(tmp_path / "tilted", settings).benchmark
+    assert errors_m(tilted, run_method(tilted, correlation.correlation)).max() < 1.0
+
+
+def test_correlation_ranks_tiles_of_the_right_ground_first(benchmark):
+    predictions = run_method(benchmark, correlation.correlation)
+    positives = benchmark.positives()
+    for at in np.flatnonzero(of(benchmark, "old")).tolist():
+        if len(positives[at]):
+            assert predictions.ranking[at, 0] in positives[at]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_agreement_is_the_correlation_coefficient_at_every_place(seed):
+    rng = np.random.default_rng(seed)
+    reference, picture = rng.random((23, 31)), rng.random((7, 9))
+    mask = (rng.random((7, 9)) < 0.7).astype(float)
+    grey = (picture - picture[mask > 0].mean()) * mask
+    patch = correlation._Patch(grey, mask, 0, 0, (0.0, 0.0), (0.0, 0.0))
+    found = correlation._agreement(patch, reference.shape, correlation._transforms(reference))
+    for row in range(17):
+        for column in range(23):
+            below = reference[row : row + 7, column : column + 9][mask > 0]
+            assert found[row, column] == pytest.approx(np.corrcoef(below, picture[mask > 0])[0, 1], abs=1e-9)
+
+
+def test_one_colour_agrees_with_nothing():
+    flat = correlation._Patch(np.zeros((4, 4)), np.ones((4, 4)), 0, 0, (0.0, 0.0), (0.0, 0.0))
+    assert correlation._agreement(flat, (9, 9), correlation._transforms(np.ones((9, 9)))) is None
+    grey = np.arange(16.0).reshape(4, 4) - 7.5
+    patch = correlation._Patch(grey, np.ones((4, 4)), 0, 0, (0.0, 0.0), (0.0, 0.0))
+    assert (
+        correlation._agreement(patch, (9, 9), correlation._transforms(np.full((9, 9), 200.0))) == -1.0
+    ).all()
+
+
+def test_a_query_wider_than_the_reference_has_no_answer(benchmark):
+    query = query_of(benchmark, 0)
+    high = Query(**{**vars(query), "height_m": query.ground_m + 5_000.0})
+    assert correlation.correlation(benchmark, benchmark.gallery(""))(high) == Answer()
+
+
+def test_features_tell_the_whole_pose(benchmark):
+    pytest.importorskip("cv2")
+    predictions = run_method(benchmark, features.sift)
+    own = of(benchmark, "old")
+    found = errors_m(benchmark, predictions)[own]
+    said = np.isfinite(found)
+    # Of 80 x 60 px; on the noise of this raster nearly all have matches enough.
+    assert said.sum() >= 9
+    assert np.median(found[said]) < 2.0
+    queries = benchmark.queries
+    yaw = predictions.pose[own][said, 3] - queries.yaw_deg[own][said]
+    assert np.abs((yaw + 180.0) % 360.0 - 180.0).max() < 3.0
+    assert np.abs(predictions.pose[own][said, 2] - queries.height_m[own][said]).max() < 6.0
+    assert np.abs(predictions.pose[own][said, 4:]).max() < 5.0
+
+
+def test_orb_runs(benchmark):
+    pytest.importorskip("cv2")
+    assert len(run_method(benchmark, features.orb, "test").index) == 6
+
+
+def test_the_same_method_answers_the_same(benchmark):
+    once, again = (run_method(benchmark, correlation.correlation, "test") for _ in range(2))
+    assert np.array_equal(once.pose, again.pose, equal_nan=True)
+    assert np.array_equal(once.ranking, again.ranking)
+
+
+def test_without_opencv_features_say_how_to_get_it(benchmark, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "cv2", None)
+    with pytest.raises(OutputError, match="OpenCV, which finds and matches features, is not installed"):
+        features.sift(benchmark, benchmark.gallery(""))
+
+
+def test_the_middle_is_what_others_have_to_beat(benchmark):
+    predictions = run_method(benchmark, middle)
+    assert len(np.unique(predictions.pose[:, :2], axis=0)) == 1
+    assert errors_m(benchmark, predictions).min() > 1.0
+
+
+def test_queries_do_not_tell_where_they_were_taken(benchmark):
+    query = query_of(benchmark, 0)
+    secret = {round(float(angle[0]), 4) for angle in (benchmark.queries.lat_deg, benchmark.queries.lon_deg)}
+    known = {round(value, 4) for value in vars(query).values() if isinstance(value, float)}
+    assert not secret & known
+
+
+def test_methods_of_the_users_are_run(benchmark, tmp_path, monkeypatch):
+    (tmp_path / "mine.py").write_text(MINE)
+    monkeypatch.chdir(tmp_path)
+    predictions = run_method(benchmark, method_named("mine:constant"))
+    assert (predictions.pose[:, :2] == (35.0, -90.0)).all()
+    assert math.isnan(predictions.pose[0, 2])
+    with pytest.raises(InvalidInput, match=r"answers .* with 7, which is no Answer"):
+        run_method(benchmark, method_named("mine:wrong"))
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("surf", "must be one of ncc, sift, orb, middle, or module:function"),
+        ("no_such_module:locate", "cannot be imported"),
+        ("math:no_such_function", "cannot be imported"),
+        ("math:pi", "is not a function"),
+        (":x", "cannot be imported"),
+    ],
+)
+def test_methods_that_are_none_are_refused(name, said):
+    with pytest.raises(InvalidInput, match=said):
+        method_named(name)
+
+
+def test_a_run_is_cancelled_between_queries(benchmark):
+    asked = iter([False, False, True])
+    told = []
+    found = run_method(
+        benchmark,
+        middle,
+        progress=lambda done, total: told.append((done, total)),
+        cancelled=lambda: next(asked),
+    )
+    assert found is None
+    assert told == [(1, 24), (2, 24)]
