@@ -152,7 +152,7 @@ class _Correlation:
 def _seen_from_above(
     query: Query, lat_deg: float, lon_deg: float, mosaic: Mosaic, step: int
 ) -> _Patch | None:
-    """A query on the reference's pixels, as if its camera stood at a place; None where it shows too few, or more than there are."""
+    """A query on the reference's pixels, as if its camera stood at a place; None where it has no room on them."""
     agl = query.height_m - query.ground_m
     ground = WGS84.raised(query.ground_m)
     pose = Poses.of_attitude(

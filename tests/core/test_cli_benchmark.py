@@ -1,0 +1,94 @@
+"""``terrainav benchmark``: made, run and judged from the command line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.support.command import command
+
+BOX = "35.150_-89.900_35.146_-89.895_60"
+
+
+@pytest.fixture
+def terrainav(tmp_path, monkeypatch, capsys):
+    return command(tmp_path, monkeypatch, capsys)
+
+
+def make(terrainav, *more):
+    return terrainav(
+        "benchmark",
+        "make",
+        *("--coords", BOX, "--image-px", "80", "--format", "png"),
+        *("--queries", "air=world", "--reference", "map=world:roadmap"),
+        *("--split", "same-area", "--data-dir", "bench", "--quiet", *more),
+    )
+
+
+def test_the_walk_from_nothing_to_figures(terrainav, tmp_path):
+    made = make(terrainav)
+    assert made.returncode == 0, made.stderr
+    assert "benchmark in bench" in made.stdout
+    run = terrainav("benchmark", "run", "bench", "--method", "middle", "--quiet")
+    assert run.returncode == 0, run.stderr
+    assert "recall@1" in run.stdout
+    assert "mean of exp(-5000 d), d in degrees" in run.stdout
+    assert (tmp_path / "bench/scores/middle/index.html").is_file()
+    predictions = tmp_path / "bench/scores/middle/middle.csv"
+    answered, asked = (
+        len(path.read_text().splitlines()) for path in (predictions, tmp_path / "bench/queries.csv")
+    )
+    assert answered == asked > 10
+    judged = terrainav(
+        "benchmark", "score", "bench", str(predictions), "--part", "test", "--json", "--output", "page"
+    )
+    assert judged.returncode == 0, judged.stderr
+    document = json.loads(judged.stdout)
+    assert list(document["groups"]) == ["air"]
+    assert (tmp_path / "page/index.html").is_file()
+    again = make(terrainav)
+    assert again.returncode == 3
+    assert "already holds this benchmark; resume it (--resume) or choose another folder" in again.stderr
+    assert make(terrainav, "--resume").returncode == 0
+
+
+def test_a_dry_run_says_what_would_be_captured_and_leaves_nothing(terrainav, tmp_path):
+    found = make(terrainav, "--dry-run")
+    assert found.returncode == 0
+    assert "reference/mosaic" in found.stdout
+    assert "queries/air" in found.stdout
+    assert not (tmp_path / "bench").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("benchmark",), "benchmark: needs one of make, run, score"),
+        (("benchmark", "run", "nowhere", "--method", "ncc"), "folder nowhere: is no benchmark"),
+        (("benchmark", "score", "nowhere", "mine.csv"), "folder nowhere: is no benchmark"),
+    ],
+)
+def test_bad_input_is_one_line(terrainav, arguments, said):
+    found = terrainav(*arguments)
+    assert found.returncode == 2
+    assert said in found.stderr
+    assert len(found.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--queries", "world"), "imagery 'world': must be NAME=SOURCE"),
+        (("--reference", "a=nowhere"), "nowhere"),
+        (("--queries", "a=world", "A=world"), "imagery 'A': is named twice"),
+        (("--tiles", "-5"), "tiles of -5.0 m: must be wider than 0"),
+        (("--data-dir", ""), "data folder ''"),
+    ],
+)
+def test_bad_benchmarks_are_one_line(terrainav, tmp_path, more, said):
+    found = make(terrainav, *more)
+    assert found.returncode == 2
+    assert said in found.stderr
+    assert len(found.stderr.splitlines()) == 1
+    assert not (tmp_path / "bench").exists()
