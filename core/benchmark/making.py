@@ -15,7 +15,8 @@ from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progre
 from ..dataset.ground import Boxes, boxes_of
 from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
-from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..dataset.table import GAP
+from ..errors import Message, OptionName, OutputError
 from ..files import make_folder, open_locked, write_whole
 from ..imagery.source import Source
 from .folder import (
@@ -230,12 +231,12 @@ def _parts(
     boxes, names = _ground(path, there)
     part, _, _ = by_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
     of_image = dict(zip(names, part))
-    found = {name: [of_image.get(f"{name}/{stem}", "") for stem in one.names] for name, one in sets.items()}
+    found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
     return found.pop(f"{QUERIES_FOLDER}/{first}"), found
 
 
 def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[Boxes, list[str]]:
-    """Boxes of the ground of images, and their names."""
+    """Boxes of the ground of images, and their names; of those whose ground is known."""
     tables = [(one.images.table, one.rows) for one in there.values()]
     _, middle_lon = middle_of(
         np.concatenate([table.lat_deg[rows] for table, rows in tables]),
@@ -244,12 +245,5 @@ def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[Boxes, list[str]
     pieces = [boxes_of(one.images, one.rows, path / name, middle_lon) for name, one in there.items()]
     names = [f"{name}/{stem}" for name, one in there.items() for stem in one.stems]
     boxes = Boxes(*(np.concatenate(edges) for edges in zip(*pieces)))
-    unknown = np.flatnonzero(~boxes.known)
-    if len(unknown):
-        raise InvalidInput(
-            "split {0}: the ground of {1} is not known",
-            CROSS_AREA,
-            names[unknown[0]],
-            remedy=Message("split {0} or {1}", "same-area", NO_SPLIT),
-        )
-    return boxes, names
+    known = boxes.known
+    return boxes.take(known), [name for name, there in zip(names, known.tolist()) if there]

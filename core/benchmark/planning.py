@@ -191,7 +191,7 @@ def plan_benchmark(
     widths = settings.tile_widths_m or (round(_side_of_ground_m(first), 1),)
     box = _grown(_ground(queries), max(widths) if settings.margin_m is None else settings.margin_m)
     gsd_m = first.delivered_gsd_m_per_px
-    mosaic = _cut(plan(_mosaic(settings, box, gsd_m), grids[str(settings.reference)]))
+    mosaic = _mosaic(settings, box, gsd_m, grids[str(settings.reference)])
     tiles = {width: _tiles(settings, mosaic, width) for width in widths}
     return BenchmarkPlan(settings, queries, mosaic, tiles)
 
@@ -278,7 +278,8 @@ def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any
     return _of(Mission(area, agl_m, **{**values, **more}), settings.reference)
 
 
-def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float) -> Mission:
+def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid) -> Plan:
+    """Plan of the reference as one image."""
     middle = (box.north_deg + box.south_deg) / 2.0
     # At the latitude that is nearest to the equator the box is widest.
     widest = 0.0 if box.south_deg <= 0.0 <= box.north_deg else min(abs(box.south_deg), abs(box.north_deg))
@@ -292,7 +293,17 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float) -> Mission:
     )
     width_m, height_m = width_m * _SPARE, height_m * _SPARE
     px = math.ceil(max(width_m, height_m) / gsd_m)
-    if px > MAX_PICTURE_SIDE_PX or width_m * height_m / gsd_m**2 > MAX_PICTURE_PX:
+    camera = Camera.from_horizontal_fov(_FOV_DEG, width_m / height_m)
+    agl_m = width_m / camera.ground_size_m(1.0)[0]
+    lon = box.west_deg + box.span_deg / 2.0
+    mission = _reference(
+        settings, Points(((middle, lon, agl_m),)), agl_m, camera=camera, image_px=px, image_format="tif"
+    )
+    try:
+        return _cut(plan(mission, grid))
+    except InvalidInput as wrong:
+        if wrong.field != "max_px":
+            raise
         raise InvalidInput(
             "reference of {0:,.0f} x {1:,.0f} m in pixels of {2:.3g} m: more than {3:,} px along a side or {4:,} px",
             width_m,
@@ -301,13 +312,7 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float) -> Mission:
             MAX_PICTURE_SIDE_PX,
             MAX_PICTURE_PX,
             remedy="choose a smaller area, or coarser pixels of the queries (--gsd)",
-        )
-    camera = Camera.from_horizontal_fov(_FOV_DEG, width_m / height_m)
-    agl_m = width_m / camera.ground_size_m(1.0)[0]
-    lon = box.west_deg + box.span_deg / 2.0
-    return _reference(
-        settings, Points(((middle, lon, agl_m),)), agl_m, camera=camera, image_px=px, image_format="tif"
-    )
+        ) from wrong
 
 
 def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.core.remedies import (  # noqa: F401
+    benchmarks,
     commands,
     datasets,
     files,

@@ -1,0 +1,192 @@
+"""What refusals of benchmarks advise."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+
+from terrainav.core.benchmark.features import sift
+from terrainav.core.benchmark.folder import Benchmark
+from terrainav.core.benchmark.making import make_benchmark
+from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
+from terrainav.core.cli import benchmarking
+from terrainav.core.errors import PartError
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.imageries import NamedImagery
+from terrainav.core.mission.mission import Mission
+
+from tests.core.remedies.commands import STOPPED, pressed
+from tests.core.remedies.files import extra_brings
+from tests.support.remedies import Case, remedy
+
+WORLD = NamedImagery("air", "world")
+QUERIES = Mission(Box(35.150, -89.900, 35.149, -89.899), 60.0, image_px=40, image_format="png")
+SETTINGS = BenchmarkSettings(QUERIES, (WORLD,), WORLD, split="none")
+COMMAND = (
+    *(
+        "benchmark",
+        "make",
+        "--coords",
+        "35.150_-89.900_35.149_-89.899_60",
+        "--image-px",
+        "40",
+        "--split",
+        "none",
+    ),
+    *("--queries", "air=world", "--reference", "map=world:roadmap", "--data-dir", "out", "--quiet"),
+)
+
+
+def made(folder, settings=SETTINGS, source=None, **options):
+    source = source or open_source("world")
+    names = [str(one) for one in (*settings.imageries, settings.reference)]
+    worked_out = plan_benchmark(settings, dict.fromkeys(names, source.grid))
+    return make_benchmark(worked_out, dict.fromkeys(names, source), folder, **options)
+
+
+@remedy(
+    "benchmark/features.py",
+    "OpenCV, which finds and matches features, is not installed; get it with: pip install 'terrainav[benchmark]'",
+)
+def _no_opencv(case: Case) -> None:
+    benchmark = made(case.tmp_path / "out").benchmark
+    with case.monkeypatch.context() as without:
+        without.setitem(sys.modules, "cv2", None)
+        case.refused(lambda: sift(benchmark, benchmark.gallery("")))
+    case.follow(
+        "get it with: pip install 'terrainav[benchmark]'",
+        lambda: extra_brings("benchmark", "opencv-python-headless"),
+    )
+
+
+@remedy("benchmark/folder.py", "folder {}: is not finished; make it with --resume")
+def _not_finished(case: Case) -> None:
+    made(case.tmp_path / "out", cancelled=lambda: True)
+    case.refused(lambda: Benchmark.read(case.tmp_path / "out"))
+    case.follow("make it with --resume", lambda: made(case.tmp_path / "out", resume=True))
+    Benchmark.read(case.tmp_path / "out")
+
+
+@remedy(
+    "benchmark/folder.py",
+    "folder {}: is no benchmark, as {} in it cannot be read ({}); make one first (terrainav benchmark make)",
+)
+def _no_benchmark(case: Case) -> None:
+    case.refused(lambda: Benchmark.read(case.tmp_path / "out"))
+    case.follow("make one first (terrainav benchmark make)", lambda: case.run(*COMMAND).returncode == 0)
+    Benchmark.read(case.tmp_path / "out")
+
+
+@remedy("benchmark/making.py", "folder {}: holds another benchmark; choose another folder")
+def _another(case: Case) -> None:
+    made(case.tmp_path / "out")
+    other = replace(SETTINGS, tile_overlap=0.0)
+    case.refused(lambda: made(case.tmp_path / "out", other))
+    case.follow("choose another folder", lambda: made(case.tmp_path / "other", other))
+
+
+@remedy(
+    "benchmark/making.py",
+    "folder {}: already holds this benchmark; resume it (--resume) or choose another folder",
+)
+def _already(case: Case) -> None:
+    made(case.tmp_path / "out")
+    case.refused(lambda: made(case.tmp_path / "out"))
+    case.follow("resume it (--resume)", lambda: made(case.tmp_path / "out", resume=True))
+    case.follow("choose another folder", lambda: made(case.tmp_path / "other"))
+
+
+@remedy(
+    "benchmark/making.py", "folder {}: holds {} but no {}, so it is no benchmark's; choose another folder"
+)
+def _foreign(case: Case) -> None:
+    (case.tmp_path / "mine.txt").write_text("mine")
+    case.refused(lambda: made(case.tmp_path))
+    case.follow("choose another folder", lambda: made(case.tmp_path / "other"))
+
+
+class Failing:
+    """The embedded world, of which one tile cannot be had for a while."""
+
+    def __init__(self):
+        self._world = open_source("world")
+        self.fails = True
+
+    def __getattr__(self, name):
+        return getattr(self._world, name)
+
+    def fetch(self, map_type, part):
+        if self.fails:
+            raise PartError("it does not serve")
+        return self._world.fetch(map_type, part)
+
+
+@remedy(
+    "benchmark/making.py",
+    "folder {}: the mosaic of the reference has failed; go on (--resume) once its source serves, or take a smaller "
+    "margin",
+)
+def _no_mosaic(case: Case) -> None:
+    source = Failing()
+    case.refused(lambda: made(case.tmp_path / "out", source=source))
+    source.fails = False
+    case.follow(
+        "go on (--resume) once its source serves",
+        lambda: made(case.tmp_path / "out", source=source, resume=True).benchmark is not None,
+    )
+    smaller = replace(SETTINGS, margin_m=0.0)
+    case.follow("take a smaller margin", lambda: made(case.tmp_path / "other", smaller, source))
+
+
+@remedy(
+    "benchmark/planning.py",
+    "reference of {} x {} m in pixels of {} m: more than {} px along a side or {} px; choose a smaller area, or "
+    "coarser pixels of the queries (--gsd)",
+)
+def _too_large(case: Case) -> None:
+    wide = Mission(Box(35.5, -90.0, 35.0, -89.0), 2_000.0, image_px=4_000)
+    grid = {str(WORLD): open_source("world").grid}
+    case.refused(lambda: plan_benchmark(replace(SETTINGS, queries=wide), grid))
+    smaller = wide.with_(area=Box(35.01, -90.0, 35.0, -89.99))
+    case.follow("choose a smaller area", lambda: plan_benchmark(replace(SETTINGS, queries=smaller), grid))
+    coarser = wide.with_(gsd_m_per_px=20.0)
+    case.follow(
+        "coarser pixels of the queries (--gsd)",
+        lambda: plan_benchmark(replace(SETTINGS, queries=coarser), grid),
+    )
+
+
+@remedy("benchmark/planning.py", "no imagery of queries: give one or more, such as drone=world")
+def _no_imagery(case: Case) -> None:
+    case.refused(lambda: replace(SETTINGS, imageries=()))
+    case.follow(
+        "give one or more, such as drone=world",
+        lambda: replace(SETTINGS, imageries=(NamedImagery.of("drone=world"),)),
+    )
+
+
+@remedy(
+    "benchmark/planning.py",
+    "queries of {}: {} of {} see the horizon, first {}, and no reference holds their ground; tilt less, or take a "
+    "narrower camera",
+)
+def _horizon(case: Case) -> None:
+    grid = {str(WORLD): open_source("world").grid}
+    tilted = QUERIES.with_(tilt_deg=75.0, accept_error=True)
+    case.refused(lambda: plan_benchmark(replace(SETTINGS, queries=tilted), grid))
+    less = tilted.with_(tilt_deg=40.0)
+    case.follow("tilt less", lambda: plan_benchmark(replace(SETTINGS, queries=less), grid))
+    narrower = tilted.with_(camera=replace(tilted.camera, fov_deg=20.0))
+    case.follow("take a narrower camera", lambda: plan_benchmark(replace(SETTINGS, queries=narrower), grid))
+
+
+@remedy("cli/benchmarking.py", STOPPED)
+def _stopped(case: Case) -> None:
+    with case.monkeypatch.context() as stopped:
+        stopped.setattr(benchmarking, "collected", pressed)
+        case.says(case.run(*COMMAND).stderr, only_here=False)
+    case.follow(
+        "what is finished is kept, go on with --resume",
+        lambda: case.run(*COMMAND, "--resume").returncode == 0,
+    )
