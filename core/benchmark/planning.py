@@ -299,20 +299,23 @@ def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid
     mission = _reference(
         settings, Points(((middle, lon, agl_m),)), agl_m, camera=camera, image_px=px, image_format="tif"
     )
-    try:
-        return _cut(plan(mission, grid))
-    except InvalidInput as wrong:
-        if wrong.field != "max_px":
-            raise
-        raise InvalidInput(
-            "reference of {0:,.0f} x {1:,.0f} m in pixels of {2:.3g} m: more than {3:,} px along a side or {4:,} px",
-            width_m,
-            height_m,
-            gsd_m,
-            MAX_PICTURE_SIDE_PX,
-            MAX_PICTURE_PX,
-            remedy="choose a smaller area, or coarser pixels of the queries (--gsd)",
-        ) from wrong
+    wrong: InvalidInput | None = None
+    if px <= MAX_PICTURE_SIDE_PX:
+        try:
+            return _cut(plan(mission, grid))
+        except InvalidInput as refused:
+            if refused.field != "max_px":
+                raise
+            wrong = refused
+    raise InvalidInput(
+        "reference of {0:,.0f} x {1:,.0f} m in pixels of {2:.3g} m: more than {3:,} px along a side or {4:,} px",
+        width_m,
+        height_m,
+        gsd_m,
+        MAX_PICTURE_SIDE_PX,
+        MAX_PICTURE_PX,
+        remedy="choose a smaller area, or coarser pixels of the queries (--gsd)",
+    ) from wrong
 
 
 def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:

@@ -148,7 +148,7 @@ def _too_large(case: Case) -> None:
     wide = Mission(Box(35.5, -90.0, 35.0, -89.0), 2_000.0, image_px=4_000)
     grid = {str(WORLD): open_source("world").grid}
     case.refused(lambda: plan_benchmark(replace(SETTINGS, queries=wide), grid))
-    smaller = wide.with_(area=Box(35.01, -90.0, 35.0, -89.99))
+    smaller = wide.with_(area=Box(35.004, -90.0, 35.0, -89.995))
     case.follow("choose a smaller area", lambda: plan_benchmark(replace(SETTINGS, queries=smaller), grid))
     coarser = wide.with_(gsd_m_per_px=20.0)
     case.follow(
