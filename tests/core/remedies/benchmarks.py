@@ -145,7 +145,7 @@ def _no_mosaic(case: Case) -> None:
     "coarser pixels of the queries (--gsd)",
 )
 def _too_large(case: Case) -> None:
-    wide = Mission(Box(35.5, -90.0, 35.0, -89.0), 2_000.0, image_px=4_000)
+    wide = Mission(Box(35.2, -90.0, 35.0, -89.8), 300.0, image_px=1_000)
     grid = {str(WORLD): open_source("world").grid}
     case.refused(lambda: plan_benchmark(replace(SETTINGS, queries=wide), grid))
     smaller = wide.with_(area=Box(35.004, -90.0, 35.0, -89.995))
