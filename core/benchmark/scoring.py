@@ -103,7 +103,7 @@ class Scores:
 
 
 class _Judged(NamedTuple):
-    """What figures are made of, for q queries and their first k tiles."""
+    """What figures are made of, for q queries and their first k tiles, and of which kinds there are answers at all."""
 
     errors: Errors
     hits: NDArray[np.bool_]
@@ -112,6 +112,8 @@ class _Judged(NamedTuple):
     centre_deg: Floats
     widths: Floats
     is_ranked: bool
+    is_placed: bool
+    is_posed: bool
 
     def of(self, rows: Numbers) -> _Judged:
         """Some of the queries."""
@@ -123,6 +125,8 @@ class _Judged(NamedTuple):
             self.centre_deg[rows],
             self.widths[rows],
             self.is_ranked,
+            self.is_placed,
+            self.is_posed,
         )
 
 
@@ -200,7 +204,17 @@ def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, galle
     )
     widths = np.where(ranking >= 0, tiles.width_m[ranking], np.nan)
     counts = np.array([len(one) for one in positives], np.int64)
-    return _Judged(errors, hits, counts, centre_m, centre_deg, widths, bool((ranking >= 0).any()))
+    return _Judged(
+        errors,
+        hits,
+        counts,
+        centre_m,
+        centre_deg,
+        widths,
+        bool((ranking >= 0).any()),
+        bool(np.isfinite(errors.error_m).any()),
+        bool(np.isfinite(errors.error_deg).any()),
+    )
 
 
 def _figures(judged: _Judged, tiles: int) -> list[Figure]:
@@ -211,7 +225,7 @@ def _figures(judged: _Judged, tiles: int) -> list[Figure]:
     found = [Figure("queries", float(count), "", f"asked for; {int(said.sum()):,} answered")]
     if judged.is_ranked:
         found += _of_ranking(judged, tiles)
-    if np.isfinite(errors.error_m).any():
+    if judged.is_placed:
         position = metrics.position_figures(errors.error_m)
         found.append(
             Figure("position", position.median, "m", "median error along the ground, of those answered")
@@ -220,7 +234,7 @@ def _figures(judged: _Judged, tiles: int) -> list[Figure]:
             Figure(f"within {limit:g} m", share, "", "of all queries, along the ground")
             for limit, share in zip(metrics.WITHIN_M, position.within)
         ]
-    if np.isfinite(errors.error_deg).any():
+    if judged.is_posed:
         pose = metrics.pose_figures(errors.distance_m, errors.error_deg)
         found.append(
             Figure("attitude", pose.median, "deg", "median angle between attitudes, of those answered")

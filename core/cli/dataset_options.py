@@ -107,8 +107,8 @@ def _add_split(commands: Any) -> None:
         "--how",
         choices=WAYS,
         default=WAYS[0],
-        help="shuffled by seed and image name (default), in the table's order, or by blocks of ground, so that no "
-        "ground is in two parts",
+        help="shuffled by seed and image name, in the table's order, or by blocks of ground, so that no ground is in "
+        "two parts; auto (default) takes blocks where images overlap, and shuffles else",
     )
     splitting.add_argument(
         "--block",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 import time
 from collections import Counter
 from collections.abc import Iterable
@@ -22,6 +23,14 @@ if TYPE_CHECKING:
 
 #: Options that are also read from the environment and ``config.json``.
 _LOAD_SETTINGS = ("img_size", "batch_size", "seed", "dataset")
+
+#: What is said of the entropies that a table holds.
+_MEASURES = {
+    "grey": "of grey levels (the paper's equation 10)",
+    "pooled": "of red, green and blue in one histogram, as the paper's published tables have them; thresholds of the "
+    "paper's equation 10 do not fit these",
+    "unknown": "by a measure of the table's own; thresholds of the paper's equation 10 do not fit these",
+}
 
 
 def run_clean(arguments: argparse.Namespace) -> int:
@@ -51,6 +60,13 @@ def run_clean(arguments: argparse.Namespace) -> int:
     for one in cleaned:
         text = _undone(one) if arguments.undo else _cleaned(one, arguments.entropy)
         print(f"{one.map_type:11s} {text}")
+    if not arguments.undo:
+        for measure in dict.fromkeys(one.measure for one in cleaned):
+            print(f"{'entropies':11s} {_MEASURES[measure]}")
+        for one in cleaned:
+            if one.is_one_sided:
+                what = "nearly all" if one.rejected else "nothing"
+                print(f"warning: {one.map_type}: the threshold rejects {what}", file=sys.stderr)
     for path in (path for one in cleaned for path in one.figures):
         print(f"{'replaced' if path in earlier else 'written':12s}{path}")
     if arguments.dry_run:
@@ -119,6 +135,8 @@ def _split_lines(made: Split) -> list[str]:
         lines.append(f"{'unknown':12s}{made.unknown:,} images in no part: they see the horizon or a pole")
     if made.left_out:
         lines.append(f"{'left out':12s}{made.left_out:,} images that failed or are rejected")
+    if made.images["test"]:
+        lines.append(f"{'ground':12s}{_seen_text(made)}")
     if made.blocks is not None:
         lines.append(f"{'blocks':12s}{made.blocks:,} of {made.block_m:,.0f} m, gap {made.gap_m:g} m")
     labels = made.labels
@@ -128,8 +146,17 @@ def _split_lines(made: Split) -> list[str]:
     return [*lines, *(f"{'':12s}{note}" for note in labels.notes)]
 
 
+def _seen_text(made: Split) -> str:
+    if made.seen is None:
+        return "not known: the test images may see ground of the training part"
+    if made.seen == 0.0:
+        return "no test image sees ground of the training part"
+    advice = "" if made.how == "blocks" else "; --how blocks leaves none"
+    return f"{100.0 * made.seen:.1f} % of the test images see ground of the training part{advice}"
+
+
 def _split_document(made: Split) -> dict[str, object]:
-    names = ("how", "seed", "images", "gap", "unknown", "left_out", "blocks", "block_m", "gap_m")
+    names = ("how", "seed", "images", "gap", "unknown", "left_out", "blocks", "block_m", "gap_m", "seen")
     document: dict[str, object] = {name: getattr(made, name) for name in names}
     document.update(images=dict(made.images), shares=made.shares, labels=json.loads(made.labels.to_json()))
     return document

@@ -16,10 +16,13 @@ from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
 from ..files import clear_partial, open_locked
 from .dataset import Images, Move
-from .entropy import HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu
+from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu
 from .figures import draw_all
 from .folder import DEFAULT_ENTROPY, JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
 from .table import REJECTED, Table
+
+#: Share of images from which a threshold that rejects them tells hardly anything apart.
+_NEARLY_ALL = 0.95
 
 
 @dataclass(frozen=True)
@@ -38,6 +41,8 @@ class Cleaned:
         Images moved out of the way, and back.
     suggested : float or None
         Threshold that parts the deciding entropies best (see `otsu`); None where all are the same.
+    measure : str
+        One of `entropy.MEASURES`: which entropies the table holds that decides.
     figures : tuple of str
         Paths of the diagrams that were written.
     """
@@ -50,7 +55,13 @@ class Cleaned:
     moved: int
     returned: int
     suggested: float | None
+    measure: str = GREY
     figures: tuple[str, ...] = ()
+
+    @property
+    def is_one_sided(self) -> bool:
+        """Whether the threshold tells hardly anything apart: it rejects nothing, or nearly all."""
+        return bool(self.images) and not 0 < self.rejected < self.images * _NEARLY_ALL
 
 
 def clean(
@@ -190,6 +201,7 @@ def _judged(
         len({one.stem for one in out}),
         len({one.stem for one in back}),
         otsu(decisive[there]),
+        deciding.measure,
     )
     return cleaned, table, [*out, *back]
 

@@ -23,6 +23,10 @@ _BAND_PX = 1 << 19
 Floats = NDArray[np.float64]
 #: Of 256 grey levels, in bits.
 HIGHEST_ENTROPY = 8.0
+#: Which entropies a table holds: those of `entropy`, of `pooled_entropy`, or of neither.
+GREY, POOLED, UNKNOWN = MEASURES = ("grey", "pooled", "unknown")
+#: Images that tell which, and what a JPEG's losses may change a figure by, bits.
+_TELLING, _LOST = 5, 0.1
 #: What long work tells of: the share done, 0 to 1; an answer of False stops it.
 Report = Callable[[float], bool]
 
@@ -74,6 +78,13 @@ def _grey(image: NDArray[np.uint8]) -> Image.Image:
     return grey
 
 
+def pooled_entropy(image: NDArray[np.uint8]) -> float:
+    """Shannon entropy in bits of the values of all channels of an image (h, w, n) in one histogram of 256."""
+    counts = np.bincount(image.ravel(), minlength=256)
+    shares = counts[counts > 0] / image.size
+    return float(-(shares * np.log2(shares)).sum()) + 0.0
+
+
 def otsu(values: NDArray[np.float64]) -> float | None:
     """Threshold that parts values in two groups with the least variance inside them, after Otsu (1979).
 
@@ -123,6 +134,8 @@ class Deciding:
         Bits; NaN for rows of images that could not be made.
     by_roadmap : array of bool (n,)
         Rows for which the roadmap's decides, and not the image's own.
+    measure : str
+        One of `MEASURES`: which entropies the table of those that decide holds.
     """
 
     folder: Path
@@ -131,6 +144,7 @@ class Deciding:
     images: Images
     entropies: Floats
     by_roadmap: NDArray[np.bool_]
+    measure: str = GREY
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -196,6 +210,7 @@ def deciding_entropies(
     for name, path in map_type_folders(folder).items():
         table = Table.load(path / TABLE_FILE)
         own[name] = _Own(path, table, image_folder(path, table.img_names))
+    measures = {name: one.measure() for name, one in own.items()}
     _fill_in(list(own.values()), progress)
     found = {}
     for name, one in own.items():
@@ -206,7 +221,10 @@ def deciding_entropies(
             of_roadmap = np.array([own[decider].by_stem.get(stem, math.nan) for stem in stems], np.float64)
             by_roadmap = ~np.isnan(entropies) & ~np.isnan(of_roadmap)
             entropies = np.where(by_roadmap, of_roadmap, entropies)
-        found[name] = Deciding(one.folder, one.table, one.image_folder, one.images, entropies, by_roadmap)
+        measure = measures[decider if decider is not None and by_roadmap.any() else name]
+        found[name] = Deciding(
+            one.folder, one.table, one.image_folder, one.images, entropies, by_roadmap, measure
+        )
     return found
 
 
@@ -227,6 +245,21 @@ class _Own:
         self.there = table.made
         self.images.check(table.img_names, self.there)
         self.entropies = np.where(self.there, table.entropies, np.nan)
+
+    def measure(self) -> str:
+        """Which entropies the table holds, by some of its images; `GREY` where it holds none."""
+        stated = np.flatnonzero(np.isfinite(self.entropies))
+        some = stated[:: max(-(-len(stated) // _TELLING), 1)]
+        off = []
+        for index in some.tolist():
+            path = self.images.path(self.table.img_names[index])
+            image = np.asarray(open_image(path, as_shown=True))
+            own = float(self.entropies[index])
+            off.append([abs(one(image) - own) for one in (entropy, pooled_entropy)])
+        if not off:
+            return GREY
+        nearness = np.median(off, axis=0)
+        return MEASURES[int(np.argmin(nearness))] if nearness.min() <= _LOST else UNKNOWN
 
     @cached_property
     def by_stem(self) -> dict[str, float]:

@@ -37,7 +37,7 @@ TRAIN, VALIDATION, TEST = PARTS = ("train", "validation", "test")
 SHARES = (0.8, 0.1, 0.1)
 SEED = 2024
 #: How images are put in order, or by what they are split.
-WAYS = ("shuffled", "in-order", "blocks")
+AUTO, *_ = WAYS = ("auto", "shuffled", "in-order", "blocks")
 #: Frames of labels that are chosen by name; else a code ``EPSG:…``.
 FRAMES = ("utm", "mercator", "mission")
 

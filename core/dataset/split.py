@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message
 from .clean import held
 from .dataset import ImageSet, read_dataset
-from .folder import PARTS, SEED, SHARES, TABLE_FILE, WAYS
-from .ground import Boxes, blocks_of, boxes_of, deviation, largest_side_m, parted
+from .folder import AUTO, PARTS, SEED, SHARES, TABLE_FILE, TEST, TRAIN, WAYS
+from .ground import Boxes, blocks_of, boxes_of, deviation, largest_side_m, near, parted
 from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished, middle_of
 from .table import GAP, SPLIT, Table, taken
 
@@ -32,6 +32,8 @@ _SUM_OFF = 1e-9
 _TRIED = (16.0, 12.0, 8.0, 6.0, 4.0, 3.0, 2.0, 1.5, 1.0, 0.75, 0.5)
 #: The first of them is taken whose shares are this near to those asked for: large blocks lose few images to the gap.
 _NEAR_ENOUGH = 0.02
+#: Share of an image's side that rounding to pixels makes neighbours share at most.
+_ROUNDING = 0.01
 #: Widest gap, metres: beyond, it is no local one, and the sine of its angle no measure.
 _WIDEST_GAP_M = 1_000_000.0
 
@@ -55,6 +57,9 @@ class Split:
         Side of the blocks and least distance between parts; None without blocks.
     blocks : int or None
         Number of blocks.
+    seen : float or None
+        Share of the test's places that show ground which a training image shows, too; None where there is no test, or
+        nobody knows the ground.
     labels : Labels
         Frame and scaler, as saved.
     """
@@ -68,6 +73,7 @@ class Split:
     block_m: float | None
     gap_m: float | None
     blocks: int | None
+    seen: float | None
     labels: Labels
 
     @property
@@ -81,7 +87,7 @@ def split(
     shares: Sequence[float] = SHARES,
     *,
     seed: int = SEED,
-    how: str = "shuffled",
+    how: str = AUTO,
     block_m: float | None = None,
     gap_m: float = 0.0,
     frame: str = "utm",
@@ -100,9 +106,9 @@ def split(
         Of training, validation and test; they add up to 1. A part may have 0.
     seed : int
         Of the order.
-    how : {"shuffled", "in-order", "blocks"}
+    how : {"auto", "shuffled", "in-order", "blocks"}
         By the hash of seed and name; in the table's order; or by blocks of ground, in the order of their hashes, such
-        that no ground is in images of two parts.
+        that no ground is in images of two parts. ``auto`` takes blocks where images overlap, and else the hashes.
     block_m : float or None
         Side of the blocks; None finds one.
     gap_m : float
@@ -129,12 +135,19 @@ def split(
                 "folder {0}: has no image that is there and not rejected, so there is nothing to split",
                 folder,
             )
+        boxes = _ground_if_known(Path(folder), sets, places, needed=how == "blocks")
+        if how == AUTO:
+            how = (
+                "blocks"
+                if block_m is not None or gap_m or (boxes is not None and _overlap(boxes))
+                else "shuffled"
+            )
         block_side: float | None = None
         count: int | None = None
         unknown = 0
         if how == "blocks":
             of_place, block_side, count, unknown = _by_blocks(
-                Path(folder), sets, places, wanted, seed, block_m, float(gap_m)
+                Path(folder), boxes, places, wanted, seed, block_m, float(gap_m)
             )
         else:
             order = shuffled(places, seed) if how == "shuffled" else list(places)
@@ -159,6 +172,7 @@ def split(
         block_m=block_side,
         gap_m=float(gap_m) if how == "blocks" else None,
         blocks=count,
+        seen=None if boxes is None else _seen([of_place[name] for name in places], boxes),
         labels=labels,
     )
 
@@ -187,7 +201,7 @@ def _checked(
     wanted = checked_shares(shares)
     if how not in WAYS:
         raise InvalidInput("split {0!r}: must be one of {1}", how, ", ".join(WAYS))
-    if how != "blocks" and (block_m is not None or gap_m):
+    if how not in ("blocks", AUTO) and (block_m is not None or gap_m):
         raise InvalidInput(
             "split {0!r}: has no blocks and no gap", how, remedy="choose blocks, or leave their sizes out"
         )
@@ -232,9 +246,45 @@ def counted(count: int, shares: Sequence[float]) -> list[str]:
     return [part for part, size in zip(PARTS, counts) for _ in range(size)]
 
 
+def _ground_if_known(
+    folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tuple[int, int]]], *, needed: bool
+) -> Boxes | None:
+    """Boxes of the ground of each place; None where none is known, or cannot be worked out and is not needed."""
+    try:
+        boxes = _ground(folder, sets, places)
+    except InvalidInput:
+        if needed:
+            raise
+        return None
+    return boxes if boxes.known.any() else None
+
+
+def _overlap(boxes: Boxes) -> bool:
+    """Whether two images share more ground than rounding makes neighbours share."""
+    known = boxes.take(boxes.known)
+    across, up = (known.east_u - known.west_u) * _ROUNDING, (known.north_deg - known.south_deg) * _ROUNDING
+    inner = Boxes(known.west_u + across, known.east_u - across, known.south_deg + up, known.north_deg - up)
+    number = np.arange(len(inner.west_u))
+    # Two numbers differ in one of their binary digits at least.
+    for digit in range(len(number).bit_length()):
+        one = number >> digit & 1 == 1
+        if one.any() and near(inner.take(one), inner.take(~one), 0.0).any():
+            return True
+    return False
+
+
+def _seen(parts: Sequence[str], boxes: Boxes) -> float | None:
+    """Share of the test's places, of known ground, that share some with a training image; None without any."""
+    part = np.array(parts)
+    test, train = (boxes.take(boxes.known & (part == one)) for one in (TEST, TRAIN))
+    if not len(test.west_u):
+        return None
+    return float(near(test, train, 0.0).mean()) if len(train.west_u) else 0.0
+
+
 def _by_blocks(
     folder: Path,
-    sets: Sequence[ImageSet],
+    boxes: Boxes | None,
     places: Mapping[str, list[tuple[int, int]]],
     shares: tuple[float, float, float],
     seed: int,
@@ -242,16 +292,15 @@ def _by_blocks(
     gap_m: float,
 ) -> tuple[dict[str, str], float, int, int]:
     """Part of each place, the side and the number of the blocks, and the number of places whose ground is not known."""
-    boxes = _ground(folder, sets, places)
-    known = boxes.known
-    names = [name for name, there in zip(places, known.tolist()) if there]
-    if not names:
+    if boxes is None:
         raise InvalidInput(
             "folder {0}: the ground that its images show is not known (they see the horizon, or come "
             "from no map), so there are no blocks of it",
             folder,
             remedy="split shuffled or in-order",
         )
+    known = boxes.known
+    names = [name for name, there in zip(places, known.tolist()) if there]
     part, side, count = by_blocks(boxes.take(known), names, shares, seed, block_m, gap_m)
     of_known = dict(zip(names, part))
     return {name: of_known.get(name, GAP) for name in places}, side, count, int((~known).sum())
@@ -302,7 +351,7 @@ def by_blocks(
             base - gap_m,
             gap_m,
             asked,
-            remedy="choose a smaller gap, other blocks or shares, or a dataset of more ground",
+            remedy="choose a smaller gap, other blocks or shares, a dataset of more ground, or split shuffled",
         )
     _, side, part, count = best
     return [PARTS[one] if one >= 0 else GAP for one in part.tolist()], side, count

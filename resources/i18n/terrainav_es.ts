@@ -3375,8 +3375,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>By a hash of seed and name, in the table's order, or by blocks of ground.</source>
-        <translation>Por un hash de semilla y nombre, en el orden de la tabla o por bloques de terreno.</translation>
+        <source>By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need.</source>
+        <translation>Por un hash de la semilla y el nombre, en el orden de la tabla, o por bloques de terreno, como necesitan las imágenes que se solapan.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -3545,6 +3545,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>The table's entropies are not those of grey levels (the paper's equation 10), whose thresholds do not fit.</source>
+        <translation>Las entropías de la tabla no son las de niveles de gris (ecuación 10 del artículo), cuyos umbrales no les corresponden.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>The three shares add up to 1.</source>
         <translation>Las tres proporciones suman 1.</translation>
     </message>
@@ -3600,8 +3605,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon.</source>
-        <translation>shuffled sigue un hash de la semilla y del nombre de la imagen, el mismo en cualquier ordenador; in-order sigue la tabla; blocks divide el terreno, de modo que ninguno está en imágenes de dos partes: las imágenes intermedias se marcan «gap», igual que las que ven el horizonte.</translation>
+        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon. auto takes blocks where images overlap, and shuffles else.</source>
+        <translation>shuffled sigue un hash de la semilla y del nombre de la imagen, el mismo en cualquier ordenador; in-order sigue la tabla; blocks divide el terreno, de modo que ninguno está en imágenes de dos partes: las imágenes intermedias se marcan «gap», igual que las que ven el horizonte. auto toma blocks donde las imágenes se solapan, y si no shuffled.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -3620,6 +3625,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{map_type}: the threshold rejects {rejected} of {images} images.</source>
+        <translation>{map_type}: el umbral rechaza {rejected} de {images} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.</source>
         <translation>{map_type}: {rejected} de {images} imágenes, {moved} movidas, {returned} devueltas.</translation>
     </message>
@@ -3632,6 +3642,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{part}: {images} images ({share} %).</source>
         <translation>{part}: {images} imágenes ({share} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{share} % of the test images see ground of the training part: blocks leave none.</source>
+        <translation>El {share} % de las imágenes de prueba ve terreno de la parte de entrenamiento: con bloques no lo ve ninguna.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/imagery.py"/>
@@ -4368,16 +4383,293 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>realce {0!r}: debe ser {1}, {2} o dos números, primero el menor</translation>
     </message>
     <message>
-        <location filename="../../core/capture/folder.py"/>
-        <source>capture it first</source>
-        <translation>capturarla primero</translation>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>predictions {0}: answer no query</source>
+        <translation>predicciones {0}: no responden a ninguna consulta</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>predictions {0}: lat_deg and lon_deg go together</source>
+        <translation>predicciones {0}: lat_deg y lon_deg van juntas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>predictions {0}: need the column query, and references or {1}</source>
+        <translation>predicciones {0}: necesitan la columna query, y references o {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>reference {0!r} of query {1!r} is not in the benchmark</source>
+        <translation>la referencia {0!r} de la consulta {1!r} no está en el banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>references of query {0!r}: one is named twice</source>
+        <translation>referencias de la consulta {0!r}: una se nombra dos veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>{0} query {1!r} is answered in line {2} already</source>
+        <translation>{0} la consulta {1!r} ya se responde en la línea {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>{0} query {1!r} is not in the benchmark</source>
+        <translation>{0} la consulta {1!r} no está en el banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>{0} {1:g}, {2:g} is not on the Earth</source>
+        <translation>{0} {1:g}, {2:g} no está en la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/features.py"/>
+        <source>OpenCV, which finds and matches features, is not installed</source>
+        <translation>OpenCV, que encuentra y empareja puntos característicos, no está instalado</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/features.py"/>
+        <source>get it with: pip install 'terrainav[benchmark]'</source>
+        <translation>se obtiene con: pip install 'terrainav[benchmark]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>folder {0}: is no benchmark, as {1} in it cannot be read ({2})</source>
+        <translation>carpeta {0}: no es un banco de pruebas, pues no se puede leer su {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>folder {0}: is not finished</source>
+        <translation>carpeta {0}: no está terminada</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>make it with --resume</source>
+        <translation>termínela con --resume</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>make one first (terrainav benchmark make)</source>
+        <translation>haga uno antes (terrainav benchmark make)</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>part {0!r}: must be one of {1}</source>
+        <translation>parte {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>part {0!r}: the benchmark in {1} has no such queries</source>
+        <translation>parte {0!r}: el banco de pruebas de {1} no tiene tales consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>table {0}, line {1}: has {2} cells, not {3}</source>
+        <translation>tabla {0}, línea {1}: tiene {2} celdas, no {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>table {0}, line {1}: is not CSV ({2})</source>
+        <translation>tabla {0}, línea {1}: no es CSV ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/dataset/table.py"/>
+        <source>table {0}: cannot be read ({1})</source>
+        <translation>tabla {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>table {0}: has no column {1}</source>
+        <translation>tabla {0}: no tiene la columna {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>table {0}: is empty</source>
+        <translation>tabla {0}: está vacía</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0} {1!r}: must be a finite number</source>
+        <translation>{0} {1!r}: debe ser un número finito</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0} {1!r}: must be a number</source>
+        <translation>{0} {1!r}: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: does not say where the mosaic lies ({1})</source>
+        <translation>{0}: no dice dónde está el mosaico ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: is not of a benchmark that this version reads</source>
+        <translation>{0}: no es de un banco de pruebas que lea esta versión</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: names {1!r}, which is not there</source>
+        <translation>{0}: nombra {1!r}, que no está</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: {1!r} is no file of the benchmark</source>
+        <translation>{0}: {1!r} no es un archivo del banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
         <location filename="../../core/files.py"/>
         <source>choose another folder</source>
         <translation>elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>folder {0}: already holds this benchmark</source>
+        <translation>carpeta {0}: ya contiene este banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/folder.py"/>
+        <source>folder {0}: cannot read {1} ({2})</source>
+        <translation>carpeta {0}: no se puede leer {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>folder {0}: holds another benchmark</source>
+        <translation>carpeta {0}: contiene otro banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>folder {0}: holds {1} but no {2}, so it is no benchmark's</source>
+        <translation>carpeta {0}: contiene {1} pero ningún {2}, así que no es de un banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>folder {0}: the mosaic of the reference has failed</source>
+        <translation>carpeta {0}: el mosaico de la referencia ha fallado</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>go on{0} once its source serves, or take a smaller margin</source>
+        <translation>continúe{0} cuando la fuente responda, o tome un margen menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/folder.py"/>
+        <source>resume it{0} or choose another folder</source>
+        <translation>continuarla{0} o elegir otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/metrics.py"/>
+        <source>first {0} references: must be 1 or more</source>
+        <translation>primeras {0} referencias: deben ser 1 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/metrics.py"/>
+        <source>rankings of {0} queries: there are {1}</source>
+        <translation>clasificaciones de {0} consultas: hay {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>choose a smaller area, or coarser pixels of the queries (--gsd)</source>
+        <translation>elija un área menor, o píxeles más gruesos para las consultas (--gsd)</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>intersection over union {0} and {1}: must be above 0, up to 1, and the first not below the second</source>
+        <translation>intersección sobre unión {0} y {1}: deben ser mayores que 0, hasta 1, y la primera no menor que la segunda</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>margin {0} m: must be 0 or more</source>
+        <translation>margen {0} m: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>no imagery of queries: give one or more, such as drone=world</source>
+        <translation>no hay imágenes de las consultas: dé una o más, como drone=world</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>overlap of tiles {0}: must be from 0 to below 1</source>
+        <translation>solape de las teselas {0}: debe ser desde 0 hasta menos de 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>queries of {0}: {1:,} of {2:,} see the horizon, first {3}, and no reference holds their ground</source>
+        <translation>consultas de {0}: {1:,} de {2:,} ven el horizonte, la primera {3}, y ninguna referencia contiene su terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>reference of {0:,.0f} x {1:,.0f} m in pixels of {2:.3g} m: more than {3:,} px along a side or {4:,} px</source>
+        <translation>referencia de {0:,.0f} x {1:,.0f} m en píxeles de {2:.3g} m: más de {3:,} px por lado o de {4:,} px</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>reference {0}: has no imagery where the queries are</source>
+        <translation>referencia {0}: no tiene imágenes donde están las consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <location filename="../../core/dataset/split.py"/>
+        <source>split {0!r}: must be one of {1}</source>
+        <translation>división {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>tiles of {0} m: each width may be given once</source>
+        <translation>teselas de {0} m: cada anchura puede darse una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>tiles of {0} m: must be wider than 0</source>
+        <translation>teselas de {0} m: deben ser más anchas que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
+        <source>tilt less, or take a narrower camera</source>
+        <translation>incline menos, o tome una cámara más estrecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method {0!r}: cannot be imported ({1})</source>
+        <translation>método {0!r}: no se puede importar ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method {0!r}: is not a function</source>
+        <translation>método {0!r}: no es una función</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method {0!r}: must be one of {1}, or module:function of your own</source>
+        <translation>método {0!r}: debe ser uno de {1}, o módulo:función propios</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with {1!r}, which is no Answer</source>
+        <translation>método: responde a {0} con {1!r}, que no es un Answer</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/scoring.py"/>
+        <source>predictions: rank {0}, which is of another part than the queries</source>
+        <translation>predicciones: clasifican {0}, que es de otra parte que las consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>capture it first</source>
+        <translation>capturarla primero</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
@@ -4404,11 +4696,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <source>folder {0}: cannot read {1} ({2})</source>
-        <translation>carpeta {0}: no se puede leer {1} ({2})</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/folder.py"/>
         <source>folder {0}: holds another mission</source>
         <translation>carpeta {0}: contiene otra misión</translation>
     </message>
@@ -4421,11 +4708,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/folder.py"/>
         <source>folder {0}: holds {1} but no {2}, so it is not this mission's</source>
         <translation>carpeta {0}: contiene {1} pero no {2}, así que no es la de esta misión</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/folder.py"/>
-        <source>resume it{0} or choose another folder</source>
-        <translation>continuarla{0} o elegir otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/capture/georeference.py"/>
@@ -4624,12 +4906,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>image {0}: cannot be read (of no format that Pillow knows)</source>
         <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/dataset.py"/>
-        <location filename="../../core/dataset/ground.py"/>
-        <source>image {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -4938,8 +5214,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
-        <source>choose a smaller gap, other blocks or shares, or a dataset of more ground</source>
-        <translation>elija una separación menor, otros bloques o proporciones, o un conjunto con más terreno</translation>
+        <source>choose a smaller gap, other blocks or shares, a dataset of more ground, or split shuffled</source>
+        <translation>elija una separación menor, otros bloques o proporciones, un conjunto de datos con más terreno, o divida con shuffled</translation>
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
@@ -4997,11 +5273,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>división {0!r}: no tiene bloques ni separación</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/split.py"/>
-        <source>split {0!r}: must be one of {1}</source>
-        <translation>división {0!r}: debe ser una de {1}</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/table.py"/>
         <source>and {0:,} more</source>
         <translation>y {0:,} más</translation>
@@ -5050,11 +5321,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/table.py"/>
         <source>table {0}</source>
         <translation>tabla {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/table.py"/>
-        <source>table {0}: cannot be read ({1})</source>
-        <translation>tabla {0}: no se puede leer ({1})</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -7337,6 +7603,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/gusts.py"/>
         <source>system without a stationary covariance: it must be stable</source>
         <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <source>imagery {0!r}: has no source, such as {0}=world</source>
+        <translation>imágenes {0!r}: no tienen fuente, como {0}=world</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <source>imagery {0!r}: is named twice</source>
+        <translation>imágenes {0!r}: se nombran dos veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <source>imagery {0!r}: must be NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE</source>
+        <translation>imágenes {0!r}: deben ser NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO_DE_MAPA</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <source>imagery {0!r}: must be named by up to 64 letters, digits, _, - and ., such as 2014</source>
+        <translation>imágenes {0!r}: deben nombrarse con hasta 64 letras, cifras, _, - y ., como 2014</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <source>map type {0!r}: must be one of {1}</source>
+        <translation>tipo de mapa {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
 #: The paper's threshold, and the most that 256 grey levels can have.
 _ENTROPY, _HIGHEST = 2.1, 8.0
-_WAYS = ["shuffled", "in-order", "blocks"]
+_WAYS = ["auto", "shuffled", "in-order", "blocks"]
 #: The paper's.
 _SEED, _SHARES = 2024, (0.8, 0.1, 0.1)
 _HIGHEST_SEED = 2**31 - 1
@@ -146,6 +146,8 @@ class Clean(_OfDataset):
                     returned=number_text(one.returned),
                 )
             )
+        if action != _UNDO:
+            _tell_of_thresholds(cleaned, run.feedback)
         if any(one.moved or one.returned for one in cleaned) and not dry_run:
             _tell_of_mosaics(Path(folder), run.feedback)
         suggested = next((one.suggested for one in cleaned if one.suggested is not None), None)
@@ -158,6 +160,26 @@ class Clean(_OfDataset):
             # Of the map type that comes first: the others lie beside it.
             **dict(zip(("HISTOGRAM", "BARS"), next((one.figures for one in cleaned if one.figures), ()))),
         }
+
+
+def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFeedback) -> None:
+    """Say where a threshold tells nothing apart, and where it is one of another entropy than the table's."""
+    for one in cleaned:
+        if one.is_one_sided:
+            feedback.pushWarning(
+                tr("{map_type}: the threshold rejects {rejected} of {images} images.").format(
+                    map_type=one.map_type,
+                    rejected=number_text(one.rejected),
+                    images=number_text(one.images),
+                )
+            )
+    if any(one.measure != "grey" for one in cleaned):
+        feedback.pushWarning(
+            tr(
+                "The table's entropies are not those of grey levels (the paper's equation 10), whose thresholds "
+                "do not fit."
+            )
+        )
 
 
 def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
@@ -191,7 +213,8 @@ class Split(_OfDataset):
                 tr(
                     "shuffled follows a hash of the seed and the image's name, the same on every computer; in-order "
                     "follows the table; blocks divides the ground, so that none is in images of two parts: images in "
-                    "between are marked “gap”, as are those that see the horizon."
+                    "between are marked “gap”, as are those that see the horizon. auto takes blocks where images "
+                    "overlap, and shuffles else."
                 ),
                 tr(
                     "labels.json has the frame and the scaler of the images' positions, fitted on the training part: "
@@ -205,7 +228,9 @@ class Split(_OfDataset):
             QgsProcessingParameterEnum(
                 "HOW", tr("How to split"), options=_WAYS, defaultValue=_WAYS[0], usesStaticStrings=True
             ),
-            tr("By a hash of seed and name, in the table's order, or by blocks of ground."),
+            tr(
+                "By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need."
+            ),
         )
         number = QgsProcessingParameterNumber.Type
         for name, title, share in zip(
@@ -292,6 +317,12 @@ def _tell_of_split(made: Made, feedback: QgsProcessingFeedback) -> None:
         feedback.pushWarning(
             tr("{images} images are in no part: they see the horizon or a pole.").format(
                 images=number_text(made.unknown)
+            )
+        )
+    if made.seen:
+        feedback.pushWarning(
+            tr("{share} % of the test images see ground of the training part: blocks leave none.").format(
+                share=number_text(100.0 * made.seen, ".1f")
             )
         )
     zones = made.labels.frame.zones

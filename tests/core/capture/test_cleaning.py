@@ -430,3 +430,51 @@ def test_the_command(dataset, tmp_path, monkeypatch, capsys):
     assert wrong.returncode == 2
     assert wrong.stderr.startswith("terrainav: folder ")
     assert len(wrong.stderr.splitlines()) == 1
+
+
+def with_entropies(folder, of):
+    """A dataset whose table of the satellite images has other entropies."""
+    shutil.rmtree(folder / "roadmap")
+    path = folder / "satellite" / "meta_data.csv"
+    table = Table.load(path)
+    values = [
+        of(np.asarray(Image.open(folder / "satellite" / name).convert("RGB"))) for name in table.img_names
+    ]
+    Table(**{**vars(table), "entropies": np.array(values)}).save(path)
+
+
+@pytest.mark.parametrize(
+    ("of", "measure", "said"),
+    [
+        (entropy, "grey", "of grey levels (the paper's equation 10)"),
+        (
+            lambda image: entropy(image.reshape(image.shape[0], -1)),
+            "pooled",
+            "of red, green and blue in one histogram",
+        ),
+        (lambda image: entropy(image) / 2.0 + 0.9, "unknown", "by a measure of the table's own"),
+    ],
+)
+def test_which_entropies_a_table_holds_is_told(dataset, tmp_path, monkeypatch, capsys, of, measure, said):
+    folder, _, _ = dataset
+    with_entropies(folder, of)
+    (cleaned,) = clean(folder, 1.0, dry_run=True)
+    assert cleaned.measure == measure
+    found = command(tmp_path, monkeypatch, capsys)("clean", str(folder), "--entropy", "1", "--dry-run")
+    assert said in found.stdout
+
+
+@pytest.mark.parametrize(("threshold", "said"), [(0.0, "rejects nothing"), (8.0, "rejects nearly all")])
+def test_a_threshold_that_tells_nothing_apart_is_warned_of(
+    dataset, tmp_path, monkeypatch, capsys, threshold, said
+):
+    folder, _, _ = dataset
+    found = command(tmp_path, monkeypatch, capsys)(
+        "clean", str(folder), "--entropy", str(threshold), "--dry-run"
+    )
+    assert found.returncode == 0
+    assert f"warning: satellite: the threshold {said}" in found.stderr
+    quiet = command(tmp_path, monkeypatch, capsys)(
+        "clean", str(folder), "--entropy", str(THRESHOLD), "--dry-run"
+    )
+    assert "warning" not in quiet.stderr

@@ -190,9 +190,9 @@ def test_dry_run_changes_nothing_and_says_the_same(tmp_path):
         ({"shares": (0.8, 0.3, -0.1)}, "not below 0"),
         ({"shares": (0.8, math.nan, 0.1)}, "finite"),
         ({"shares": (0.8, 0.1, 0.2)}, r"add up to 1\.1; must add up to 1"),
-        ({"how": "by-eye"}, "must be one of shuffled, in-order, blocks"),
-        ({"gap_m": 5.0}, "has no blocks and no gap"),
-        ({"block_m": 5.0}, "has no blocks and no gap"),
+        ({"how": "by-eye"}, "must be one of auto, shuffled, in-order, blocks"),
+        ({"how": "shuffled", "gap_m": 5.0}, "has no blocks and no gap"),
+        ({"how": "in-order", "block_m": 5.0}, "has no blocks and no gap"),
         ({"how": "blocks", "block_m": 0.0}, "must be above 0 m"),
         ({"how": "blocks", "gap_m": -1.0}, "must be from 0"),
         ({"how": "blocks", "gap_m": math.inf}, "must be from 0"),
@@ -268,3 +268,46 @@ def test_command_prints_the_shares_that_are_reached(tmp_path, run):
     refused = run("split", str(folder), "--shares", "0.5", "0.5", "0.5")
     assert refused.returncode == 2
     assert "shares 0.5, 0.5, 0.5: add up to 1.5; must add up to 1" in refused.stderr
+
+
+def overlapping(tmp_path, count: int = 60, step_px: int = 5) -> Path:
+    """Dataset of windows of 10 px in a row, each with half of the one before."""
+    windows = [(100_000_000 + step_px * i, 50_000_000, 10, 10) for i in range(count)]
+    return dataset_of(tmp_path / "out", 19, windows)
+
+
+def test_images_that_overlap_are_split_by_blocks(tmp_path):
+    made = split(overlapping(tmp_path))
+    assert made.how == "blocks"
+    assert made.seen == 0.0
+
+
+@pytest.mark.parametrize("step_px", [10, 12])
+def test_images_side_by_side_are_shuffled(tmp_path, step_px):
+    made = split(overlapping(tmp_path, step_px=step_px))
+    assert made.how == "shuffled"
+    assert made.seen == 0.0
+
+
+def test_the_share_of_test_images_that_see_training_ground_is_told(tmp_path):
+    folder = overlapping(tmp_path)
+    made = split(folder, how="shuffled")
+    part = [parts_in(folder)[name] for name in sorted(parts_in(folder), key=lambda name: int(name[1:]))]
+    beside = [
+        any(0 <= at + by < len(part) and part[at + by] == "train" for by in (-1, 1))
+        for at, one in enumerate(part)
+        if one == "test"
+    ]
+    assert made.seen == pytest.approx(sum(beside) / len(beside))
+    assert made.seen > 0.5
+
+
+def test_a_gap_asks_for_blocks(tmp_path):
+    assert split(in_row(tmp_path, 60), gap_m=1.0).how == "blocks"
+
+
+def test_the_command_says_what_the_test_sees(tmp_path, run):
+    folder = overlapping(tmp_path)
+    assert "no test image sees ground of the training part" in run("split", str(folder)).stdout
+    shuffled_ = run("split", str(folder), "--how", "shuffled").stdout
+    assert "% of the test images see ground of the training part; --how blocks leaves none" in shuffled_

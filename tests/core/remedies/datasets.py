@@ -499,7 +499,7 @@ def _no_ground(case: Case) -> None:
     "dataset/split.py",
     "split by {}: {} images up to {} m wide with a gap of {} m leave one of {} without images; choose a "
     "smaller gap, "
-    "other blocks or shares, or a dataset of more ground",
+    "other blocks or shares, a dataset of more ground, or split shuffled",
 )
 def _empty_part(case: Case) -> None:
     folder = captured(case)
@@ -510,6 +510,7 @@ def _empty_part(case: Case) -> None:
     case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0))
     more = captured(case, MISSION.with_(area=Box(35.18, -89.92, 35.15, -89.88), agl_m=480.0), "more")
     case.follow("a dataset of more ground", lambda: split(more, how="blocks", gap_m=400.0))
+    case.follow("split shuffled", lambda: split(folder, how="shuffled"))
 
 
 @remedy(
