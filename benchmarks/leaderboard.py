@@ -51,7 +51,11 @@ def naip(folder: Path) -> tuple[str, ...]:
 def terrainav(*arguments: str) -> str:
     """Run the command; what it prints."""
     done = subprocess.run(
-        [sys.executable, "-m", "terrainav.core.cli", *arguments], capture_output=True, text=True, cwd=ROOT.parent
+        [sys.executable, "-m", "terrainav.core.cli", *arguments],
+        check=False,
+        capture_output=True,
+        text=True,
+        cwd=ROOT.parent,
     )
     if done.returncode:
         raise SystemExit(done.stderr or done.stdout)
@@ -67,7 +71,9 @@ def judged(folder: Path, options: tuple[str, ...]) -> dict[str, dict[str, dict[s
         text = terrainav("benchmark", "run", str(folder), "--method", method, "--json", "--quiet")
         groups = json.loads(text)["groups"]
         found[method] = {
-            name: {one["name"]: one["value"] for one in figures} for name, figures in groups.items() if name != "all"
+            name: {one["name"]: one["value"] for one in figures}
+            for name, figures in groups.items()
+            if name != "all"
         }
         print(f"{folder.name}: {method}", file=sys.stderr)
     return found
@@ -103,7 +109,9 @@ def put(page: str, mark: str, text: str) -> str:
 
 def main() -> None:
     """Make, run, judge, and write the page."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--naip", type=Path, help="folder of 20090818.tif, 20140720.tif and 20200831.tif")
     arguments = parser.parse_args()
     page = PAGE.read_text(encoding="utf-8")
@@ -113,7 +121,9 @@ def main() -> None:
         if arguments.naip is not None:
             page = put(page, "naip", table(judged(folder / "naip", naip(arguments.naip.resolve()))))
             for name in ("within", "map", "failures"):
-                shutil.copy(folder / "naip" / "scores" / "ncc" / f"{name}.png", PICTURES / f"benchmark-{name}.png")
+                shutil.copy(
+                    folder / "naip" / "scores" / "ncc" / f"{name}.png", PICTURES / f"benchmark-{name}.png"
+                )
     PAGE.write_text(page, encoding="utf-8")
     print(f"written to {PAGE}")
 

@@ -25,6 +25,7 @@ _COMMANDS = {
     "split": ("datasets", "run_split"),
     "convert": ("datasets", "run_convert"),
     "pairs": ("pairing", "run_pairs"),
+    "export": ("exporting", "run_export"),
     "benchmark": ("benchmarking", "run_benchmark"),
     "load": ("datasets", "run_load"),
     "report": ("flying", "run_report"),

@@ -27,6 +27,8 @@ _SHARED = (
     *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
+#: Formats of exports, by the names of `exports.formats`.
+EXPORTS = ("colmap", "nerfstudio", "tum")
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
@@ -59,6 +61,7 @@ def add_dataset_commands(commands: Any) -> None:
     _add_load(commands)
     _add_pairs(commands)
     _add_convert(commands)
+    _add_export(commands)
 
 
 def _add_clean(commands: Any) -> None:
@@ -295,6 +298,22 @@ def _add_convert(commands: Any) -> None:
         help="how the folder is laid out: map types with a meta_data.csv, or JPG2 and MetaData2 (default %(default)s)",
     )
     add_json(converting)
+
+
+def _add_export(commands: Any) -> None:
+    exporting = commands.add_parser(
+        "export", help="write a dataset's camera frames in a format of other programs"
+    )
+    exporting.add_argument("folder", metavar="OUT", help="the dataset's folder; it is only read")
+    exporting.add_argument("target", metavar="FOLDER", help="folder of the files, not there yet or empty")
+    exporting.add_argument(
+        "--as",
+        dest="format",
+        required=True,
+        choices=EXPORTS,
+        help="COLMAP's model, nerfstudio's, or a trajectory",
+    )
+    exporting.add_argument("--map-type", metavar="TYPE", help="default satellite, or the first of others")
 
 
 def _layout(text: str) -> str:

@@ -151,7 +151,7 @@ def _seen_text(made: Split) -> str:
         return "not known: the test images may see ground of the training part"
     if made.seen == 0.0:
         return "no test image sees ground of the training part"
-    advice = "" if made.how == "blocks" else "; --how blocks leaves none"
+    advice = "" if made.how == "blocks" else " (blocks leave none)"
     return f"{100.0 * made.seen:.1f} % of the test images see ground of the training part{advice}"
 
 

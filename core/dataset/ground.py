@@ -118,7 +118,7 @@ def boxes_of(images: ImageSet, rows: NDArray[np.intp], dataset: Path, middle_lon
     windows = (table.left_px, table.top_px, table.width_px, table.height_px)
     framed_rows = np.flatnonzero(np.isfinite([column[rows] for column in windows]).all(axis=0))
     # All images of a mission are frames of one kind.
-    if len(framed_rows) and _of_camera(images, rows[framed_rows], dataset):
+    if len(framed_rows) and of_camera(images, rows[framed_rows], dataset):
         edges[:, framed_rows] = _seen(table, rows[framed_rows], dataset / PLAN_FILE, middle_u)
     elif len(framed_rows) and any(table.crs):
         edges[:, framed_rows] = _on_planes(table, rows[framed_rows], middle_u)
@@ -229,7 +229,7 @@ def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, mi
     return Boxes(*(np.where(known, edge, np.nan) for edge in edges))
 
 
-def _of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
+def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     """Whether images are camera frames.
 
     A turned camera's are, whatever lies beside them. One that looks straight down may have made either kind: of the

@@ -4529,6 +4529,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/making.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
+        <location filename="../../core/exports/formats.py"/>
         <location filename="../../core/files.py"/>
         <source>choose another folder</source>
         <translation>elegir otra carpeta</translation>
@@ -5422,6 +5423,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/heights.py"/>
         <source>{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}, and not {6:g}, which stands for no data elsewhere</source>
         <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}, y no ser {6:g}, que en otros archivos significa sin datos</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/formats.py"/>
+        <source>folder {0}: is not empty</source>
+        <translation>carpeta {0}: no está vacía</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/formats.py"/>
+        <source>format {0!r}: must be one of {1}</source>
+        <translation>formato {0!r}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/views.py"/>
+        <source>capture camera frames ({0} camera)</source>
+        <translation>capture imágenes de cámara ({0} camera)</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/views.py"/>
+        <source>folder {0}: has no image to export</source>
+        <translation>carpeta {0}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/views.py"/>
+        <source>folder {0}: has no {1}, which tells the camera</source>
+        <translation>carpeta {0}: no tiene {1}, que indica la cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/views.py"/>
+        <source>folder {0}: its images are windows of the map, which no camera takes</source>
+        <translation>carpeta {0}: sus imágenes son ventanas del mapa, que ninguna cámara toma</translation>
     </message>
     <message>
         <location filename="../../core/fields.py"/>

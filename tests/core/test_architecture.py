@@ -43,6 +43,7 @@ ROOMS = (
     "report",
     "pairs",
     "benchmark",
+    "exports",
 )
 
 # Room -> rooms it may import. What lies in `core` itself (errors, the shipped tables) knows no room and is
@@ -60,6 +61,7 @@ ARROWS = {
     "report": {"core", "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "benchmark": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
+    "exports": {"core", "geodesy", "mission", "dataset"},
     "cli": {"core", *ROOMS},
 }
 
@@ -75,6 +77,7 @@ TOLD_IN_ORDER = [
         "picture",
         "capture",
         "report",
+        "exports",
     )
 ]
 

@@ -310,4 +310,4 @@ def test_the_command_says_what_the_test_sees(tmp_path, run):
     folder = overlapping(tmp_path)
     assert "no test image sees ground of the training part" in run("split", str(folder)).stdout
     shuffled_ = run("split", str(folder), "--how", "shuffled").stdout
-    assert "% of the test images see ground of the training part; --how blocks leaves none" in shuffled_
+    assert "% of the test images see ground of the training part (blocks leave none)" in shuffled_

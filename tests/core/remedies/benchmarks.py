@@ -1,4 +1,4 @@
-"""What refusals of benchmarks advise."""
+"""What refusals of benchmarks and exports advise."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
 from terrainav.core.cli import benchmarking
 from terrainav.core.errors import PartError
+from terrainav.core.exports.formats import export
+from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.imageries import NamedImagery
@@ -190,3 +192,23 @@ def _stopped(case: Case) -> None:
         "what is finished is kept, go on with --resume",
         lambda: case.run(*COMMAND, "--resume").returncode == 0,
     )
+
+
+@remedy("exports/formats.py", "folder {}: is not empty; choose another folder")
+def _not_empty(case: Case) -> None:
+    made(case.tmp_path / "out")
+    views = Views.read(case.tmp_path / "out" / "queries" / "air")
+    case.refused(lambda: export(views, case.tmp_path, "tum"))
+    case.follow("choose another folder", lambda: export(views, case.tmp_path / "other", "tum"))
+
+
+@remedy(
+    "exports/views.py",
+    "folder {}: its images are windows of the map, which no camera takes; capture camera frames (--frame camera)",
+)
+def _windows(case: Case) -> None:
+    asked = ("capture", "--coords", "35.15_-89.9_60", "--image-px", "40", "--quiet")
+    case.run(*asked, "--data-dir", "out")
+    case.refused(lambda: Views.read(case.tmp_path / "out"))
+    case.run(*asked, "--data-dir", "other", "--frame", "camera")
+    case.follow("capture camera frames (--frame camera)", lambda: Views.read(case.tmp_path / "other"))

@@ -1,0 +1,67 @@
+r"""What COLMAP and evo say of the exports of a dataset of camera frames.
+
+    python -m venv peers && peers/bin/pip install pycolmap evo
+    terrainav capture --coords "35.1450_-89.8620_35.1435_-89.8600_100" --frame camera --tilt 10 --yaw 20 \
+        --overlap 0.7 --format jpg --data-dir out
+    terrainav export out model --as colmap && terrainav export out tum --as tum
+    peers/bin/python benchmarks/export_peers.py out/satellite model tum
+
+COLMAP finds and matches features of its own, and triangulates them with the exported poses held fixed. Prints the mean
+reprojection error in px and, over level ground, how far the points are from it.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pycolmap
+from evo.tools import file_interface
+
+
+def triangulated(images: Path, model: Path, folder: Path) -> pycolmap.Reconstruction:
+    """Points of an exported model."""
+    pycolmap.set_random_seed(1)
+    told = pycolmap.Reconstruction(model / "sparse" / "0")
+    poses = {image.name: image.cam_from_world() for image in told.images.values()}
+    reader = pycolmap.ImageReaderOptions()
+    (camera,) = told.cameras.values()
+    reader.camera_model = "PINHOLE"
+    reader.camera_params = ",".join(repr(float(value)) for value in camera.params)
+    database = folder / "database.db"
+    pycolmap.extract_features(
+        database, images, sorted(poses), camera_mode=pycolmap.CameraMode.SINGLE, reader_options=reader
+    )
+    pycolmap.match_exhaustive(database)
+    # The same views by the numbers that the database gives them.
+    known = pycolmap.Reconstruction()
+    with pycolmap.Database.open(database) as opened:
+        for one in opened.read_all_cameras():
+            known.add_camera_with_trivial_rig(one)
+        for one in opened.read_all_images():
+            bare = pycolmap.Image(name=one.name, camera_id=one.camera_id, image_id=one.image_id)
+            known.add_image_with_trivial_frame(bare, poses[one.name])
+    (folder / "sparse").mkdir()
+    return pycolmap.triangulate_points(known, database, images, folder / "sparse")
+
+
+def main() -> None:
+    """Print what they say."""
+    images, model, tum = map(Path, sys.argv[1:4])
+    with tempfile.TemporaryDirectory() as folder:
+        found = triangulated(images, model, Path(folder))
+    heights = np.array([point.xyz[2] for point in found.points3D.values()])
+    off = np.percentile(np.abs(heights - np.median(heights)), [50, 90])
+    print(f"COLMAP: {len(heights):,} points of {len(found.images)} images")
+    print(f"mean reprojection error {found.compute_mean_reprojection_error():.3f} px")
+    print(
+        f"heights: median {np.median(heights):.4f} m, half within {off[0]:.3f} m of it, 9 of 10 within {off[1]:.3f} m"
+    )
+    trajectory = file_interface.read_tum_trajectory_file(tum / "trajectory.txt")
+    print(f"evo: {trajectory.num_poses} poses, {trajectory.path_length:.1f} m")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,164 @@
+"""Formats of photogrammetry, of radiance fields and of trajectories.
+
+All are in metres of one frame, east, north and up of a place that ``origin.json`` beside them tells.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput, OutputError
+from ..files import make_folder, write_whole
+from .views import Views
+
+Floats = NDArray[np.float64]
+
+ORIGIN_FILE = "origin.json"
+#: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).
+_OPENGL = np.diag([1.0, -1.0, -1.0])
+
+
+def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
+    """Write views in a format; returns the folder.
+
+    Parameters
+    ----------
+    kind : str
+        One of `FORMATS`.
+
+    Raises
+    ------
+    InvalidInput
+        Another format.
+    OutputError
+        A folder that cannot be written, or is not empty.
+    """
+    if kind not in FORMATS:
+        raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(FORMATS))
+    path = Path(folder)
+    make_folder(path)
+    if any(path.iterdir()):
+        raise OutputError("folder {0}: is not empty", folder, remedy="choose another folder")
+    for name, text in FORMATS[kind](views, path).items():
+        make_folder((path / name).parent)
+        write_whole(path / name, text.encode("utf-8"))
+    frame = views.frame
+    origin = {
+        "lat_deg": frame.lat_deg,
+        "lon_deg": frame.lon_deg,
+        "height_m": frame.height_m,
+        "datum": "WGS 84 ellipsoid",
+        "axes": ["east", "north", "up"],
+        "unit": "m",
+    }
+    write_whole(path / ORIGIN_FILE, (json.dumps(origin, indent=1) + "\n").encode("utf-8"))
+    return path
+
+
+def colmap(views: Views, _: Path) -> dict[str, str]:
+    """A COLMAP model in text, ``sparse/0``: cameras, images, and no points yet.
+
+    Poses are world to camera, with OpenCV's axes; one camera for each size of image.
+    """
+    sizes: dict[tuple[float, ...], int] = {}
+    lines = []
+    quaternions = quaternions_of(views.rotations)
+    # As COLMAP numbers the images of a folder, so that its database of features has the same numbers.
+    for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
+        name = views.names[at]
+        own = tuple(float(one[at]) for one in (views.width_px, views.height_px, views.fx_px, views.fy_px))
+        camera = sizes.setdefault(own, len(sizes) + 1)
+        shift = -views.rotations[at] @ views.centres_m[at]
+        numbers = " ".join(repr(float(one)) for one in (*quaternions[at], *shift))
+        # Two lines an image: the second has the points that it sees.
+        lines.append(f"{number} {numbers} {camera} {name}\n\n")
+    cameras = [
+        f"{number} PINHOLE {width:.0f} {height:.0f} {fx!r} {fy!r} {width / 2.0!r} {height / 2.0!r}\n"
+        for (width, height, fx, fy), number in sizes.items()
+    ]
+    return {
+        "sparse/0/cameras.txt": "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n" + "".join(cameras),
+        "sparse/0/images.txt": "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME, then POINTS2D\n"
+        + "".join(lines),
+        "sparse/0/points3D.txt": "# POINT3D_ID X Y Z R G B ERROR TRACK\n",
+    }
+
+
+def nerfstudio(views: Views, path: Path) -> dict[str, str]:
+    """Nerfstudio's ``transforms.json``: poses camera to world, with OpenGL's axes; images by their relative paths."""
+    frames = []
+    for at, name in enumerate(views.names):
+        pose = np.eye(4)
+        pose[:3, :3] = views.rotations[at].T @ _OPENGL
+        pose[:3, 3] = views.centres_m[at]
+        frames.append(
+            {
+                "file_path": Path(os.path.relpath(views.folder / name, path)).as_posix(),
+                "w": int(views.width_px[at]),
+                "h": int(views.height_px[at]),
+                "fl_x": float(views.fx_px[at]),
+                "fl_y": float(views.fy_px[at]),
+                "cx": float(views.width_px[at] / 2.0),
+                "cy": float(views.height_px[at] / 2.0),
+                "transform_matrix": pose.tolist(),
+            }
+        )
+    document = {"camera_model": "OPENCV", "k1": 0.0, "k2": 0.0, "p1": 0.0, "p2": 0.0, "frames": frames}
+    return {"transforms.json": json.dumps(document, indent=1) + "\n"}
+
+
+def tum(views: Views, _: Path) -> dict[str, str]:
+    """A trajectory as TUM has it: number, place, and quaternion (x, y, z, w) camera to world, with OpenCV's axes.
+
+    The first column is the image's number from 0, in the order of the table.
+    """
+    quaternions = quaternions_of(np.swapaxes(views.rotations, 1, 2))
+    lines = [
+        " ".join(
+            repr(float(one)) for one in (at, *views.centres_m[at], *quaternions[at][1:], quaternions[at][0])
+        )
+        for at in range(len(views))
+    ]
+    return {"trajectory.txt": "# number x y z qx qy qz qw\n" + "\n".join(lines) + "\n"}
+
+
+#: Formats by their names.
+FORMATS: Mapping[str, Callable[[Views, Path], dict[str, str]]] = {
+    "colmap": colmap,
+    "nerfstudio": nerfstudio,
+    "tum": tum,
+}
+
+
+def quaternions_of(rotations: Floats) -> Floats:
+    """Unit quaternions (n, 4), w first and not negative, of rotations (n, 3, 3).
+
+    Each from the largest of its four parts, which keeps all digits (Shepperd, Journal of Guidance and Control 1(3),
+    1978).
+    """
+    r = rotations
+    trace = r[:, 0, 0] + r[:, 1, 1] + r[:, 2, 2]
+    squares = np.stack([trace, r[:, 0, 0], r[:, 1, 1], r[:, 2, 2]], axis=1)
+    # Products of parts: of w with x, y, z; of x with y, z; of y with z.
+    wx, wy, wz = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]
+    xy, xz, yz = r[:, 0, 1] + r[:, 1, 0], r[:, 0, 2] + r[:, 2, 0], r[:, 1, 2] + r[:, 2, 1]
+    own = 1.0 + 2.0 * squares - trace[:, np.newaxis]
+    own[:, 0] = 1.0 + trace
+    rows = np.stack(
+        [
+            np.stack([own[:, 0], wx, wy, wz], axis=1),
+            np.stack([wx, own[:, 1], xy, xz], axis=1),
+            np.stack([wy, xy, own[:, 2], yz], axis=1),
+            np.stack([wz, xz, yz, own[:, 3]], axis=1),
+        ],
+        axis=1,
+    )
+    found = rows[np.arange(len(r)), own.argmax(axis=1)]
+    found /= np.linalg.norm(found, axis=1, keepdims=True)
+    return np.where(found[:, :1] < 0.0, -found, found)

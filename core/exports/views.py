@@ -1,0 +1,128 @@
+"""Camera frames of a dataset as photogrammetry sees them: intrinsics, and poses in one frame of metres."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.dataset import read_dataset
+from ..dataset.folder import MISSION_FILE
+from ..dataset.ground import of_camera
+from ..dataset.labels import middle_of
+from ..dataset.table import taken
+from ..errors import InvalidInput, Message, OptionName
+from ..geodesy.camera import image_axes
+from ..geodesy.local import LocalFrame
+from ..mission.mission import Mission
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Views:
+    """Camera frames, n of them, without those that failed or are rejected.
+
+    Parameters
+    ----------
+    folder : Path
+        In which the images lie.
+    names : tuple of str
+        Their files' names.
+    width_px, height_px, fx_px, fy_px : array (n,)
+        The principal point is the middle; (0, 0) is the upper left corner of the image, and the centre of its first
+        pixel (0.5, 0.5).
+    lat_deg, lon_deg, height_m : array (n,)
+        Cameras, above the WGS 84 ellipsoid.
+    yaw_deg, tilt_deg, roll_deg : array (n,)
+        As `Camera.rays_enu` has them.
+    """
+
+    folder: Path
+    names: tuple[str, ...]
+    width_px: Numbers
+    height_px: Numbers
+    fx_px: Floats
+    fy_px: Floats
+    lat_deg: Floats
+    lon_deg: Floats
+    height_m: Floats
+    yaw_deg: Floats
+    tilt_deg: Floats
+    roll_deg: Floats
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    @cached_property
+    def frame(self) -> LocalFrame:
+        """Metres east, north and up of the cameras' middle on the ellipsoid, in which all are told."""
+        lat, lon = middle_of(self.lat_deg, self.lon_deg)
+        return LocalFrame(round(lat, 6), round(lon, 6))
+
+    @cached_property
+    def centres_m(self) -> Floats:
+        """Cameras in the frame, (n, 3)."""
+        return self.frame.enu(self.lat_deg, self.lon_deg, self.height_m)
+
+    @cached_property
+    def rotations(self) -> Floats:
+        """Rotations (n, 3, 3) that take vectors of the frame to a camera's right, down and view (OpenCV's axes)."""
+        right, image_up, axis = image_axes(self.yaw_deg, self.tilt_deg, self.roll_deg)
+        own = np.stack([right, -image_up, axis], axis=1)
+        # Attitudes count from the north and the up of where the camera is.
+        turns = [
+            self.frame.turn_to(lat, lon) for lat, lon in zip(self.lat_deg.tolist(), self.lon_deg.tolist())
+        ]
+        found: Floats = own @ np.array(turns).reshape(-1, 3, 3)
+        return found
+
+    @classmethod
+    def read(cls, folder: str | os.PathLike[str], map_type: str | None = None) -> Views:
+        """Views of a dataset's map type; of its first one for None.
+
+        Raises
+        ------
+        InvalidInput
+            A folder that is no capture, has no such map type or no image, or whose images are windows of the map and
+            no camera's.
+        """
+        path = Path(folder)
+        dataset = read_dataset(path)
+        images = dataset.image_set(map_type or next(iter(dataset.image_sets)))
+        if not (path / MISSION_FILE).is_file():
+            raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
+        mission = Mission.load(path / MISSION_FILE)
+        table = images.table
+        rows = np.flatnonzero(taken(table))
+        if not len(rows):
+            raise InvalidInput("folder {0}: has no image to export", images.folder)
+        if not of_camera(images, rows, path):
+            raise InvalidInput(
+                "folder {0}: its images are windows of the map, which no camera takes",
+                images.folder,
+                remedy=Message("capture camera frames ({0} camera)", OptionName("frame")),
+            )
+        heights = table.height_m[rows]
+        level = table.agl_m[rows] + mission.flight.ground_height_m
+        width, height = (size[rows] for size in (table.image_width_px, table.image_height_px))
+        tan_x, tan_y = mission.camera.half_tangents
+        return cls(
+            images.image_folder,
+            tuple(table.img_names[row] for row in rows.tolist()),
+            width.astype(np.int64),
+            height.astype(np.int64),
+            width / 2.0 / tan_x,
+            height / 2.0 / tan_y,
+            table.pose_lat_deg[rows],
+            table.pose_lon_deg[rows],
+            np.where(np.isnan(heights), level, heights),
+            table.yaw_deg[rows],
+            table.tilt_deg[rows],
+            table.roll_deg[rows],
+        )

@@ -1,0 +1,193 @@
+"""Exports: images whose colours tell their place are found where the exported files alone say."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from pyproj import Transformer
+from scipy.spatial.transform import Rotation
+from terrainav.core.capture.runner import capture
+from terrainav.core.cli.dataset_options import EXPORTS
+from terrainav.core.dataset.clean import clean
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.exports.formats import FORMATS, ORIGIN_FILE, export, quaternions_of
+from terrainav.core.exports.views import Views
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support import rasters
+from tests.support.command import command
+
+EPSG = 32616
+WEST, NORTH, SIDE = 230_000.0, 3_890_000.0, 700
+PLACED = (WEST, 1.0, 0.0, NORTH, 0.0, -1.0)
+TO_UTM = Transformer.from_crs(4326, EPSG, always_xy=True)
+TO_DEGREES = Transformer.from_crs(EPSG, 4326, always_xy=True)
+TO_ECEF = Transformer.from_crs(4979, 4978, always_xy=True)
+FROM_ECEF = Transformer.from_crs(4978, 4979, always_xy=True)
+
+
+@pytest.fixture(scope="module")
+def captured(tmp_path_factory):
+    """Tilted, rolled and turned views of colours that tell their place, above ground of 40 m."""
+    folder = tmp_path_factory.mktemp("captured")
+    x, y = rasters.centres(PLACED, SIDE, SIDE)
+    source = open_source(
+        str(rasters.write(folder / "places.tif", rasters.position_colours(x - WEST, NORTH - y), PLACED, EPSG))
+    )
+    rng = np.random.default_rng(2)
+    lon, lat = TO_DEGREES.transform(WEST + 200 + 300 * rng.random(7), NORTH - 200 - 300 * rng.random(7))
+    poses = tuple((a, b, 80.0 + 5.0 * at) for at, (a, b) in enumerate(zip(lat.tolist(), lon.tolist())))
+    yaws = tuple(float(yaw) for yaw in rng.uniform(-180.0, 180.0, 7))
+    mission = Mission(
+        Points(poses, yaws),
+        80.0,
+        tilt_deg=25.0,
+        roll_deg=-12.0,
+        ground_height_m=40.0,
+        image_px=90,
+        image_format="png",
+        mesh="rays",
+    )
+    capture(plan(mission, source.grid), source, folder / "out")
+    return folder / "out"
+
+
+def origin_of(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Place of a folder's origin in geocentric axes, and the frame's axes in these (columns)."""
+    told = json.loads((folder / ORIGIN_FILE).read_text())
+    lat, lon = np.radians([told["lat_deg"], told["lon_deg"]])
+    place = np.array(TO_ECEF.transform(told["lon_deg"], told["lat_deg"], told["height_m"]))
+    east = [-np.sin(lon), np.cos(lon), 0.0]
+    north = [-np.sin(lat) * np.cos(lon), -np.sin(lat) * np.sin(lon), np.cos(lat)]
+    up = [np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)]
+    return place, np.stack([east, north, up], axis=1)
+
+
+def check_colours(image: Path, focal, to_world: np.ndarray, centre: np.ndarray, origin) -> None:
+    """Rays of OpenCV's axes, turned by a matrix, from a place, hit the ground of 40 m where the colours say."""
+    with Image.open(image) as opened:
+        seen = np.asarray(opened, float)
+    rows, columns = np.mgrid[5 : seen.shape[0] - 5 : 6, 5 : seen.shape[1] - 5 : 6]
+    fx, fy, cx, cy = focal
+    rays = np.stack([(columns.ravel() + 0.5 - cx) / fx, (rows.ravel() + 0.5 - cy) / fy, np.ones(rows.size)])
+    place, axes = origin
+    start, towards = place + axes @ centre, axes @ to_world @ rays
+    # On a surface 40 m above the ellipsoid, found by Newton's method on the height that PROJ tells.
+    far = np.full(rows.size, 100.0)
+    for _ in range(8):
+        heights = [
+            FROM_ECEF.transform(*(start[:, None] + towards * (far + by)))[2] - 40.0 for by in (0.0, 0.01)
+        ]
+        far = far - heights[0] * 0.01 / (heights[1] - heights[0])
+    assert np.isfinite(far).all()
+    lon, lat, _ = FROM_ECEF.transform(*(start[:, None] + towards * far))
+    x, y = TO_UTM.transform(lon, lat)
+    waves = (x - WEST, NORTH - y, x - WEST + NORTH - y)
+    straight = ~np.any([rasters.turns(wave, 3.0) for wave in waves], axis=0)
+    expected = np.stack([rasters.triangle(wave) for wave in waves])
+    off = np.abs(seen[rows.ravel(), columns.ravel()].T - expected)[:, straight]
+    assert straight.sum() > 40
+    # A tenth of a pixel of the image, which shows a metre or more, at 4 levels a metre of each axis; half for rounding.
+    assert (off.max(axis=1) <= 0.1 * np.array([4.0, 4.0, 8.0]) * 1.5 + 0.501).all()
+
+
+def test_colmap(captured, tmp_path):
+    folder = export(Views.read(captured), tmp_path / "model", "colmap") / "sparse" / "0"
+    cameras = {}
+    for line in (folder / "cameras.txt").read_text().splitlines()[1:]:
+        number, model, _, _, *focal = line.split()
+        assert model == "PINHOLE"
+        cameras[number] = [float(one) for one in focal]
+    lines = (folder / "images.txt").read_text().splitlines()[1:]
+    assert len(lines) == 14
+    assert set(lines[1::2]) == {""}
+    origin = origin_of(tmp_path / "model")
+    for line in lines[::2]:
+        _, *numbers, camera, name = line.split()
+        w, x, y, z, *shift = map(float, numbers)
+        rotation = Rotation.from_quat([x, y, z, w]).as_matrix()
+        check_colours(captured / "satellite" / name, cameras[camera], rotation.T, -rotation.T @ shift, origin)
+
+
+def test_nerfstudio(captured, tmp_path):
+    folder = export(Views.read(captured), tmp_path / "nerf", "nerfstudio")
+    document = json.loads((folder / "transforms.json").read_text())
+    assert len(document["frames"]) == 7
+    for frame in document["frames"]:
+        pose = np.array(frame["transform_matrix"])
+        focal = [frame[name] for name in ("fl_x", "fl_y", "cx", "cy")]
+        # OpenGL looks along its -z, with y up.
+        to_world = pose[:3, :3] @ np.diag([1.0, -1.0, -1.0])
+        check_colours(folder / frame["file_path"], focal, to_world, pose[:3, 3], origin_of(folder))
+
+
+def test_tum(captured, tmp_path):
+    views = Views.read(captured)
+    folder = export(views, tmp_path / "tum", "tum")
+    rows = np.loadtxt(folder / "trajectory.txt")
+    assert rows.shape == (7, 8)
+    assert rows[:, 0].tolist() == list(range(7))
+    for at, row in enumerate(rows):
+        focal = views.fx_px[at], views.fy_px[at], views.width_px[at] / 2.0, views.height_px[at] / 2.0
+        to_world = Rotation.from_quat(row[4:]).as_matrix()
+        check_colours(captured / "satellite" / views.names[at], focal, to_world, row[1:4], origin_of(folder))
+
+
+def test_quaternions_are_those_of_scipy():
+    rotations = Rotation.random(200, random_state=1).as_matrix()
+    halves = Rotation.from_euler(
+        "xyz", [[180, 0, 0], [0, 180, 0], [0, 0, 180], [0, 0, 0]], degrees=True
+    ).as_matrix()
+    for matrix in np.concatenate([rotations, halves]):
+        found = quaternions_of(matrix[np.newaxis])[0]
+        assert found[0] >= 0.0
+        assert np.abs(Rotation.from_quat([*found[1:], found[0]]).as_matrix() - matrix).max() < 1e-12
+
+
+def test_rejected_images_are_left_out(captured, tmp_path):
+    folder = tmp_path / "out"
+    shutil.copytree(captured, folder)
+    clean(folder, 8.0)
+    with pytest.raises(InvalidInput, match="has no image to export"):
+        Views.read(folder)
+
+
+def test_windows_of_the_map_are_no_cameras_images(tmp_path):
+    source = open_source("world")
+    mission = Mission(Points(((35.0, -90.0, 100.0),)), 100.0, image_px=64, image_format="png")
+    capture(plan(mission, source.grid), source, tmp_path / "out")
+    with pytest.raises(
+        InvalidInput, match=r"which no camera takes; capture camera frames \(--frame camera\)"
+    ):
+        Views.read(tmp_path / "out")
+
+
+def test_the_command(captured, tmp_path, monkeypatch, capsys):
+    assert set(EXPORTS) == set(FORMATS)
+    run = command(tmp_path, monkeypatch, capsys)
+    done = run("export", str(captured), "model", "--as", "colmap")
+    assert done.returncode == 0
+    assert done.stdout.startswith("7 images as colmap in model; the images stay in ")
+    again = run("export", str(captured), "model", "--as", "tum")
+    assert again.returncode == 3
+    assert "folder model: is not empty; choose another folder" in again.stderr
+    assert run("export", str(tmp_path), "other", "--as", "tum").returncode == 2
+
+
+def test_bad_requests_are_refused(captured, tmp_path):
+    views = Views.read(captured)
+    with pytest.raises(InvalidInput, match="format 'ply': must be one of colmap, nerfstudio, tum"):
+        export(views, tmp_path / "a", "ply")
+    (tmp_path / "mine.txt").write_text("mine")
+    with pytest.raises(OutputError, match="is not empty; choose another folder"):
+        export(views, tmp_path, "tum")
+    with pytest.raises(InvalidInput, match="map type 'roadmap'"):
+        Views.read(captured, "roadmap")
