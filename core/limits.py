@@ -49,6 +49,8 @@ MAX_PICTURE_SIDE_PX = 20_000
 MAX_BANDS = 1_000
 #: Sources of heights that fill each other.
 MAX_HEIGHT_SOURCES = 16
+#: Imageries that one mission is captured from.
+MAX_IMAGERIES = 64
 #: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
 MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 

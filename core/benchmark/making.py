@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
-from functools import partial
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 
-from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
+from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress
+from ..capture.several import capture_each, together
 from ..dataset.ground import Boxes, boxes_of
 from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
@@ -55,24 +55,7 @@ class Making:
     @property
     def total(self) -> CaptureResult:
         """All captures together; what failed or repeats is named by its folder."""
-        done = self.results.values()
-        failed: list[Failure] = []
-        repeated: list[Repeat] = []
-        for name, one in self.results.items():
-            failed += [replace(failure, map_type=name) for failure in one.failed]
-            repeated += [replace(repeat, map_type=name) for repeat in one.repeated]
-        return CaptureResult(
-            self.folder,
-            sum(one.total for one in done),
-            sum(one.written for one in done),
-            tuple(failed),
-            sum(one.skipped for one in done),
-            sum(one.requests for one in done),
-            sum(one.unique_parts for one in done),
-            sum(one.seconds for one in done),
-            any(one.cancelled for one in done),
-            tuple(repeated),
-        )
+        return together(self.folder, self.results)
 
 
 def make_benchmark(
@@ -117,20 +100,16 @@ def make_benchmark(
     about = json.loads(_json(worked_out.settings.to_dict()))
     _claim(path, about, resume=resume)
     with open_locked(path / _LOCK_FILE):
-        results: dict[str, CaptureResult] = {}
-        for name, (imagery, plan) in worked_out.captures.items():
-            results[name] = capture(
-                plan,
-                sources[str(imagery)],
-                path / name,
-                connections=connections,
-                workers=workers,
-                resume=True,
-                progress=None if progress is None else partial(_tell, progress, name),
-                cancelled=cancelled,
-            )
-            if results[name].cancelled:
-                return Making(path, results, None)
+        results = capture_each(
+            {name: (plan, sources[str(one)]) for name, (one, plan) in worked_out.captures.items()},
+            path,
+            connections=connections,
+            workers=workers,
+            progress=progress,
+            cancelled=cancelled,
+        )
+        if any(one.cancelled for one in results.values()):
+            return Making(path, results, None)
         _write_truth(path, worked_out, about, shares)
     return Making(path, results, Benchmark.read(path))
 
@@ -167,10 +146,6 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
 
 def _json(about: Mapping[str, object]) -> bytes:
     return (json.dumps(about, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
-
-
-def _tell(progress: Callable[[Progress], object], name: str, report: Progress) -> None:
-    progress(replace(report, map_type=name))
 
 
 def _write_truth(

@@ -3,6 +3,7 @@
 In reading order:
 
 - `runner`: the run, and what it tells
+- `several`: runs beside each other in one folder
 - `folder`: the dataset's folder, and what it must not hold before
 - `journal`: what is done, for the next run
 - `pipeline`: fetching, assembling and writing at the same time

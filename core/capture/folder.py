@@ -34,7 +34,8 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
     """
     path = Path(folder)
     make_folder(path)
-    folders = (*mission.imagery.map_types, *mission.output.products)
+    imagery = mission.imagery
+    folders = tuple(one.name for one in imagery.named) or (*imagery.map_types, *mission.output.products)
     wanted = mission.to_json().encode("utf-8")
     found = _mark_of(path)
     if found is None:

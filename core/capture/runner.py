@@ -41,7 +41,7 @@ from .pipeline import Pipeline, sweep
 from .records import Made, PictureJob, exposures_of, job_of, make_picture, table_of
 from .writers import file_endings
 
-__all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture"]
+__all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture", "check_source"]
 Numbers = NDArray[np.int64]
 #: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
 DEFAULT_CONNECTIONS = 8
@@ -108,7 +108,10 @@ def capture(
     SourceError
         The source cannot serve; what was finished is kept.
     """
-    _check(plan, source, connections, workers)
+    for count, what in ((connections, Message("connections")), (workers, Message("workers"))):
+        if count is not None and count < 1:
+            raise InvalidInput("{0} {1}: must be 1 or more", count, what)
+    check_source(plan, source)
     chosen = _chosen(plan, only)
     if only_failed:
         check_captured(folder)
@@ -217,10 +220,8 @@ class CaptureResult:
     repeated: tuple[Repeat, ...] = ()
 
 
-def _check(plan: Plan, source: Source, connections: int, workers: int | None) -> None:
-    for count, what in ((connections, Message("connections")), (workers, Message("workers"))):
-        if count is not None and count < 1:
-            raise InvalidInput("{0} {1}: must be 1 or more", count, what)
+def check_source(plan: Plan, source: Source) -> None:
+    """Raise InvalidInput where a source has not what a plan needs: its grid, map types, bands that can be written."""
     if source.grid != plan.grid:
         raise InvalidInput(
             "plan is for another pixel grid than that of {0}: plan with the source's own", source.title

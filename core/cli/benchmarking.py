@@ -76,7 +76,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
     values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
     more: dict[str, Any] = {} if arguments.shares is None else {"shares": tuple(arguments.shares)}
     return values, BenchmarkSettings(
-        mission_from(values),
+        mission_from({**values, "imagery": None}),
         named_imageries(arguments.queries),
         NamedImagery.of(arguments.reference),
         tile_widths_m=tuple(arguments.tiles or ()),

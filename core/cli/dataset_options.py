@@ -17,6 +17,7 @@ _SHARED = (
         "map_type",
         "date",
         "crs",
+        "imagery",
         "seed",
         "camera",
         "fov",
@@ -266,12 +267,15 @@ def _add_shared(group: Any) -> None:
         if option.flag:
             group.add_argument(name, action="store_true", default=None, help=option.told)
         else:
-            group.add_argument(name, metavar=option.metavar, help=_help_of(option))
+            several = {"nargs": "+"} if option.name == "imagery" else {}
+            group.add_argument(name, metavar=option.metavar, help=_help_of(option), **several)
 
 
 def _help_of(option: Option) -> str:
     if option.name == "map_type":
         return f"one of {', '.join(MAP_TYPES)} (default {MAP_TYPES[0]})"
+    if option.name == "imagery":
+        return "imagery of a view that is not --source's: satellite=SOURCE, drone=SOURCE[@DATE][:MAP_TYPE], or both"
     if option.name == "camera":
         return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
     if option.name == "fov":

@@ -6,8 +6,8 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import closing
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, closing
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from ..imagery.cache.tile_cache import TileCache
     from ..imagery.opening import NamedSource
     from ..imagery.source import Source
+    from ..mission.estimate import Summary
     from ..mission.mission import Mission
     from ..mission.parts import Imagery
     from ..mission.plan import Plan
@@ -147,11 +148,10 @@ def _check_terms(worked_out: Plan, source: Source, requests: int, accept_terms: 
     )
 
 
-def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any], as_json: bool) -> None:
+def _summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> Summary:
     from ..bands import RGB
     from ..imagery.opening import kind_of
     from ..mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
-    from ..picture.cost import timed_cost
 
     policy = source.policy
     local = FROM_FILE if kind_of(source.text).is_file else OFFLINE
@@ -159,51 +159,88 @@ def _print_summary(worked_out: Plan, source: NamedSource, values: dict[str, Any]
     # What is known of the size of files is that of red, green and blue.
     share = source.bands.bytes_per_px / RGB.bytes_per_px
     costs = replace(costs, bytes_per_px={ending: size * share for ending, size in costs.bytes_per_px.items()})
-    connections = policy.connections(values["connections"])
-    summary = estimate(worked_out, costs, connections, os.cpu_count() or 1)
+    return estimate(worked_out, costs, policy.connections(values["connections"]), os.cpu_count() or 1)
+
+
+def _figures(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> dict[str, Any]:
+    """Figures of a plan, for JSON."""
+    from ..bands import RGB
+    from ..picture.cost import timed_cost
+
+    about = {
+        "source": source.title,
+        "date": source.date,
+        "crs": source.grid.plane.crs,
+        "policy": asdict(source.policy),
+    }
+    if source.bands != RGB:
+        about["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
     cost = timed_cost(worked_out, source.bands)
-    if as_json:
-        about = {
-            "source": source.title,
-            "date": source.date,
-            "crs": source.grid.plane.crs,
-            "policy": asdict(policy),
-        }
-        if source.bands != RGB:
-            about["bands"] = {"names": source.bands.names, "data_type": source.bands.data_type}
-        print(json.dumps({**about, **summary.to_dict(), "cost": cost._asdict()}, indent=1))
-        return
-    own = worked_out.grid.own
+    return {**about, **_summary(worked_out, source, values).to_dict(), "cost": cost._asdict()}
+
+
+def _print_figures(worked_out: Plan, source: NamedSource, values: dict[str, Any]) -> None:
+    from ..bands import RGB
+    from ..picture.cost import timed_cost
+
+    policy, own = source.policy, worked_out.grid.own
     facts = filter(None, (source.title, source.date, own.name if own else ""))
     lines = [("source", ", ".join(facts))]
     if not source.is_local:
-        needed = worked_out.requests * len(worked_out.mission.imagery.map_types)
+        needed = _requests(worked_out)
         more = f"; this mission takes {needed:,}" if policy.stops(needed) else ""
         lines.append(("terms", f"{policy.licence or 'licence not stated'}; {policy.text()}{more}"))
     if source.bands != RGB:
         lines.append(("bands", str(source.bands)))
+    cost = timed_cost(worked_out, source.bands)
+    summary = _summary(worked_out, source, values)
     for label, text in [*lines, *summary.lines(), ("cost", cost.text(len(worked_out)))]:
         print(printable(f"{label:24s}{text}"))
 
 
+def _requests(worked_out: Plan) -> int:
+    return worked_out.requests * len(worked_out.mission.imagery.map_types)
+
+
 def run_plan(arguments: argparse.Namespace) -> int:
-    """Work a mission out, print its figures, write its files."""
+    """Work a mission out, print its figures, write its files; of several imageries, one after the other."""
     from ..mission.export import check_plan_ending, write_plan
 
     for path in arguments.output:
         if not path.endswith(".json"):
             check_plan_ending(path)
     mission, values = _settings(arguments)
-    source = _source_of(mission, values, as_stored=_as_written(mission))
-    worked_out = _planned(mission, values, source)
+    each = mission.by_imagery
+    sources = {
+        name: _source_of(one, values, as_stored=_as_written(one))
+        for name, one in (each or {"": mission}).items()
+    }
+    plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
     for path in arguments.output:
         if path.endswith(".json"):
             mission.save(path)
-        else:
-            for note in write_plan(worked_out, path).notes:
-                print(f"{path}: {note}", file=sys.stderr)
-    _print_summary(worked_out, source, values, arguments.json)
+            continue
+        for name, worked_out in plans.items():
+            target = _beside(path, name)
+            for note in write_plan(worked_out, target).notes:
+                print(f"{target}: {note}", file=sys.stderr)
+    if arguments.json:
+        figures = {name: _figures(plan, sources[name], values) for name, plan in plans.items()}
+        print(json.dumps({"imageries": figures} if each else figures[""], indent=1))
+        return DONE
+    for number, (name, worked_out) in enumerate(plans.items()):
+        if each:
+            print("\n" * bool(number) + f"{'imagery':24s}{name}")
+        _print_figures(worked_out, sources[name], values)
     return DONE
+
+
+def _beside(path: str, name: str) -> str:
+    """File of one of several imageries: ``plan-NAME.csv`` for ``plan.csv``."""
+    from ..mission.export import check_plan_ending
+
+    ending = check_plan_ending(path)
+    return f"{path[: -len(ending)]}-{name}{ending}" if name else path
 
 
 def _print_notes(mission: Mission) -> None:
@@ -250,9 +287,13 @@ def run_capture(arguments: argparse.Namespace) -> int:
         # As from a variable that is not set: the current folder, which it would stand for, is not meant.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     _print_notes(mission)
-    bar = Bar(arguments.quiet)
-    with _opened(mission, values, as_stored=_as_written(mission)) as source, collected() as signals:
-        result = _run(mission, source, values, arguments, bar, lambda: bool(signals))
+    each = mission.by_imagery or {"": mission}
+    with ExitStack() as opened, collected() as signals:
+        sources = {
+            name: opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
+            for name, one in each.items()
+        }
+        result = _run(mission, each, sources, values, arguments, lambda: bool(signals))
     _print_result(result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
@@ -262,34 +303,40 @@ def run_capture(arguments: argparse.Namespace) -> int:
 
 def _run(
     mission: Mission,
-    source: Source,
+    each: Mapping[str, Mission],
+    sources: Mapping[str, Source],
     values: dict[str, Any],
     arguments: argparse.Namespace,
-    bar: Bar,
     cancelled: Callable[[], bool],
 ) -> CaptureResult:
     from ..capture.runner import capture
+    from ..capture.several import capture_imageries
 
-    worked_out = _planned(mission, values, source)
-    _check_terms(
-        worked_out, source, worked_out.requests * len(mission.imagery.map_types), arguments.accept_terms
-    )
+    plans = {name: _planned(one, values, sources[name]) for name, one in each.items()}
+    for name, worked_out in plans.items():
+        _check_terms(worked_out, sources[name], _requests(worked_out), arguments.accept_terms)
+    bar = Bar(arguments.quiet)
+    how: Any = {
+        "connections": values["connections"],
+        "resume": arguments.resume,
+        "only_failed": arguments.only_failed,
+        "progress": bar,
+        "cancelled": cancelled,
+    }
     try:
-        result = capture(
-            worked_out,
-            source,
-            values["data_dir"],
-            connections=values["connections"],
-            resume=arguments.resume,
-            only_failed=arguments.only_failed,
-            progress=bar,
-            cancelled=cancelled,
-        )
+        if mission.imagery.imageries:
+            result = capture_imageries(mission, plans, sources, values["data_dir"], **how)
+        else:
+            result = capture(plans[""], sources[""], values["data_dir"], **how)
     finally:
         bar.close()
-    if not source.map_types:
-        kinds = ", ".join(mission.imagery.map_types)
-        print(f"{printable(source.title)} has one kind of picture; it is written as {kinds}", file=sys.stderr)
+    for name, source in sources.items():
+        if not source.map_types:
+            kinds = ", ".join(each[name].imagery.map_types)
+            print(
+                f"{printable(source.title)} has one kind of picture; it is written as {kinds}",
+                file=sys.stderr,
+            )
     return result
 
 

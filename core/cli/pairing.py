@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from contextlib import closing
+from contextlib import ExitStack, closing
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
@@ -27,7 +28,11 @@ from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:
+    from ..geodesy.mercator import PixelGrid
+    from ..imagery.cache.tile_cache import TileCache
+    from ..imagery.opening import NamedSource
     from ..imagery.source import Source
+    from ..mission.relief import Heights
     from ..pairs.capturing import PairResult
     from ..pairs.places import Place
     from ..pairs.planning import PairPlan, PairSettings
@@ -38,7 +43,6 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     """Capture pairs into a folder."""
     from ..imagery.opening import SourceOptions
     from ..mission.settings import resolve
-    from ..pairs.planning import plan_pairs
     from ..pairs.sheet import check_sheet, contact_sheet
     from ..picture.heights import heights_for
 
@@ -51,7 +55,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     values = {**resolve(given, config=arguments.config), NAMED: names_source(arguments)}
     settings = _settings(arguments, values)
     places = _places(arguments, settings)
-    source = named(settings, values, None if arguments.dry_run else opened_cache(values))
+    sources = _sources(settings, values, None if arguments.dry_run else opened_cache(values))
     options = SourceOptions(
         seed=settings.seed,
         crs=settings.crs,
@@ -61,10 +65,12 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     )
     heights = heights_for(settings.terrain, options)
     if arguments.dry_run:
-        _print_plan(plan_pairs(places, settings, source.grid, heights), arguments.json)
+        grids = {view: source.grid for view, source in sources.items()}
+        _print_plan(_planned(places, settings, grids, heights), arguments.json)
         return DONE
-    with closing(source.open()) as opened, collected() as signals:
-        worked_out = plan_pairs(places, settings, opened.grid, heights)
+    with ExitStack() as stack, collected() as signals:
+        opened = {view: stack.enter_context(closing(source.open())) for view, source in sources.items()}
+        worked_out = _planned(places, settings, {view: one.grid for view, one in opened.items()}, heights)
         result = _capture(worked_out, opened, arguments, values, signals)
     _print_result(worked_out, result, arguments.json)
     if result.cancelled:
@@ -75,9 +81,35 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     return INCOMPLETE if result.failed or result.left_out else DONE
 
 
+def _sources(
+    settings: PairSettings, values: dict[str, Any], cache: TileCache | None
+) -> dict[str, NamedSource]:
+    """Return the satellite's source, and the drone's where that has another imagery."""
+    from ..pairs.planning import DRONE, SATELLITE
+
+    asked = [settings.imagery_of(view) for view in (SATELLITE, DRONE)[: 1 + settings.two_imageries]]
+    return {
+        one.name: named(
+            replace(settings, source=one.source, date=one.date, map_type=one.map_type, imageries=()),
+            {**values, NAMED: values[NAMED] or one in settings.imageries},
+            cache,
+        )
+        for one in asked
+    }
+
+
+def _planned(
+    places: tuple[Place, ...], settings: PairSettings, grids: dict[str, PixelGrid], heights: Heights | None
+) -> PairPlan:
+    from ..pairs.planning import DRONE, SATELLITE, plan_pairs
+
+    return plan_pairs(places, settings, grids[SATELLITE], heights, drone_grid=grids.get(DRONE))
+
+
 def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSettings:
     from ..geodesy.camera import Camera
     from ..mission.cameras import camera_named
+    from ..mission.imageries import named_imageries
     from ..mission.parts import Terrain
     from ..pairs.planning import DEFAULT_SIZE_PX, PairSettings
 
@@ -97,6 +129,7 @@ def _settings(arguments: argparse.Namespace, values: dict[str, Any]) -> PairSett
         map_type=map_type,
         date=values["date"] or "",
         crs=values["crs"] or "",
+        imageries=named_imageries(values["imagery"] or ()),
         seed=values["seed"],
         gap_m=arguments.gap,
         allow_shared_ground=arguments.allow_shared_ground,
@@ -150,27 +183,30 @@ def _places(arguments: argparse.Namespace, settings: PairSettings) -> tuple[Plac
 
 def _capture(
     worked_out: PairPlan,
-    source: Source,
+    sources: dict[str, Source],
     arguments: argparse.Namespace,
     values: dict[str, Any],
     signals: list[int],
 ) -> PairResult:
     from ..imagery.catalogue import check_policy
     from ..pairs.capturing import capture_pairs
+    from ..pairs.planning import DRONE, SATELLITE
 
-    check_policy(
-        source,
-        worked_out.requests,
-        accept_terms=arguments.accept_terms,
-        map_types=(worked_out.settings.map_type,),
-        bounds_deg=worked_out.bounds_deg,
-    )
+    for view, source in sources.items():
+        check_policy(
+            source,
+            worked_out.requests_of(view) if len(sources) > 1 else worked_out.requests,
+            accept_terms=arguments.accept_terms,
+            map_types=(worked_out.settings.imagery_of(view).map_type,),
+            bounds_deg=worked_out.bounds_deg,
+        )
     bar = Bar(arguments.quiet)
     try:
         return capture_pairs(
             worked_out,
-            source,
+            sources[SATELLITE],
             arguments.data_dir,
+            drone_source=sources.get(DRONE),
             connections=values["connections"],
             resume=arguments.resume,
             progress=bar,

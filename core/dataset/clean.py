@@ -163,9 +163,10 @@ def undo(
 def held(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
     """Keep captures and other runs out of a dataset's folder, unless it is only read; raises OutputError."""
     with ExitStack() as locks:
-        journal = Path(folder) / JOURNAL_FILE
-        if not only_read and journal.is_file():
-            locks.enter_context(open_locked(journal))
+        # Imageries beside each other have a journal each, below that of their folder.
+        for journal in (Path(folder) / JOURNAL_FILE, *sorted(Path(folder).glob(f"*/{JOURNAL_FILE}"))):
+            if not only_read and journal.is_file():
+                locks.enter_context(open_locked(journal))
         yield
 
 

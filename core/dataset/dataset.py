@@ -27,6 +27,7 @@ from .folder import (
     image_folder,
     map_type_folders,
     map_type_of,
+    place_of,
     raster_folders,
 )
 from .geotiff import GeoTiff, geotiff_of
@@ -132,12 +133,17 @@ class Dataset:
     layout : str
         One of `LAYOUTS`.
     image_sets : mapping of str to ImageSet
-        By map type; where several published folders are of one, as of several overlaps, by the folder's name.
+        By map type; where several published folders are of one, as of several overlaps, by the folder's name; of
+        imageries beside each other by the imagery's.
     """
 
     folder: Path
     layout: str
     image_sets: Mapping[str, ImageSet]
+
+    def place_of(self) -> Callable[[str], str]:
+        """Return what tells the place of an image by its name; see `folder.place_of`."""
+        return place_of(self.folder, [one.folder for one in self.image_sets.values()])
 
     def image_set(self, map_type: str) -> ImageSet:
         """Images of a map type; raises InvalidInput where there are none, with those that are there."""
@@ -173,8 +179,12 @@ def read_dataset(folder: str | os.PathLike[str], layout: str = "TerrAInav") -> D
         return Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)})
     folders = map_type_folders(path)
     counts = Counter(map(map_type_of, folders))
-    keys = {name if counts[map_type_of(name)] > 1 else map_type_of(name): name for name in folders}
-    sets = {key: _read_set(map_type_of(name), folders[name]) for key, name in keys.items()}
+    sets = {}
+    for name, one in folders.items():
+        of_imagery = one.parent.parent == path
+        map_type = one.name if of_imagery else map_type_of(name)
+        key = name if of_imagery or counts[map_type] > 1 else map_type
+        sets[key] = _read_set(map_type, one)
     return Dataset(path, layout, sets)
 
 

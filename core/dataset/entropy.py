@@ -6,7 +6,6 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ from PIL import Image
 
 from ..errors import Cancelled, InvalidInput
 from .dataset import Dataset, Images, open_image, read_dataset
-from .folder import TABLE_FILE, deciding_folder, image_folder, map_type_folders
+from .folder import TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_of
 from .table import Table
 
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
@@ -206,19 +205,22 @@ def deciding_entropies(
     Cancelled
         ``progress`` said so.
     """
-    own = {}
-    for name, path in map_type_folders(folder).items():
+    folders, own = map_type_folders(folder), {}
+    place = place_of(folder, folders.values())
+    for name, path in folders.items():
         table = Table.load(path / TABLE_FILE)
         own[name] = _Own(path, table, image_folder(path, table.img_names))
     measures = {name: one.measure() for name, one in own.items()}
     _fill_in(list(own.values()), progress)
     found = {}
     for name, one in own.items():
-        decider = deciding_folder(name, own)
+        decider = deciding_folder(name, folders)
         entropies, by_roadmap = one.entropies, np.zeros(len(one.table), np.bool_)
         if decider is not None:
-            stems = [Path(image).stem for image in one.table.img_names]
-            of_roadmap = np.array([own[decider].by_stem.get(stem, math.nan) for stem in stems], np.float64)
+            of_place = own[decider].by_place(place)
+            of_roadmap = np.array(
+                [of_place.get(place(image), math.nan) for image in one.table.img_names], np.float64
+            )
             by_roadmap = ~np.isnan(entropies) & ~np.isnan(of_roadmap)
             entropies = np.where(by_roadmap, of_roadmap, entropies)
         measure = measures[decider if decider is not None and by_roadmap.any() else name]
@@ -261,11 +263,10 @@ class _Own:
         nearness = np.median(off, axis=0)
         return MEASURES[int(np.argmin(nearness))] if nearness.min() <= _LOST else UNKNOWN
 
-    @cached_property
-    def by_stem(self) -> dict[str, float]:
-        """Entropies of the images that are there by their names without ending."""
-        stems = (Path(name).stem for name in self.table.img_names)
-        return {stem: value for stem, value in zip(stems, self.entropies.tolist()) if not math.isnan(value)}
+    def by_place(self, place: Callable[[str], str]) -> dict[str, float]:
+        """Entropies of the images that are there by their places."""
+        named = zip(self.table.img_names, self.entropies.tolist())
+        return {place(name): value for name, value in named if not math.isnan(value)}
 
 
 def _fill_in(sets: list[_Own], progress: Report | None) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..errors import InvalidInput
@@ -45,6 +45,8 @@ FRAMES = ("utm", "mercator", "mission")
 def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
     """Folders of a dataset's map types by name: those with a table, or the folder itself where it has one.
 
+    Of imageries beside each other, each a dataset of one map type in a folder of its name, they go by those names.
+
     Raises
     ------
     InvalidInput
@@ -66,6 +68,10 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
         found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())
     except OSError as wrong:
         raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
+    if not found and (path / MISSION_FILE).is_file():
+        inside = _of_imageries(path)
+        if inside:
+            return inside
     if not found and (path / SUPPLEMENT_FOLDER).is_dir():
         raise InvalidInput(
             "folder {0}: is laid out as the Night Vision supplement is",
@@ -82,6 +88,39 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
     return {one.name: one for one in found}
 
 
+def _of_imageries(path: Path) -> dict[str, Path]:
+    """Folders of the one map type of each dataset inside a folder, by the datasets' names."""
+    tables = sorted(path.glob(f"*/*/{TABLE_FILE}"))
+    return {
+        table.parent.parent.name: table.parent
+        for table in tables
+        if (table.parent.parent / MISSION_FILE).is_file()
+    }
+
+
+def place_of(folder: str | os.PathLike[str], folders: Iterable[Path]) -> Callable[[str], str]:
+    """Return what tells the place of an image by its name, which images of one place have in common.
+
+    It is the name without ending; of imageries beside each other, whose zooms and pixels differ, column and row.
+
+    Parameters
+    ----------
+    folder : path
+        Of a dataset.
+    folders : iterable of Path
+        Its map types', as `map_type_folders` gives them.
+    """
+    if not any(one.parent.parent == Path(folder) for one in folders):
+        return lambda name: Path(name).stem
+
+    def by_grid(name: str) -> str:
+        stem = Path(name).stem
+        found = NAME.fullmatch(stem)
+        return f"{found.group(1)}_{found.group(2)}" if found else stem
+
+    return by_grid
+
+
 def map_type_of(name: str) -> str:
     """Map type of a folder of this name: ``satellite`` of ``satellite_0``, as published folders are called."""
     return name[: len(name) - len(_ending(name))]
@@ -92,13 +131,16 @@ def deciding_name(name: str) -> str:
     return DECIDING + _ending(name)
 
 
-def deciding_folder(name: str, among: Iterable[str]) -> str | None:
+def deciding_folder(name: str, among: Mapping[str, Path]) -> str | None:
     """Of the folders of a dataset, the one that decides for another: with its ending, or without.
 
-    None where there is neither, or where it decides for itself.
+    Of imageries it is the one of that map type, if there is one alone. None where there is none of them, or where it
+    decides for itself.
     """
-    there = set(among)
-    found = next((one for one in (deciding_name(name), DECIDING) if one in there), None)
+    found = next((one for one in (deciding_name(name), DECIDING) if one in among), None)
+    if found is None:
+        of_type = [one for one, path in among.items() if path.name == DECIDING]
+        found = of_type[0] if len(of_type) == 1 else None
     return None if found == name else found
 
 

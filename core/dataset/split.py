@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -95,8 +95,9 @@ def split(
 ) -> Split:
     """Write the part of each image to the tables of a dataset (column ``split``), and its labels' frame and scaler.
 
-    Images of one place, which have the same name, are in the same part in every map type. Failed and rejected ones are
-    in none. An earlier split is replaced; where that is interrupted, reading its labels says so until it is done again.
+    Images of one place are in the same part in every map type and imagery (see `folder.place_of`). Failed and rejected
+    ones are in none. An earlier split is replaced; where that is interrupted, reading its labels says so until it is
+    done again.
 
     Parameters
     ----------
@@ -128,8 +129,9 @@ def split(
     """
     wanted = _checked(shares, how, block_m, gap_m)
     with held(folder, only_read=dry_run):
-        sets = list(read_dataset(folder).image_sets.values())
-        places = _places(sets)
+        dataset = read_dataset(folder)
+        sets, place = list(dataset.image_sets.values()), dataset.place_of()
+        places = _places(sets, place)
         if not places:
             raise InvalidInput(
                 "folder {0}: has no image that is there and not rejected, so there is nothing to split",
@@ -152,7 +154,7 @@ def split(
         else:
             order = shuffled(places, seed) if how == "shuffled" else list(places)
             of_place = dict(zip(order, counted(len(order), wanted)))
-        tables = [_with_parts(images, of_place) for images in sets]
+        tables = [_with_parts(images, of_place, place) for images in sets]
         labels = labels_of_tables(tables, frame)
         if not dry_run:
             # Tables are written one by one: until the last, parts of one map type may be other than another's.
@@ -161,7 +163,7 @@ def split(
                 table.save(images.folder / TABLE_FILE)
             labels.save(Path(folder) / LABELS_FILE)
     parts = list(of_place.values())
-    everything = {Path(name).stem for images in sets for name in images.table.img_names}
+    everything = {place(name) for images in sets for name in images.table.img_names}
     return Split(
         images={part: parts.count(part) for part in PARTS},
         gap=parts.count(GAP) - unknown,
@@ -212,12 +214,12 @@ def _checked(
     return wanted
 
 
-def _places(sets: Sequence[ImageSet]) -> dict[str, list[tuple[int, int]]]:
+def _places(sets: Sequence[ImageSet], place: Callable[[str], str]) -> dict[str, list[tuple[int, int]]]:
     """Map type and row of the images of each place, in the tables' order; of those that are taken."""
     places: dict[str, list[tuple[int, int]]] = {}
     for number, images in enumerate(sets):
         for row in np.flatnonzero(taken(images.table)).tolist():
-            places.setdefault(Path(images.table.img_names[row]).stem, []).append((number, row))
+            places.setdefault(place(images.table.img_names[row]), []).append((number, row))
     return places
 
 
@@ -384,7 +386,9 @@ def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tu
     edges = np.array([[np.inf], [-np.inf], [np.inf], [-np.inf]]).repeat(len(places), axis=1)
     for images, at, pairs in zip(sets, rows, of_set):
         place = np.array([one for _, one in pairs], np.intp)
-        boxes = boxes_of(images, at, folder, middle_lon)
+        # Imageries beside each other have their plans beside their images.
+        own = folder if images.folder == folder else images.folder.parent
+        boxes = boxes_of(images, at, own, middle_lon)
         # minimum and maximum pass NaN on: a place of which one image is not known is not known.
         for lowest in (0, 2):
             np.minimum.at(edges[lowest], place, boxes[lowest])
@@ -392,11 +396,10 @@ def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tu
     return Boxes(*edges)
 
 
-def _with_parts(images: ImageSet, of_place: Mapping[str, str]) -> Table:
+def _with_parts(images: ImageSet, of_place: Mapping[str, str], place: Callable[[str], str]) -> Table:
     """Table of a map type with its column of parts."""
     table = images.table
     cells = tuple(
-        of_place[Path(name).stem] if there else ""
-        for name, there in zip(table.img_names, taken(table).tolist())
+        of_place[place(name)] if there else "" for name, there in zip(table.img_names, taken(table).tolist())
     )
     return table.replaced({**table.other, SPLIT: cells})

@@ -113,6 +113,14 @@ class Mission:
             return "single" if len(self.area.poses) == 1 else "list"
         return "raster"
 
+    @property
+    def by_imagery(self) -> dict[str, Mission]:
+        """Mission of each of several imageries, by its name; empty where there is one source."""
+        return {
+            one.name: self.with_(imageries=(), source=one.source, date=one.date, map_types=(one.map_type,))
+            for one in self.imagery.named
+        }
+
     def with_(self, **changes: Any) -> Mission:
         """Return a copy with some fields changed, by the names that the constructor takes; checked again."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
@@ -130,6 +138,8 @@ class Mission:
         # Files of missions that go without what is new are those of versions that did not know it.
         if not self.imagery.crs:
             del plain["imagery"]["crs"]
+        for name in ("source", "date", "map_types") if self.imagery.imageries else ("imageries",):
+            del plain["imagery"][name]
         if not self.output.products:
             del plain["output"]["products"]
         if self.terrain == Terrain():

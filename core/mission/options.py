@@ -8,7 +8,7 @@ from typing import Any, Callable
 from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
-from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES
+from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES
 from ..units import LENGTHS_M
 from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Terrain
 
@@ -41,6 +41,7 @@ class Option:
             "img_size": (3, 3),
             "map_types": (1, len(field.choices)),
             "bands": (1, MAX_BANDS),
+            "imageries": (1, MAX_IMAGERIES),
             "elevation": (1, MAX_HEIGHT_SOURCES),
             "surface": (1, MAX_HEIGHT_SOURCES),
             "products": (1, len(field.choices)),

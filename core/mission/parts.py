@@ -11,6 +11,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..fields import Part, declared, field_named
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..map_types import ROADMAP, SATELLITE, TERRAIN
+from .imageries import NamedImagery, named_imageries
 
 if TYPE_CHECKING:
     from datetime import datetime
@@ -125,6 +126,13 @@ def _check_map_types(map_types: tuple[str, ...]) -> None:
         raise InvalidInput("no map type: give one or more of {0}", known, field="map_types")
     if len(set(map_types)) != len(map_types):
         raise InvalidInput("map types {0}: each may be named once", " ".join(map_types), field="map_types")
+
+
+def _check_imageries(texts: tuple[Any, ...]) -> None:
+    for one in texts:
+        if not isinstance(one, str):
+            raise InvalidInput("imagery {0!r}: must be text, such as 2014=world", one, field="imageries")
+    named_imageries(texts)
 
 
 def _check_size(size: tuple[Any, ...]) -> None:
@@ -330,6 +338,16 @@ class Imagery(Part):
         check=_check_crs,
         schema={"pattern": f"^{_CRS}$", "maxLength": _LONGEST_CRS},
     )
+    imageries: tuple[str, ...] = declared(
+        (),
+        title="imageries",
+        help="several beside each other, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or "
+        "NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own",
+        option="imagery",
+        advanced=True,
+        check=_check_imageries,
+        schema={"items": {"type": "string", "pattern": "^[A-Za-z0-9][A-Za-z0-9_.-]*=."}, "uniqueItems": True},
+    )
     seed: int = declared(
         2024,
         title="seed",
@@ -343,6 +361,21 @@ class Imagery(Part):
         if isinstance(given, (tuple, list)):
             object.__setattr__(self, "bands", tuple(str(one) if type(one) is int else one for one in given))
         super().__post_init__()
+        others = (self.source, self.date, self.map_types)
+        if self.imageries and others != (Imagery.source, Imagery.date, Imagery.map_types):
+            raise InvalidInput(
+                "imagery {0}, and source {1} {2} {3} as well: an imagery names its own, so give one of the two",
+                self.imageries[0],
+                self.source,
+                self.date,
+                " ".join(self.map_types),
+                field="imageries",
+            )
+
+    @property
+    def named(self) -> tuple[NamedImagery, ...]:
+        """Imageries beside each other; empty where there is one source."""
+        return named_imageries(self.imageries)
 
 
 @dataclass(frozen=True)

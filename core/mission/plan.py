@@ -501,6 +501,13 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         sees nothing of the Earth, a zoom the source does not have, pictures under one pixel; where no methods fit
         the error budget and the mission does not accept that.
     """
+    if mission.imagery.imageries:
+        raise InvalidInput(
+            "imagery {0}: a mission of several imageries has a plan for each, and not one",
+            " ".join(mission.imagery.imageries),
+            remedy="choose one of them as the source",
+            field="imageries",
+        )
     levelled, relief = _over(mission, heights)
     flown, chosen = choose_methods(levelled, grid, partial(_disturbed, levelled), relief)
     layout, ground = flown.layout, ground_of(levelled)

@@ -126,7 +126,7 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
     fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
     if fields["image_px"] is None:
         fields["image_px"] = own_px
-    for name in ("bands", "elevation", "surface", "products"):
+    for name in ("bands", "imageries", "elevation", "surface", "products"):
         fields[name] = fields[name] or ()
     if isinstance(fields["stretch"], tuple):
         fields["stretch"] = " ".join(fields["stretch"])

@@ -7,14 +7,15 @@ import filecmp
 import io
 import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..capture.journal import FAILED, Journal, Outcome
-from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Failure, Progress, Repeat, capture
+from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, check_source
+from ..capture.several import capture_each, together
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
-from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..errors import Message, OptionName, OutputError
 from ..files import make_folder, open_locked, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
@@ -34,30 +35,16 @@ COLUMNS = (
 
 
 @dataclass(frozen=True)
-class PairResult:
-    """What a run did.
+class PairResult(CaptureResult):
+    """What a run did: all captures together, whose names stand for the map types.
 
     Parameters
     ----------
-    total, written, skipped, requests, unique_parts, seconds, cancelled
-        Of all captures together, as a CaptureResult has them.
-    repeated : tuple of Repeat
-        Both by the captures' names, which stand for the map types.
     left_out : tuple of str
         Ids of places without a satellite view or any view of the drone, which are in no part's folders.
     """
 
-    folder: Path
-    total: int
-    written: int
-    skipped: int
-    requests: int
-    unique_parts: int
-    seconds: float
-    cancelled: bool
-    failed: tuple[Failure, ...]
-    left_out: tuple[str, ...]
-    repeated: tuple[Repeat, ...] = ()
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -75,6 +62,7 @@ def capture_pairs(
     source: Source,
     folder: str | os.PathLike[str],
     *,
+    drone_source: Source | None = None,
     connections: int = DEFAULT_CONNECTIONS,
     workers: int | None = None,
     resume: bool = False,
@@ -91,8 +79,9 @@ def capture_pairs(
 
     Parameters
     ----------
-    source : Source
-        With the pixel grid that the plan was made for.
+    source, drone_source : Source
+        Of the satellite's imagery, and of the drone's where that is another, with the pixel grids that the plan was
+        made for.
     resume : bool
         Go on with a folder that holds these settings: what is missing or has failed is made.
     connections, workers, progress, cancelled
@@ -107,7 +96,12 @@ def capture_pairs(
     SourceError
         The source cannot serve; what was finished is kept.
     """
-    _check(worked_out, source)
+    captures = {
+        name: (plan, source if name == SATELLITE or drone_source is None else drone_source)
+        for name, plan in worked_out.plans.items()
+    }
+    for plan, one in captures.values():
+        check_source(plan, one)
     path = Path(folder)
     wanted = (json.dumps(worked_out.to_dict(), indent=1, ensure_ascii=False) + "\n").encode("utf-8")
     _refuse(path, wanted, resume=resume)
@@ -116,33 +110,16 @@ def capture_pairs(
         # Another run may have made the folder its own meanwhile.
         _refuse(path, wanted, resume=resume, ours=True)
         write_whole(path / SETTINGS_FILE, wanted, durable=True)
-        results: dict[str, CaptureResult] = {}
-        for name, plan in worked_out.plans.items():
-            results[name] = capture(
-                plan,
-                source,
-                path / CAPTURES_FOLDER / name,
-                connections=connections,
-                workers=workers,
-                resume=True,
-                progress=None if progress is None else _named(progress, name),
-                cancelled=cancelled,
-            )
-            if results[name].cancelled:
-                return _result(path, worked_out, results, ())
-        return _result(path, worked_out, results, _lay_out(path, worked_out))
-
-
-def _check(worked_out: PairPlan, source: Source) -> None:
-    """Refuse what the captures would refuse one after the other."""
-    map_type = worked_out.settings.map_type
-    if source.map_types and map_type not in source.map_types:
-        raise InvalidInput("map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types))
-    if any(plan.grid != source.grid for plan in worked_out.plans.values()):
-        raise InvalidInput(
-            "pairs are planned for another pixel grid than that of {0}: plan with the source's own",
-            source.title,
+        results = capture_each(
+            captures,
+            path / CAPTURES_FOLDER,
+            connections=connections,
+            workers=workers,
+            progress=progress,
+            cancelled=cancelled,
         )
+        total = replace(together(path, results), total=worked_out.images)
+        return PairResult(**vars(total), left_out=() if total.cancelled else _lay_out(path, worked_out))
 
 
 def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> None:
@@ -181,33 +158,6 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
             SETTINGS_FILE,
             remedy="choose another folder",
         )
-
-
-def _named(progress: Callable[[Progress], object], name: str) -> Callable[[Progress], object]:
-    return lambda report: progress(replace(report, map_type=name))
-
-
-def _result(
-    path: Path, worked_out: PairPlan, results: Mapping[str, CaptureResult], left_out: tuple[str, ...]
-) -> PairResult:
-    done = results.values()
-    return PairResult(
-        folder=path,
-        total=worked_out.images,
-        written=sum(one.written for one in done),
-        skipped=sum(one.skipped for one in done),
-        requests=sum(one.requests for one in done),
-        unique_parts=sum(one.unique_parts for one in done),
-        seconds=sum(one.seconds for one in done),
-        cancelled=any(one.cancelled for one in done),
-        failed=tuple(
-            replace(failure, map_type=name) for name, one in results.items() for failure in one.failed
-        ),
-        left_out=left_out,
-        repeated=tuple(
-            replace(repeat, map_type=name) for name, one in results.items() for repeat in one.repeated
-        ),
-    )
 
 
 def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
@@ -261,7 +211,7 @@ def _picture(worked_out: PairPlan, image: _Image) -> str:
 
 def _captured(path: Path, worked_out: PairPlan, image: _Image) -> Path:
     """File of a captured picture; cleaning may have moved it."""
-    folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.map_type
+    folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.imagery_of(image.view).map_type
     name = f"{_picture(worked_out, image)}.jpg"
     moved = folder / REJECTED_FOLDER / name
     return moved if moved.exists() and not (folder / name).exists() else folder / name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,7 @@ from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.mercator import PixelGrid
 from ..limits import MAX_PICTURE_PX
 from ..mission.area import Box, Points
+from ..mission.imageries import NamedImagery
 from ..mission.mission import Mission
 from ..mission.parts import ELLIPSOID, Accuracy, Imagery, Terrain
 from ..mission.plan import Plan, plan
@@ -60,6 +61,8 @@ class PairSettings:
         place.
     source, map_type, date, crs
         Of the imagery, as a Mission has them.
+    imageries : tuple of NamedImagery
+        Of the views that have another: ``satellite``, ``drone``, or both.
     seed : int
         Of the embedded world, and of the order in which places are shared out.
     shares : three numbers
@@ -83,6 +86,7 @@ class PairSettings:
     map_type: str = Imagery.map_types[0]
     date: str = ""
     crs: str = ""
+    imageries: tuple[NamedImagery, ...] = ()
     seed: int = 2024
     shares: tuple[float, float, float] = SHARES
     gap_m: float = 0.0
@@ -102,6 +106,25 @@ class PairSettings:
         if self.satellite_m is not None and not (math.isfinite(self.satellite_m) and self.satellite_m > 0.0):
             raise InvalidInput("width of the satellite view {0} m: must be above 0", self.satellite_m)
         check_shares(self.shares)
+        for one in self.imageries:
+            if one.name not in (SATELLITE, DRONE):
+                raise InvalidInput(
+                    "imagery {0!r}: pairs have views {1} and {2}",
+                    one.name,
+                    SATELLITE,
+                    DRONE,
+                    field="imageries",
+                )
+
+    def imagery_of(self, view: str) -> NamedImagery:
+        """Imagery of ``satellite`` or ``drone``."""
+        own = (one for one in self.imageries if one.name == view)
+        return next(own, NamedImagery(view, self.source, self.date, self.map_type))
+
+    @property
+    def two_imageries(self) -> bool:
+        """Whether drone and satellite have different imageries."""
+        return replace(self.imagery_of(DRONE), name=SATELLITE) != self.imagery_of(SATELLITE)
 
     @property
     def satellite_width_m(self) -> float:
@@ -133,13 +156,14 @@ class PairSettings:
         drones = {name: self._drone(lat, lon, tilt, ground) for name, tilt in zip(names, tilts)}
         return {SATELLITE: self._satellite(lat, lon), **drones}
 
-    def _mission(self, points: Points, **more: Any) -> Mission:
+    def _mission(self, view: str, points: Points, **more: Any) -> Mission:
+        imagery = self.imagery_of(view)
         return Mission(
             points,
             points.poses[0][2],
-            map_types=(self.map_type,),
-            source=self.source,
-            date=self.date,
+            map_types=(imagery.map_type,),
+            source=imagery.source,
+            date=imagery.date,
             crs=self.crs,
             seed=self.seed,
             image_format="jpg",
@@ -156,6 +180,7 @@ class PairSettings:
         agl_m = round(self.satellite_width_m / camera.ground_size_m(1.0)[0], _DECIMALS)
         shrunk = np.cos(np.radians(lat_deg))
         return self._mission(
+            SATELLITE,
             Points(tuple((lat, lon, agl_m) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist()))),
             camera=camera,
             # One zoom serves all latitudes: the pictures of the lowest are to be as sharp as those of the highest.
@@ -181,6 +206,7 @@ class PairSettings:
             axis=-1,
         )
         return self._mission(
+            DRONE,
             Points(
                 tuple(map(tuple, where.transpose(1, 2, 0).reshape(-1, 3).tolist())),
                 tuple(view.yaw_deg for view in chosen) * len(lat_deg),
@@ -267,6 +293,12 @@ class PairPlan:
         """Parts to fetch; those that satellite and drone both need are counted for each."""
         return sum(one.requests for one in self.plans.values())
 
+    def requests_of(self, view: str) -> int:
+        """Parts to fetch of the imagery of ``satellite`` or ``drone``."""
+        return sum(
+            one.requests for name, one in self.plans.items() if (name == SATELLITE) == (view == SATELLITE)
+        )
+
     @property
     def bounds_deg(self) -> tuple[float, float, float, float]:
         """West, south, east, north of the places."""
@@ -310,6 +342,7 @@ class PairPlan:
                 "ground_shared": self.ground_shared,
                 "reach_m": round(self.reach_m, 1) if math.isfinite(self.reach_m) else None,
             },
+            **({"imageries": [str(one) for one in settings.imageries]} if settings.imageries else {}),
             "size_px": settings.size_px,
             "satellite_m": settings.satellite_width_m,
             "mission": shared,
@@ -332,14 +365,21 @@ class PairPlan:
 
 
 def plan_pairs(
-    places: Sequence[Place], settings: PairSettings, grid: PixelGrid, heights: Heights | None = None
+    places: Sequence[Place],
+    settings: PairSettings,
+    grid: PixelGrid,
+    heights: Heights | None = None,
+    *,
+    drone_grid: PixelGrid | None = None,
 ) -> PairPlan:
-    """Work a cross-view dataset out on a source's pixel grid; fetches no imagery.
+    """Work a cross-view dataset out on its sources' pixel grids; fetches no imagery.
 
     Parameters
     ----------
     places : sequence of Place
         Their order is that of the ids.
+    grid, drone_grid : PixelGrid
+        Of the satellite's imagery, and of the drone's where that is another.
     heights : Heights or None
         Those of the settings' terrain (`picture.heights.heights_for`), where it has some.
 
@@ -352,7 +392,11 @@ def plan_pairs(
         raise InvalidInput("no places: needs one or more")
     missions = settings.missions(places, heights)
     plans = {
-        name: plan(mission, grid, heights if mission.terrain.elevation else None)
+        name: plan(
+            mission,
+            grid if name == SATELLITE else drone_grid or grid,
+            heights if mission.terrain.elevation else None,
+        )
         for name, mission in missions.items()
     }
     lat = np.array([place.lat_deg for place in places])

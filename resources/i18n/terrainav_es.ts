@@ -4791,6 +4791,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: debe ser 1 o más</translation>
     </message>
     <message>
+        <location filename="../../core/capture/several.py"/>
+        <source>imageries {0}: need a plan and a source each</source>
+        <translation>imágenes {0}: necesitan un plan y una fuente cada una</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/writers.py"/>
         <source>choose tif or png, or shorten the source's attribution</source>
         <translation>elija tif o png, o abrevie la atribución de la fuente</translation>
@@ -8561,6 +8566,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>imageries</source>
+        <translation>varias imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>imagery {0!r}: must be text, such as 2014=world</source>
+        <translation>imágenes {0!r}: debe ser texto, por ejemplo 2014=world</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>imagery {0}, and source {1} {2} {3} as well: an imagery names its own, so give one of the two</source>
+        <translation>imágenes {0}, y además la fuente {1} {2} {3}: cada una nombra la suya, así que dé una de las dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>kind of image</source>
         <translation>clase de imagen</translation>
     </message>
@@ -8721,6 +8741,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>several beside each other, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own</source>
+        <translation>varias a la vez, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>side overlap: share of an image that the next row shows again</source>
         <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
     </message>
@@ -8851,6 +8876,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
+        <source>choose one of them as the source</source>
+        <translation>elija una de ellas como fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
         <source>elevation {0}: the mission is planned without its heights</source>
         <translation>elevación {0}: la misión se planifica sin sus alturas</translation>
     </message>
@@ -8858,6 +8888,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>fly higher or in less turbulence</source>
         <translation>volar más alto o con menos turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>imagery {0}: a mission of several imageries has a plan for each, and not one</source>
+        <translation>imágenes {0}: una misión de varias imágenes tiene un plan para cada una, y no uno solo</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -28,6 +30,10 @@ def memphis(request, tmp_path):
     # The program keeps a picture of the whole area beside the table.
     Image.new("RGB", (9, 9)).save(folder / f"satellite{ending}" / "35.1375_-89.8615_0_120.0_78.8_4_4.jpg")
     return folder, ending, images
+
+
+def _paths(names):
+    return {name: Path("dataset") / name for name in names}
 
 
 def files(folder):
@@ -108,10 +114,10 @@ def test_names_of_folders():
         "my_map",
         "_0",
     ]
-    assert deciding_folder("satellite_0", ["roadmap", "roadmap_0", "satellite_0"]) == "roadmap_0"
-    assert deciding_folder("satellite_0", ["roadmap", "satellite_0"]) == "roadmap"
-    assert deciding_folder("satellite_0", ["roadmap_5", "satellite_0"]) is None
-    assert deciding_folder("roadmap_0", ["roadmap", "roadmap_0"]) is None
+    assert deciding_folder("satellite_0", _paths(["roadmap", "roadmap_0", "satellite_0"])) == "roadmap_0"
+    assert deciding_folder("satellite_0", _paths(["roadmap", "satellite_0"])) == "roadmap"
+    assert deciding_folder("satellite_0", _paths(["roadmap_5", "satellite_0"])) is None
+    assert deciding_folder("roadmap_0", _paths(["roadmap", "roadmap_0"])) is None
 
 
 def test_one_map_type_alone_is_a_dataset_unless_its_roadmap_is_beside_it(tmp_path):

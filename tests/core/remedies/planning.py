@@ -402,3 +402,11 @@ def _too_wide(case: Case) -> None:
     case.refused(lambda: Camera.from_vertical_fov(179.999999999, 1e9))
     case.follow("choose a less extreme field of view", lambda: Camera.from_vertical_fov(60.0, 1e5))
     case.follow("aspect ratio", lambda: Camera.from_vertical_fov(179.9, 2.0))
+
+
+planned(
+    "plan.py",
+    "imagery {0}: a mission of several imageries has a plan for each, and not one; choose one of them as the source",
+    Mission(SMALL, 120.0, imageries=("a=world",)),
+    {"choose one of them as the source": {"imageries": (), "source": "world"}},
+)
