@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..dataset.folder import DEFAULT_ENTROPY, FRAMES, LAYOUTS, PARTS, SEED, SHARES, TRAIN, WAYS
+from ..dataset.folder import DEFAULT_ENTROPY, FRAMES, LAYOUTS, PARTS, SEED, SHARES, TARGETS, TRAIN, WAYS
 from ..geodesy.lens import Lens
 from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
@@ -161,6 +161,13 @@ def _add_load(commands: Any) -> None:
         nargs=3,
         metavar=("W", "H", "C"),
         help="resize images: width, height, channels (1 or 3); else they have to be alike",
+    )
+    loading.add_argument(
+        "--targets",
+        nargs="+",
+        choices=TARGETS,
+        default=TARGETS[:1],
+        help="what the labels are of: the image's centre, the camera's place, its height, its attitude (default image)",
     )
     loading.add_argument("--batch-size", metavar="N", help="images in a batch (default 8)")
     loading.add_argument("--seed", metavar="N", help="of order and augmentation (default 2024)")

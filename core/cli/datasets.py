@@ -12,6 +12,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..dataset.folder import ATTITUDE, HEIGHT, IMAGE
 from ..errors import InvalidInput
 from .exits import DONE
 
@@ -196,6 +197,7 @@ def _loader(
         "seed": values["seed"],
         "layout": values["dataset"],
         "augment": _augmentation(arguments),
+        "targets": tuple(arguments.targets),
     }
     if arguments.loader == "torch":
         from ..dataset.loading import torch_loader
@@ -229,7 +231,10 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
         return None
     if contrast is None and brightness is None:
         return "auto"
-    return Augmentation(contrast=contrast or 0.0, brightness=brightness or 0.0)
+    shades = {"contrast": contrast or 0.0, "brightness": brightness or 0.0}
+    if {HEIGHT, ATTITUDE} & set(arguments.targets):
+        return Augmentation(rotation_deg=0.0, flip=False, zoom=0.0, **shades)
+    return Augmentation(**shades)
 
 
 def _load_document(
@@ -246,6 +251,7 @@ def _load_document(
         "augmented": samples.augment is not None,
         "frame": samples.labels.frame.crs,
         "fitted_on": samples.labels.fitted_on,
+        "columns": list(samples.columns),
         "batches": [
             {"count": count, "images": list(images), "labels": list(labels)}
             for (images, labels), count in shapes.items()
@@ -264,7 +270,10 @@ def _print_load(
         f"{samples.images.map_type}, {part}: {len(samples):,} images of {width} x {height} px and {channels} "
         f"channel{'s' * (channels > 1)}, {'augmented' if samples.augment is not None else 'not augmented'}"
     )
-    print(f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}")
+    columns = "" if tuple(arguments.targets) == (IMAGE,) else f": {', '.join(samples.columns)}"
+    print(
+        f"labels in {samples.labels.frame.crs}, scaled by the images of {samples.labels.fitted_on}{columns}"
+    )
     for note in samples.labels.notes:
         print(note)
     for (images, labels), count in shapes.items():

@@ -38,6 +38,8 @@ SHARES = (0.8, 0.1, 0.1)
 SEED = 2024
 #: How images are put in order, or by what they are split.
 AUTO, *_ = WAYS = ("auto", "shuffled", "in-order", "blocks")
+#: What labels may be of: the image's centre, the camera's place, its height, its attitude.
+TARGETS = IMAGE, CAMERA, HEIGHT, ATTITUDE = ("image", "camera", "height", "attitude")
 #: Frames of labels that are chosen by name; else a code ``EPSG:…``.
 FRAMES = ("utm", "mercator", "mission")
 

@@ -32,7 +32,7 @@ ENTERED_AS_DECLARED: dict[str, Field] = {
     if one.name not in _ENTERED_OTHERWISE
 }
 #: Those of them that the panel has no entries for: it carries them along, and says so.
-WITHOUT_ENTRY = ("mesh", "seed", "max_images")
+WITHOUT_ENTRY = ("imageries", "mesh", "seed", "max_images")
 #: Entries of the wind, and of what is typed in another way, by the fields that they state.
 DECLARED: dict[str, Field] = {
     **ENTERED_AS_DECLARED,

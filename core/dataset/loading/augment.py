@@ -94,6 +94,11 @@ class Augmentation:
             if not 0.0 <= value <= most:
                 raise InvalidInput("augmentation {0} {1!r}: must be from 0 to {2:g}", name, value, most)
 
+    @property
+    def keeps_pose(self) -> bool:
+        """Whether images are neither turned nor mirrored nor zoomed, so that attitude and height hold for them."""
+        return not (self.rotation_deg or self.flip or self.zoom)
+
     def change_of(self, name: str, seed: int, epoch: int) -> Change:
         """Return what is done to an image in an epoch.
 

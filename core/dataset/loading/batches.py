@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
-from ..folder import PARTS, TABLE_FILE, TRAIN
+from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
 from ..labels import LABELS_FILE, Labels, labels_of_tables
 from ..table import GAP, part_of, taken
 from .augment import Augmentation
@@ -34,6 +34,13 @@ DTYPES = FLOATS, BYTES, STORED = ("float32", "uint8", "stored")
 #: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
 _MOST_PX = 89_478_485
 _WHITE = np.float32(255.0)
+#: Columns of labels.
+_COLUMNS = {
+    IMAGE: ("easting", "northing"),
+    CAMERA: ("camera_easting", "camera_northing"),
+    HEIGHT: ("agl_m",),
+    ATTITUDE: ("yaw_deg", "tilt_deg", "roll_deg"),
+}
 
 
 class Samples:
@@ -64,13 +71,19 @@ class Samples:
     labels : Labels or None
         None takes those of the dataset's ``labels.json``; where there is none, UTM, scaled by the training part of a
         dataset that is split, and else by all images.
+    targets : sequence of str
+        What the labels are of, in this order: the ``image``'s centre on the ground and the ``camera``'s
+        place, as scaled eastings and northings; its ``height`` above ground in metres; its ``attitude``, yaw, tilt and
+        roll in degrees. With the last two ``auto`` augments nothing, as turning and zooming would make them wrong.
 
     Attributes
     ----------
     names : tuple of str
         Images' names without ending.
-    values : array (n, 2) of float32
-        The labels' numbers: scaled eastings and northings of the images' centres.
+    values : array (n, k) of float32
+        The labels' numbers.
+    columns : tuple of k str
+        What they are, with their units; ``easting`` and ``northing`` are scaled.
     labels : Labels
         What the numbers mean, and the way back to latitude and longitude (`Labels.positions`).
 
@@ -93,13 +106,15 @@ class Samples:
         dtype: str = "float32",
         layout: str = "TerrAInav",
         labels: Labels | None = None,
+        targets: Sequence[str] = (IMAGE,),
     ) -> None:
         _check(part, shuffle, augment, dtype)
+        turnable = _check_targets(targets, augment)
         if not isinstance(dataset, Dataset):
             dataset = read_dataset(dataset, layout)
         self.part, self.img_size, self.seed = part, _sized(img_size), seed
         self.shuffle = part == TRAIN if isinstance(shuffle, str) else shuffle
-        usual = Augmentation() if part == TRAIN else None
+        usual = Augmentation() if part == TRAIN and turnable else None
         self.augment = usual if isinstance(augment, str) else augment
         self._is_stored = dtype == STORED
         if self._is_stored:
@@ -109,7 +124,10 @@ class Samples:
         self._rows = _rows(self.images, part)
         self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
         self.labels = _labels(dataset, self.images) if labels is None else labels
-        self.values = _values(self.labels, self.images, self._rows)
+        self.columns = tuple(column for target in targets for column in _COLUMNS[target])
+        self.values = np.concatenate(
+            [_values(one, self.labels, self.images, self._rows) for one in targets], axis=1
+        )
         self.shape, self.dtype = self._shape(), np.dtype(BYTES if self._is_stored else dtype)
         if self._is_stored:
             self.dtype = self._stored(0).dtype
@@ -195,7 +213,7 @@ class Samples:
         return np.asarray(found).reshape(self.shape)
 
     def take(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
-        """Images (b, height, width, channels) and labels (b, 2) of some indices, as they are in an epoch.
+        """Images (b, height, width, channels) and labels (b, k) of some indices, as they are in an epoch.
 
         Raises
         ------
@@ -454,9 +472,37 @@ def _check_fit(labels: Labels, images: ImageSet, path: Path) -> None:
         )
 
 
-def _values(labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
-    """Labels (n, 2) of rows; raises InvalidInput for positions that the frame does not have."""
-    lat_deg, lon_deg = images.table.lat_deg[rows], images.table.lon_deg[rows]
+def _check_targets(targets: Sequence[str], augment: Augmentation | str | None) -> bool:
+    """Raise InvalidInput for targets that there are not; whether they hold for images that are turned and zoomed."""
+    named = [targets] if isinstance(targets, str) else list(targets)
+    if not named or isinstance(targets, str) or len(set(named)) != len(named) or set(named) - set(TARGETS):
+        raise InvalidInput(
+            "targets {0}: must be some of {1}, each once", " ".join(map(str, named)), ", ".join(TARGETS)
+        )
+    turnable = not {HEIGHT, ATTITUDE} & set(named)
+    if not turnable and isinstance(augment, Augmentation) and not augment.keeps_pose:
+        raise InvalidInput(
+            "targets {0}: images that are turned, mirrored or zoomed are of another pose",
+            " ".join(named),
+            remedy="leave the augmentation out, or take one of contrast and brightness alone",
+        )
+    return turnable
+
+
+def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Labels (n, 1 to 3) of rows; raises InvalidInput for positions that the frame does not have, and missing poses."""
+    table = images.table
+    if target in (HEIGHT, ATTITUDE):
+        columns = (table.agl_m,) if target == HEIGHT else (table.yaw_deg, table.tilt_deg, table.roll_deg)
+        found = np.stack([column[rows] for column in columns], axis=1).astype(np.float32)
+        _check_known(target, np.isfinite(found).all(axis=1), images, rows)
+        return found
+    lat_deg, lon_deg = (
+        (table.lat_deg[rows], table.lon_deg[rows])
+        if target == IMAGE
+        else (table.pose_lat_deg[rows], table.pose_lon_deg[rows])
+    )
+    _check_known(target, np.isfinite(lat_deg) & np.isfinite(lon_deg), images, rows)
     values = labels.of(lat_deg, lon_deg).astype(np.float32)
     lost = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if lost.size:
@@ -470,3 +516,13 @@ def _values(labels: Labels, images: ImageSet, rows: NDArray[np.int64]) -> NDArra
             remedy=Message("split with another {0}", OptionName("frame")),
         )
     return values
+
+
+def _check_known(target: str, known: NDArray[np.bool_], images: ImageSet, rows: NDArray[np.int64]) -> None:
+    if not known.all():
+        raise InvalidInput(
+            "targets {0}: the table of {1} does not say it of {2}",
+            target,
+            images.folder,
+            some([images.table.img_names[row] for row in rows[~known].tolist()]),
+        )

@@ -14,15 +14,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import open_image, read_dataset
 from terrainav.core.dataset.labels import labels_of
 from terrainav.core.dataset.loading import Batches, Samples
 from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.dataset.loading.batches import chunks, optional_module
 from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
 
 from tests.support.command import command
 from tests.support.datasets import pixels_of, write_dataset
+from tests.support.sources import PatternSource
 
 SIZE = (20, 16, 3)
 #: Labels are float32: of a spread of a kilometre, a tenth of a millimetre; in degrees, with room.
@@ -44,6 +50,75 @@ def numbers_of(samples):
 def collected(batches):
     images, labels = zip(*batches)
     return np.concatenate(images), np.concatenate(labels)
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    """A capture in gusts: every camera is somewhere else, and turned otherwise; its plan."""
+    mission = Mission(
+        Box(35.16, -89.90, 35.1575, -89.897),
+        60.0,
+        image_px=32,
+        image_format="png",
+        tilt_deg=10.0,
+        wind=Wind(8.0, 270.0, 0.2),
+    )
+    worked_out, folder = plan(mission, PatternSource().grid), tmp_path_factory.mktemp("flown") / "out"
+    capture(worked_out, PatternSource(), folder)
+    return worked_out, folder
+
+
+def test_labels_may_be_of_the_camera(flown):
+    worked_out, folder = flown
+    targets = ("attitude", "camera", "height", "image")
+    samples = Samples(folder, part="all", targets=targets, img_size=(16, 12, 3))
+    assert samples.columns == (
+        *(
+            "yaw_deg",
+            "tilt_deg",
+            "roll_deg",
+            "camera_easting",
+            "camera_northing",
+            "agl_m",
+            "easting",
+            "northing",
+        ),
+    )
+    at = [worked_out.names.index(name) for name in samples.names]
+    yaw, tilt, roll, _, _, agl, _, _ = samples.values.T
+    for values, pose in zip((yaw, tilt, roll, agl), ("yaw_deg", "tilt_deg", "roll_deg", "agl_m")):
+        np.testing.assert_allclose(values, getattr(worked_out.poses, pose)[at], rtol=1e-6, atol=1e-6)
+        assert np.ptp(values) > 0.0
+    lat, lon = samples.labels.positions(samples.values[:, 3:5].astype(np.float64))
+    np.testing.assert_allclose(lat, worked_out.lat_deg[at], atol=FLOAT32_DEG)
+    np.testing.assert_allclose(lon, worked_out.lon_deg[at], atol=FLOAT32_DEG)
+    np.testing.assert_array_equal(
+        samples.values[:, 6:], Samples(folder, part="all", img_size=(16, 12, 3)).values
+    )
+    assert samples.augment is None
+    images, labels = samples.take([0, 1])
+    assert (images.shape, labels.shape) == ((2, 12, 16, 3), (2, 8))
+
+
+def test_labels_that_there_are_not_are_refused(folder, flown):
+    for targets in ((), "camera", ("camera", "camera"), ("place",)):
+        with pytest.raises(InvalidInput, match="must be some of image, camera, height, attitude, each once"):
+            Samples(folder, part="all", targets=targets)
+    for target in ("camera", "height", "attitude"):
+        with pytest.raises(InvalidInput, match=f"targets {target}: the table of .* does not say it of 0_0_"):
+            Samples(folder, part="all", targets=(target,))
+
+
+def test_the_command_loads_labels_of_the_camera(run, flown):
+    folder = str(flown[1])
+    said = run(
+        "load", folder, "--part", "all", "--img-size", "16", "12", "3", "--targets", "camera", "height"
+    ).stdout
+    assert "camera_easting, camera_northing, agl_m" in said
+    assert "labels (8, 3)" in said
+    shaded = ("--targets", "attitude", "--contrast", "0.2", "--json")
+    told = json.loads(run("load", folder, "--part", "all", "--img-size", "16", "12", "3", *shaded).stdout)
+    assert told["columns"] == ["yaw_deg", "tilt_deg", "roll_deg"]
 
 
 def test_batches_have_the_pixels_and_positions_of_their_rows(folder):
