@@ -8,7 +8,7 @@ import sys
 import time
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -231,10 +231,10 @@ def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:
         return None
     if contrast is None and brightness is None:
         return "auto"
-    shades = {"contrast": contrast or 0.0, "brightness": brightness or 0.0}
+    shaded = Augmentation(contrast=contrast or 0.0, brightness=brightness or 0.0)
     if {HEIGHT, ATTITUDE} & set(arguments.targets):
-        return Augmentation(rotation_deg=0.0, flip=False, zoom=0.0, **shades)
-    return Augmentation(**shades)
+        return replace(shaded, rotation_deg=0.0, flip=False, zoom=0.0)
+    return shaded
 
 
 def _load_document(

@@ -494,7 +494,7 @@ def _values(target: str, labels: Labels, images: ImageSet, rows: NDArray[np.int6
     table = images.table
     if target in (HEIGHT, ATTITUDE):
         columns = (table.agl_m,) if target == HEIGHT else (table.yaw_deg, table.tilt_deg, table.roll_deg)
-        found = np.stack([column[rows] for column in columns], axis=1).astype(np.float32)
+        found: NDArray[np.float32] = np.stack([column[rows] for column in columns], axis=1).astype(np.float32)
         _check_known(target, np.isfinite(found).all(axis=1), images, rows)
         return found
     lat_deg, lon_deg = (

@@ -665,15 +665,17 @@ def _no_images(case: Case) -> None:
 
 @remedy(
     "dataset/loading/batches.py",
-    "targets {}: images that are turned, mirrored or zoomed are of another pose; leave the augmentation out, or take one of "
-    "contrast and brightness alone",
+    "targets {}: images that are turned, mirrored or zoomed are of another pose; leave the augmentation out, or take "
+    "one of contrast and brightness alone",
 )
 def _turned_targets(case: Case) -> None:
     folder = captured(case)
     chosen = {"part": "all", "targets": ("attitude",)}
     case.refused(lambda: Samples(folder, augment=augment.Augmentation(), **chosen))
     shaded = augment.Augmentation(rotation_deg=0.0, flip=False, zoom=0.0, contrast=0.2, brightness=0.1)
-    case.follow("take one of contrast and brightness alone", lambda: Samples(folder, augment=shaded, **chosen))
+    case.follow(
+        "take one of contrast and brightness alone", lambda: Samples(folder, augment=shaded, **chosen)
+    )
     case.follow("leave the augmentation out", lambda: Samples(folder, augment=None, **chosen))
 
 
