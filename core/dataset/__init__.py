@@ -1,6 +1,7 @@
 """What becomes of captures: datasets read, cleaned, split, labelled, loaded, converted.
 
 folder     what files and folders are called, and what commands choose among
+cells      cells of a table in CSV, and the numbers in them
 table      ``meta_data.csv``, in and out
 geotiff    images of other bands than 8-bit grey or colours
 dataset    a dataset as it is read: map types, tables, image files

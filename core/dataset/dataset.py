@@ -52,6 +52,8 @@ _GREY, _COLOUR = (
 #: with less, the result begins to differ from that of the whole one.
 _SPARE = 2
 _GEOTIFF = (".tif", ".tiff")
+#: What no name of a file in a folder holds.
+_NO_NAME = re.compile(r"[/\\:\x00]")
 #: A size that is not known.
 _UNKNOWN_PX = (math.nan, math.nan)
 
@@ -274,20 +276,21 @@ class Images:
         there : array of bool
             Those that have been made.
         """
-        foreign = [
-            name for name in names if not name or name in (".", "..") or re.search(r"[/\\:\x00]", name)
-        ]
+        foreign = [name for name in names if name in ("", ".", "..") or _NO_NAME.search(name)]
         if foreign:
             raise InvalidInput(
                 "folder {0}: {1!r} in the table is no name of a file in it", self._folder, foreign[0]
             )
-        stems = Counter(Path(name).stem for name in names)
-        twice = [stem for stem, count in stems.items() if count > 1]
-        if twice:
+        endings = {name[len(_own_stem(name)) :] for name in names}
+        # A name for each image, which there is already where all end alike.
+        alike = len(endings) == 1
+        stems = set(names) if alike else set(map(_own_stem, names))
+        if len(stems) < len(names):
+            twice = [stem for stem, count in Counter(map(_own_stem, names)).items() if count > 1]
             raise InvalidInput(
                 "folder {0}: the table has {1} in more than one row", self._folder, some(twice)
             )
-        files = self._kept | self._rejected
+        files = self._kept | self._rejected if self._rejected else self._kept
         lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
         if lost:
             raise InvalidInput(
@@ -303,13 +306,12 @@ class Images:
                     OptionName("resume").in_brackets,
                 ),
             )
-        endings = {Path(name).suffix for name in names}
         unknown = sorted(
             name
             for name in files
-            if Path(name).suffix in endings
-            and NAME.fullmatch(Path(name).stem)
-            and Path(name).stem not in stems
+            if (name if alike else _own_stem(name)) not in stems
+            and name[len(_own_stem(name)) :] in endings
+            and NAME.fullmatch(_own_stem(name))
         )
         if unknown:
             raise InvalidInput(
@@ -378,6 +380,12 @@ class Images:
                 (one / REJECTED_FOLDER).rmdir()
 
 
+def _own_stem(name: str) -> str:
+    """Name of a file without its ending: what `Path.stem` gives, in a fraction of its time."""
+    end = name.rfind(".")
+    return name[:end] if 0 < end < len(name) - 1 else name
+
+
 def _stem(name: str, known: Callable[[str], object]) -> str:
     """Name of the image that a file belongs to: ``a.b`` of ``a.b.tif`` and of ``a.b.tif.aux.xml``."""
     end = name.rfind(".")
@@ -391,12 +399,14 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
 def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
     """Names of files in a folder, and of all else."""
     try:
+        files: set[str] = set()
+        others: set[str] = set()
         with os.scandir(folder) as entries:
-            kinds = {entry.name: entry.is_file() for entry in entries}
+            for entry in entries:
+                (files if entry.is_file() else others).add(entry.name)
     except OSError as wrong:
         raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
-    files = {name for name, is_file in kinds.items() if is_file}
-    return files, kinds.keys() - files
+    return files, others
 
 
 def some(names: Sequence[str]) -> str:

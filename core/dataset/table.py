@@ -6,7 +6,8 @@ import csv
 import io
 import math
 import os
-from collections import Counter
+from array import array
+from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
 from ..text import table_cell
+from .cells import CutCells, ReadCells, Rows
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -168,7 +170,9 @@ class Table:
             At least those that every table has.
         """
         count = len(known["img_names"])
-        unknown = {name: ("",) * count if name in _TEXT else np.full(count, np.nan) for name in FIELDS}
+        # Of which there are many columns: one text, and one number that is not written to.
+        texts, numbers = ("",) * count, np.broadcast_to(np.nan, count)
+        unknown = {name: texts if name in _TEXT else numbers for name in FIELDS}
         return cls(**{**unknown, **known}, other=other)
 
     def with_other(self, columns: Mapping[str, Mapping[str, str]]) -> Table:
@@ -208,8 +212,8 @@ class Table:
             yield _csv(zip(*own, *(column[rows] for column in self.other.values())))
 
     @classmethod
-    def _of_lines(cls, lines: Iterable[str], name: str) -> Table:
-        """Table from its lines, each with its end, or from those of a published one.
+    def _of_texts(cls, texts: Iterable[str], name: str) -> Table:
+        """Table from texts of whole lines, or from those of a published one.
 
         Raises
         ------
@@ -218,33 +222,25 @@ class Table:
             call the table ``name``.
         """
         faults: list[tuple[int, str]] = []
-        headers, rows = _records(lines, name, faults)
-        columns: dict[str, Any] = {}
-        for field_name in FIELDS:
-            header = _HEADERS.get(field_name, field_name)
-            if header in headers:
-                index = headers.index(header)
-                cells = [(line, row[index]) for line, row in rows]
-                columns[field_name] = _column(field_name, header, cells, faults)
-        if faults:
-            named = [Message("line {0} {1}", line, fault) for line, fault in sorted(faults)]
-            raise InvalidInput("{0}: {1}", name, first_faults(named))
-        other = {
-            header: tuple(row[index] for _, row in rows)
-            for index, header in enumerate(headers)
-            if header and header not in HEADERS
-        }
-        return cls.of(columns, other)
+        rows = Rows(texts, name, faults)
+        gathered = _Gathered(rows.headers, name, faults)
+        for cells in rows:
+            gathered.add(cells)
+        return gathered.table()
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Table:
         """Table from a file; raises InvalidInput where it cannot be read, as a whole or in some rows."""
         try:
-            # All of them first: bytes that are no text are told before what the text says.
-            lines = list(_lines(Path(path)))
+            texts = _texts_of(Path(path))
+            try:
+                return cls._of_texts(texts, Message("table {0}", path))
+            except InvalidInput:
+                # Bytes that are no text are told before what the text says.
+                deque(texts, maxlen=0)
+                raise
         except (OSError, UnicodeDecodeError) as wrong:
             raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
-        return cls._of_lines(lines, Message("table {0}", path))
 
 
 def first_faults(faults: Sequence[str], joint: str = "; ") -> Message:
@@ -280,28 +276,26 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
 FIELDS = tuple(f.name for f in fields(Table) if f.name != "other")
 #: What they are headed.
 HEADERS = tuple(_HEADERS.get(name, name) for name in FIELDS)
+_FIELD_OF = dict(zip(HEADERS, FIELDS))
 
 
-def _lines(path: Path) -> Iterator[str]:
-    """Lines of a text file, each with the end that Python gives it, on whatever system it was written."""
+def _texts_of(path: Path) -> Iterator[str]:
+    """Text of a file, some whole lines at a time, with the ends that Python gives them, whatever system wrote them."""
     start = 0
     with path.open("rb", buffering=_BLOCK_BYTES) as file:
-        for raw in file:
+        while raw := file.read(_BLOCK_BYTES) + file.readline():
             try:
-                line = raw.decode("utf-8")
+                text = raw.decode("utf-8")
             except UnicodeDecodeError as wrong:
                 raise _placed(wrong, start) from wrong
             if start == 0:
-                line = line.removeprefix(_MARK)
+                text = text.removeprefix(_MARK)
             start += len(raw)
-            if "\r" in line:
-                yield from io.StringIO(line, newline=None)
-            else:
-                yield line
+            yield text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
 
 
 def _placed(wrong: UnicodeDecodeError, start: int) -> UnicodeDecodeError:
-    """An error of a line that begins at byte ``start``, with its place in the file."""
+    """An error of a text that begins at byte ``start``, with its place in the file."""
     before = b" " * start
     return UnicodeDecodeError(
         wrong.encoding, before + wrong.object, start + wrong.start, start + wrong.end, wrong.reason
@@ -317,7 +311,12 @@ def _csv(rows: Iterable[Sequence[str]]) -> str:
 def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
     """Cells of a column."""
     if isinstance(column, np.ndarray):
-        return [_number(value, whole=name in _PIXELS) for value in column.tolist()]
+        # By their bits: -0.0 is written otherwise than 0.0, and NaN is as good as any.
+        bits = column.view(np.int64)
+        alike = len(column) > 0 and bool((bits == bits[0]).all())
+        values = column[:1] if alike else column
+        texts = [_number(value, whole=name in _PIXELS) for value in values.tolist()]
+        return texts * len(column) if alike else texts
     if name in _FOREIGN:
         written = {text: table_cell(text) for text in set(column)}
         return [written[text] for text in column]
@@ -330,42 +329,95 @@ def _number(value: float, *, whole: bool) -> str:
     return repr(int(value)) if whole and float(value).is_integer() else repr(value)
 
 
-def _records(
-    lines: Iterable[str], name: str, faults: list[tuple[int, str]]
-) -> tuple[list[str], list[tuple[int, tuple[str, ...]]]]:
-    """Headers in their new spelling, and the line number and cells of each row that has as many."""
-    reader = csv.reader(lines, strict=True)
-    try:
-        headers = [_OLD_HEADERS.get(header, header) for header in next(reader, [])]
-        # The garbage collector soon forgets tuples of texts; lists it looks through again and again.
-        rows = [(reader.line_num, tuple(row)) for row in reader if row]
-    except csv.Error as wrong:
-        raise InvalidInput("{0}: line {1} is not CSV ({2})", name, reader.line_num, wrong) from wrong
-    needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
-    for header in needed:
-        if header not in headers:
-            raise InvalidInput("{0}: has no column {1}; needs {2}", name, header, ",".join(needed))
-    twice = [header for header, count in Counter(headers).items() if header and count > 1]
-    if twice:
-        raise InvalidInput(
-            "{0}: has column {1} more than once", name, twice[0], remedy="rename or remove all but one"
-        )
-    width = len(headers)
-    faults += [
-        (line, Message("has {0} cells, not {1}", len(row), width)) for line, row in rows if len(row) != width
-    ]
-    return headers, [(line, row) for line, row in rows if len(row) == width]
+class _Gathered:
+    """Columns of a table, of which some rows come at a time.
+
+    Raises
+    ------
+    InvalidInput
+        Headers without one of the published columns, or with one more than once.
+    """
+
+    def __init__(self, headers: Sequence[str], name: str, faults: list[tuple[int, str]]) -> None:
+        headers = [_OLD_HEADERS.get(header, header) for header in headers]
+        needed = [_HEADERS.get(field_name, field_name) for field_name in _NEEDED]
+        for header in needed:
+            if header not in headers:
+                raise InvalidInput("{0}: has no column {1}; needs {2}", name, header, ",".join(needed))
+        twice = [header for header, count in Counter(headers).items() if header and count > 1]
+        if twice:
+            raise InvalidInput(
+                "{0}: has column {1} more than once", name, twice[0], remedy="rename or remove all but one"
+            )
+        self._headers, self._name, self._faults = headers, name, faults
+        #: By field, or by header where the column is not ours; what has no header is left out.
+        self._fields = [_FIELD_OF.get(header, header) for header in headers]
+        self._texts: dict[str, list[str]] = {
+            field: [] for field in self._fields if field and (field in _TEXT or field not in FIELDS)
+        }
+        #: Doubles that grow in place; of columns that are empty so far there are none.
+        self._numbers: dict[str, array[float]] = {}
+        self._count = 0
+        #: Texts that are in many rows, by themselves.
+        self._known: dict[str, str] = {}
+
+    def add(self, cells: ReadCells | CutCells) -> None:
+        """Some rows; cells that cannot be read are faults of their lines."""
+        for column, (field_name, header) in enumerate(zip(self._fields, self._headers)):
+            if field_name in self._texts:
+                self._texts[field_name] += _shared(cells.texts(column), self._known)
+            elif field_name:
+                values = cells.numbers(column)
+                if values is None or not _may_be(field_name, values):
+                    values = _read_one_by_one(
+                        field_name, header, cells.texts(column), cells.lines, self._faults
+                    )
+                self._append(field_name, values)
+        self._count += len(cells.lines)
+
+    def _append(self, field_name: str, values: Floats) -> None:
+        if field_name not in self._numbers:
+            if values.strides == (0,) and np.isnan(values[0]):
+                return
+            self._numbers[field_name] = array("d", [math.nan]) * self._count
+        self._numbers[field_name].frombytes(np.ascontiguousarray(values).data.cast("B"))
+
+    def table(self) -> Table:
+        """Table of all rows; raises InvalidInput with the first faults where there are any."""
+        if self._faults:
+            named = [Message("line {0} {1}", line, fault) for line, fault in sorted(self._faults)]
+            raise InvalidInput("{0}: {1}", self._name, first_faults(named))
+        columns: dict[str, Any] = {name: np.zeros(self._count) for name in _WHOLE}
+        columns.update((name, np.frombuffer(values)) for name, values in self._numbers.items() if values)
+        columns.update((name, columns[name].astype(np.int64)) for name in _WHOLE)
+        texts = {header: tuple(cells) for header, cells in self._texts.items()}
+        columns.update((name, cells) for name, cells in texts.items() if name in FIELDS)
+        return Table.of(columns, {header: cells for header, cells in texts.items() if header not in FIELDS})
 
 
-def _column(
-    name: str, header: str, cells: list[tuple[int, str]], faults: list[tuple[int, str]]
-) -> tuple[str, ...] | NDArray[Any]:
-    """Values of a column; cells that cannot be read are added to ``faults``."""
-    if name in _TEXT:
-        return tuple(cell for _, cell in cells)
+def _shared(cells: Sequence[str], known: dict[str, str]) -> Sequence[str]:
+    """Cells, as the texts that are ``known`` already; those of which most are different are left alone."""
+    if cells[0] is cells[-1] and cells == [cells[0]] * len(cells):
+        return [known.setdefault(cells[0], cells[0])] * len(cells)
+    if len(set(cells)) > len(cells) // 2:
+        return cells
+    return [known.setdefault(cell, cell) for cell in cells]
+
+
+def _may_be(name: str, values: Floats) -> bool:
+    """Whether a column may have such numbers, NaN among them for empty cells."""
+    if name in _NEEDED and not np.isfinite(values).all():
+        return False
+    return name not in _WHOLE or bool((values == np.floor(values)).all())
+
+
+def _read_one_by_one(
+    name: str, header: str, cells: Sequence[str], lines: Sequence[int], faults: list[tuple[int, str]]
+) -> Floats:
+    """Numbers of cells, NaN for empty ones where they may be; those that cannot be read are added to ``faults``."""
     may_be_empty = name not in _NEEDED
     values = np.full(len(cells), np.nan)
-    for index, (line, cell) in enumerate(cells):
+    for index, (line, cell) in enumerate(zip(lines, cells)):
         if not cell and may_be_empty:
             continue
         try:
@@ -377,7 +429,7 @@ def _column(
             faults.append((line, Message("has {0} {1!r}, not a finite number", header, cell)))
         elif name in _WHOLE and not values[index].is_integer():
             faults.append((line, Message("has {0} {1!r}, not a whole number", header, cell)))
-    return values.astype(np.int64) if name in _WHOLE and not faults else values
+    return values
 
 
 def part_of(table: Table) -> tuple[str, ...] | None:

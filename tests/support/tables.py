@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-
 from terrainav.core.dataset.table import Table
 
 
@@ -12,4 +10,4 @@ def text_of(table: Table) -> str:
 
 
 def table_of(text: str, name: str = "table") -> Table:
-    return Table._of_lines(io.StringIO(text, newline=""), name)
+    return Table._of_texts([text], name)
