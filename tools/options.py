@@ -18,6 +18,7 @@ from typing import Any
 from terrainav.core.fields import Field, declared_fields, field_named
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.limits import MAX_WHOLE_NUMBER
+from terrainav.core.mission.area import ANGLES
 from terrainav.core.mission.mission import SCHEMA, Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.parts import FLAT_PARTS, Attitude, Flight
@@ -121,12 +122,14 @@ def _area() -> dict[str, Any]:
         {"type": "number", "minimum": -360, "maximum": 360},
     )
     agl = _property(field_named(Flight, "agl_m"))
-    yaw = _property(field_named(Attitude, "yaw_deg"))
-    yaw = {"type": "number", "minimum": yaw["minimum"], "maximum": yaw["maximum"]}
+    own: dict[str, Any] = {"times_s": {"type": "number", "minimum": 0}}
+    for name in ANGLES:
+        angle = _property(field_named(Attitude, f"{name}_deg"))
+        own[f"{name}s_deg"] = {"type": "number", "minimum": angle["minimum"], "maximum": angle["maximum"]}
     del agl["description"]
 
     def of_type(name: str, **properties: Any) -> dict[str, Any]:
-        needed = [one for one in properties if one != "yaws_deg"]
+        needed = [one for one in properties if one not in own]
         return {
             "type": "object",
             "properties": {"type": {"const": name}, **properties},
@@ -147,7 +150,7 @@ def _area() -> dict[str, Any]:
             of_type(
                 "points",
                 poses={"type": "array", "items": tuple_of(lat, lon, agl), "minItems": 1},
-                yaws_deg={"type": ["array", "null"], "items": yaw},
+                **{one: {"type": ["array", "null"], "items": value} for one, value in sorted(own.items())},
             ),
         ],
     }

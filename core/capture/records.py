@@ -16,6 +16,7 @@ from ..dataset.table import Table
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
+from ..mission.export.rows import clock
 from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
@@ -234,10 +235,12 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
     image_width, image_height = (np.asarray(size[at], np.float64) for size in (plan.width_px, plan.height_px))
     poses = plan.poses.take(at)
     places = {"lat_deg": "pose_lat_deg", "lon_deg": "pose_lon_deg"}
-    camera = {places.get(name, name): values for name, values in _wrapped(poses).items()}
+    camera: dict[str, Any] = {places.get(name, name): values for name, values in _wrapped(poses).items()}
     if plan.nominal is not None:
         nominal = _wrapped(plan.nominal.take(at))
         camera.update({f"nominal_{name}": values for name, values in nominal.items()})
+    if plan.has_times:
+        camera["time_utc"] = tuple(clock(plan.start, plan.times_s[at])) if len(at) else ()
     if plan.mission.output.img_size:
         image_width, image_height = (
             np.full(len(at), float(size)) for size in plan.mission.output.img_size[:2]

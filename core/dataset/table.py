@@ -31,7 +31,7 @@ _OLD_HEADERS = {"row": "rows"}
 #: Columns of the published dataset, which every table has; all others may be missing, and their cells empty.
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
-_TEXT = ("img_names", "crs", "source", "attribution", "imagery_date", "status", "reason")
+_TEXT = ("img_names", "time_utc", "crs", "source", "attribution", "imagery_date", "status", "reason")
 #: Those whose text is a provider's or a server's.
 _FOREIGN = ("source", "attribution", "imagery_date", "reason")
 #: Columns of images whose source has a CRS of its own; left out of the tables of others.
@@ -77,6 +77,8 @@ class Table:
         Bits; NaN for images that could not be made, or whose entropy nobody has worked out.
     pose_lat_deg, pose_lon_deg, agl_m, yaw_deg, tilt_deg, roll_deg : array
         Poses of the camera.
+    time_utc : tuple of str
+        When each was captured, as ISO 8601, of points that say so; tables of others are written without it.
     height_m : array
         Of cameras over relief, above the WGS 84 ellipsoid; tables of others are written without it and the share of
         faces.
@@ -113,6 +115,7 @@ class Table:
     yaw_deg: Floats
     tilt_deg: Floats
     roll_deg: Floats
+    time_utc: tuple[str, ...]
     height_m: Floats
     left_px: Floats
     top_px: Floats
@@ -202,6 +205,7 @@ class Table:
         """Text of the headers and then of some rows at a time, as cells take far more memory than numbers."""
         left_out = {
             *(() if any(self.crs) else _OWN),
+            *(() if any(self.time_utc) else ("time_utc",)),
             *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
         }
         written = [name for name in FIELDS if name not in left_out]

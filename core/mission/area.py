@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol, Union
+from typing import Any, Protocol, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..fields import field_named
 from ..geodesy.ellipsoid import WGS84, next_corners
 from ..geodesy.mercator import v_to_lat, wrap_lon_deg
@@ -37,6 +37,12 @@ def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
 def check_agl(agl_m: float) -> None:
     """Refuse a height above ground that no flight has."""
     field_named(Flight, "agl_m").settled(agl_m)
+
+
+#: Angles that points may have of their own.
+ANGLES = ("yaw", "tilt", "roll")
+#: The year 10000, which no text of ISO 8601 has.
+LATEST_S = 253_402_300_800.0
 
 
 def check_yaw(yaw_deg: float) -> None:
@@ -158,12 +164,18 @@ class Points:
     Parameters
     ----------
     poses : tuple of (latitude, longitude, height above ground), degrees and metres
-    yaws_deg : tuple of float
-        Yaw of each, -360..360; empty where all have the mission's own.
+    yaws_deg, tilts_deg, rolls_deg : tuple of float
+        Yaw of each, -360..360, its tilt and its roll, -180..180; empty where all have the mission's own.
+    times_s : tuple of float
+        When each is captured, seconds after 1970 in UTC, none before the one before it; empty where the mission's start
+        and airspeed tell.
     """
 
     poses: tuple[tuple[float, float, float], ...]
     yaws_deg: tuple[float, ...] = ()
+    tilts_deg: tuple[float, ...] = ()
+    rolls_deg: tuple[float, ...] = ()
+    times_s: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.poses:
@@ -171,12 +183,26 @@ class Points:
         for lat, lon, agl in self.poses if not _sound(self.poses) else ():
             check_lat_lon(lat, lon)
             check_agl(agl)
-        if self.yaws_deg and len(self.yaws_deg) != len(self.poses):
-            raise InvalidInput(
-                "{0} yaws of {1} points: give one for each, or none", len(self.yaws_deg), len(self.poses)
-            )
-        for yaw in self.yaws_deg:
-            check_yaw(yaw)
+        for what, values in (
+            (Message("yaws"), self.yaws_deg),
+            (Message("tilts"), self.tilts_deg),
+            (Message("rolls"), self.rolls_deg),
+            (Message("times"), self.times_s),
+        ):
+            if values and len(values) != len(self.poses):
+                raise InvalidInput(
+                    "{0} {1} of {2} points: give one for each, or none", len(values), what, len(self.poses)
+                )
+        for name in ANGLES:
+            field = field_named(Attitude, f"{name}_deg")
+            for angle in getattr(self, f"{name}s_deg"):
+                field.settled(angle)
+        _check_times(self.times_s)
+
+    def own_deg(self, name: str) -> tuple[float, ...]:
+        """Angles of the points, one of `ANGLES`; empty where all have the mission's own."""
+        own: tuple[float, ...] = getattr(self, f"{name}s_deg")
+        return own
 
     @property
     def bounds(self) -> Box:
@@ -187,6 +213,20 @@ class Points:
         gaps = np.diff(lon, prepend=lon[-1] - 360.0)
         first = int(np.argmax(gaps))
         return Box(float(lat.max()), float(lon[first]), float(lat.min()), float(lon[first - 1]))
+
+
+def _check_times(times_s: tuple[Any, ...]) -> None:
+    for at, time in enumerate(times_s):
+        if not isinstance(time, (int, float)) or isinstance(time, bool) or not 0.0 <= time < LATEST_S:
+            raise InvalidInput(
+                "time {0!r} of point {1}: must be seconds after 1970, before the year 10000", time, at + 1
+            )
+        if at and time < times_s[at - 1]:
+            raise InvalidInput(
+                "time of point {0}: is before that of the one before it",
+                at + 1,
+                remedy="put the points in the order of their times",
+            )
 
 
 def _sound(poses: tuple[tuple[float, float, float], ...]) -> bool:

@@ -14,6 +14,7 @@ from ..safe_json import decoded, parse_json
 from ..units import LENGTHS_M
 from .area import Area, Box, Points, Polygon
 from .options import KINDS
+from .pose_table import is_header, read_poses
 
 _FORMATS = Message(
     '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
@@ -44,7 +45,9 @@ def _scaled(agl: float, unit: str) -> float:
     return agl * LENGTHS_M[unit]
 
 
-def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tuple[Area, float]:
+def parse_coords(
+    text: str, kind: str | None = None, agl_unit: str = "m", agl_m: float | None = None
+) -> tuple[Area, float]:
     """Area and height above ground (metres) from the paper's ``--coords``.
 
     Parameters
@@ -52,12 +55,15 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
     text : str
         ``"lat_lon_agl"``, ``"latTL_lonTL_latBR_lonBR_agl"`` (commas or spaces do as well as underscores,
         Unicode minus signs as hyphens), or a file of ``lat lon agl`` lines; those may have a fourth number, the
-        point's yaw in degrees.
+        point's yaw in degrees. A file whose first line names its columns is a table of poses, as
+        `pose_table.read_poses` has it.
     kind : str or None
         single, list or raster; None to infer it. A single mission takes a file's first row, and a box's
         top-left corner as its centre.
     agl_unit : str
         m or ft, of the heights given.
+    agl_m : float or None
+        Height of a table's poses in metres, where it has none.
 
     Raises
     ------
@@ -69,7 +75,7 @@ def parse_coords(text: str, kind: str | None = None, agl_unit: str = "m") -> tup
     if not text.strip():
         raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
     if is_there(text):
-        return _from_file(Path(text), kind, agl_unit)
+        return _from_file(Path(text), kind, agl_unit, agl_m)
     values = _numbers(text, Message("coordinates"))
     if len(values) not in (3, 5):
         raise InvalidInput(
@@ -122,7 +128,7 @@ def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_
     return Points(tuple(poses), tuple(yaws))
 
 
-def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float]:
+def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None) -> tuple[Area, float]:
     if kind == "raster":
         raise InvalidInput(
             "file {0}: holds points; a raster mission needs two corners and a height as text", path
@@ -131,10 +137,14 @@ def _from_file(path: Path, kind: str | None, agl_unit: str) -> tuple[Area, float
         lines = decoded(read_limited(path, MAX_MISSION_BYTES)).splitlines()
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("file {0}: cannot be read as text ({1})", path, wrong) from wrong
+    held = [at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
+    is_table = bool(held) and is_header(lines[held[0]])
     if kind == "single":
-        held = (at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#"))
-        lines = lines[: next(held, 0) + 1]
-    points = parse_points(lines, Message("file {0}", path), agl_unit)
+        lines = lines[: (held[: 1 + is_table] or [0])[-1] + 1]
+    if is_table:
+        points = read_poses(lines, Message("file {0}", path), agl_unit, agl_m)
+    else:
+        points = parse_points(lines, Message("file {0}", path), agl_unit)
     return points, points.poses[0][2]
 
 

@@ -15,7 +15,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.frames import own_frame_px, runs_on
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.planes import ProjectedPlane
-from .area import Points
+from .area import ANGLES, Points
 from .layout.framing import (
     CameraFraming,
     Disturbed,
@@ -27,6 +27,7 @@ from .layout.framing import (
     ground_of,
 )
 from .layout.rotated import is_rotated
+from .layout.rows import point_angles_deg
 from .mission import Mission
 from .parts import RAYS
 from .relief import ReliefBelow
@@ -376,16 +377,19 @@ def _ends(mission: Mission) -> Scene:
     area = mission.area
     if isinstance(area, Points):
         lat, _, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
-        # The domain is the same at any yaw.
+        attitude = [point_angles_deg(mission, area, name) for name in ANGLES]
     else:
         lat = np.array([area.bounds.north_deg, area.bounds.south_deg])
         agl = np.full(2, mission.flight.agl_m)
-    attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
+        attitude = [
+            np.broadcast_to(np.float64(angle), 2)
+            for angle in (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
+        ]
     return Scene(
         mission.camera,
         1.0,
         1.0,
-        Poses.of_attitude(lat, np.zeros_like(lat), agl, *attitude),
+        Poses(lat, np.zeros_like(lat), agl, *attitude),
         ground_of(mission),
     )
 

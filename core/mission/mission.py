@@ -144,6 +144,10 @@ class Mission:
             del plain["output"]["products"]
         if self.terrain == Terrain():
             del plain["terrain"]
+        if isinstance(self.area, Points):
+            for name in ("tilts_deg", "rolls_deg", "times_s"):
+                if not plain["area"][name]:
+                    del plain["area"][name]
         kind = type(self.area).__name__.lower()
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **(plain["area"] or {})}}
 
@@ -238,7 +242,9 @@ def area_from_dict(values: Any) -> Area:
         if kind == "polygon":
             return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in area["rings"]))
         if kind == "points":
-            return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), tuple(area.get("yaws_deg") or ()))
+            own = {name: tuple(values or ()) for name, values in area.items() if name != "poses"}
+            _check_names(own, "area.", [one.name for one in fields(Points)])
+            return Points(tuple((p[0], p[1], p[2]) for p in area["poses"]), **own)
     except KeyError as missing:
         raise InvalidInput("mission without {0}: the field is needed", missing) from missing
     except InvalidInput:

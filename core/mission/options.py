@@ -129,7 +129,11 @@ _IMAGE_PX = next(one for one in _fields(Pixels) if one.name == "image_px")
 #: Every option a mission is made from, in the order help shows them.
 OPTIONS: tuple[Option, ...] = (
     Option(
-        "coords", str, None, "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, or a file of lat lon agl [yaw] lines"
+        "coords",
+        str,
+        None,
+        "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, a file of lat lon agl [yaw] lines, or a table with a header "
+        "(lat lon agl yaw tilt roll time)",
     ),
     Option("area", str, None, "GeoJSON file of a polygon, with --agl, instead of --coords", metavar="FILE"),
     Option(

@@ -421,15 +421,32 @@ class Plan:
 
     @cached_property
     def times_s(self) -> Floats:
-        """Seconds of each exposure after the first one, (n,), along the flight as it was meant to be.
+        """Seconds of each exposure after the first one, (n,): the points' own, or along the flight as it was meant.
 
         `flight.intervals_s` says what is counted: legs at the ground speed, climbs at the airspeed, no turns.
         """
         mission = self.mission
+        own = _times_s(mission)
+        if own is not None:
+            since: Floats = own - own[0]
+            return since
         agl = self.agl_m if self.nominal is None else self.nominal.agl_m
         times = np.zeros(len(self))
         np.cumsum(intervals_s(self._legs, agl, mission.flight.airspeed_m_per_s, mission.wind), out=times[1:])
         return times
+
+    @property
+    def has_times(self) -> bool:
+        """Whether the captures are of points that say when they are."""
+        return _times_s(self.mission) is not None
+
+    @property
+    def start(self) -> str:
+        """UTC of the first exposure, as ISO 8601: that of the first point with a time, or the mission's."""
+        own = _times_s(self.mission)
+        if own is None:
+            return self.mission.flight.start
+        return f"{np.datetime64(round(float(own[0]) * 1e6), 'us')}Z"
 
     @property
     def flight_s(self) -> float:
@@ -559,12 +576,19 @@ def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ReliefBel
     return level, relief
 
 
+def _times_s(mission: Mission) -> Floats | None:
+    """When the points of a mission are captured, (n,); None where they do not say."""
+    times = mission.area.times_s if isinstance(mission.area, Points) else ()
+    return np.array(times, np.float64) if times else None
+
+
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     """Poses that are flown: moved and turned by the wind."""
     if mission.wind is None:
         return nominal
     way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
-    interval_s = intervals_s(way, layout.agl_m, airspeed, mission.wind)
+    own = _times_s(mission)
+    interval_s = np.diff(own) if own is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)
     north = np.degrees(off.north_m / ground.meridional_radius_m(lat))

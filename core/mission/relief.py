@@ -18,9 +18,9 @@ from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
-from .area import Points, Polygon, crossed_and_held
+from .area import ANGLES, Points, Polygon, crossed_and_held
 from .flight import legs
-from .layout.rows import Layout
+from .layout.rows import Layout, point_angles_deg
 from .mission import Mission
 from .parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 
@@ -546,12 +546,16 @@ def _from_to(at: Floats, count: int) -> slice:
 
 def _reach(mission: Mission) -> float:
     """How far from below the camera an image sees level ground, for a metre of height, as far as that counts."""
-    rays = mission.camera.rays_enu(
-        CORNERS,
-        *(np.array([getattr(mission.attitude, name)]) for name in ("yaw_deg", "tilt_deg", "roll_deg")),
-    )[0]
+    area = mission.area
+    if isinstance(area, Points):
+        angles = [point_angles_deg(mission, area, name) for name in ANGLES]
+    else:
+        angles = [np.array([getattr(mission.attitude, f"{name}_deg")]) for name in ANGLES]
+    # Which way it looks does not tell how far; only different attitudes are worked out.
+    tilts, rolls = np.unique(np.stack(angles[1:]), axis=1)
+    rays = mission.camera.rays_enu(CORNERS, np.zeros_like(tilts), tilts, rolls)
     with np.errstate(divide="ignore"):
-        tangents = np.hypot(rays[:, 0], rays[:, 1]) / np.maximum(-rays[:, 2], 1e-9)
+        tangents = np.hypot(rays[..., 0], rays[..., 1]) / np.maximum(-rays[..., 2], 1e-9)
     return float(min(tangents.max(), _LOOKED_AT))
 
 

@@ -155,7 +155,7 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
         raise InvalidInput(
             'no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"'
         )
-    area, coords_agl_m = parse_coords(values["coords"], values["mission"], values["agl_unit"])
+    area, coords_agl_m = parse_coords(values["coords"], values["mission"], values["agl_unit"], agl_m)
     if agl_m is None:
         return area, coords_agl_m
     if isinstance(area, Points):

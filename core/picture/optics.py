@@ -163,7 +163,7 @@ class Exposures:
         self._body = body_of(plan.mission.camera)
         self._height_m, self._start, self._times_s = (
             plan.height_m,
-            utc_time(plan.mission.flight.start),
+            utc_time(plan.start),
             plan.times_s,
         )
 

@@ -4834,6 +4834,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}; {1} indica otra carpeta</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/cells.py"/>
+        <source>has {0} cells, not {1}</source>
+        <translation>tiene {0} celdas, no {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/cells.py"/>
+        <source>{0}: line {1} is not CSV ({2})</source>
+        <translation>{0}: la línea {1} no es CSV ({2})</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/clean.py"/>
         <source>entropy {0}: must be from 0 to {1:g} bits</source>
         <translation>entropía {0}: debe estar entre 0 y {1:g} bits</translation>
@@ -5285,11 +5295,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
-        <source>has {0} cells, not {1}</source>
-        <translation>tiene {0} celdas, no {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/table.py"/>
         <source>has {0} {1!r}, not a finite number</source>
         <translation>tiene {0} {1!r}, que no es un número finito</translation>
     </message>
@@ -5337,11 +5342,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/table.py"/>
         <source>{0}: has no column {1}; needs {2}</source>
         <translation>{0}: no tiene la columna {1}; necesita {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/table.py"/>
-        <source>{0}: line {1} is not CSV ({2})</source>
-        <translation>{0}: la línea {1} no es CSV ({2})</translation>
     </message>
     <message>
         <location filename="../../core/drawing.py"/>
@@ -7061,8 +7061,43 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
-        <source>{0} yaws of {1} points: give one for each, or none</source>
-        <translation>{0} guiñadas de {1} puntos: dar una para cada uno, o ninguna</translation>
+        <source>put the points in the order of their times</source>
+        <translation>ponga los puntos en el orden de sus horas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>rolls</source>
+        <translation>alabeos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>tilts</source>
+        <translation>inclinaciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>time of point {0}: is before that of the one before it</source>
+        <translation>hora del punto {0}: es anterior a la del punto precedente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>time {0!r} of point {1}: must be seconds after 1970, before the year 10000</source>
+        <translation>hora {0!r} del punto {1}: debe estar en segundos desde 1970, antes del año 10000</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>times</source>
+        <translation>horas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>yaws</source>
+        <translation>guiñadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>{0} {1} of {2} points: give one for each, or none</source>
+        <translation>{0} {1} de {2} puntos: dé una para cada uno, o ninguna</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -7176,6 +7211,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
+        <location filename="../../core/mission/pose_table.py"/>
         <source>coordinates</source>
         <translation>coordenadas</translation>
     </message>
@@ -7246,6 +7282,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
+        <location filename="../../core/mission/pose_table.py"/>
         <source>{0}, line {1}:</source>
         <translation>{0}, línea {1}:</translation>
     </message>
@@ -8913,6 +8950,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>windows of the map in a plane about an area</source>
         <translation>ventanas del mapa en un plano alrededor de un área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>name it tilt (0 looks straight down) or gimbal_pitch (-90 does)</source>
+        <translation>llámela tilt (0 mira en vertical hacia abajo) o gimbal_pitch (-90 lo hace)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
+        <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0} {1!r} has {2} cells; its header names {3}</source>
+        <translation>{0} {1!r} tiene {2} celdas; su cabecera nombra {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0} {1} {2!r}: must be a number</source>
+        <translation>{0} {1} {2!r}: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0}: columns {1} say the same</source>
+        <translation>{0}: las columnas {1} dicen lo mismo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0}: has no column {1}, only {2}</source>
+        <translation>{0}: no tiene la columna {1}, solo {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0}: holds no poses below its header</source>
+        <translation>{0}: no contiene poses bajo su cabecera</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0}: its column pitch may count from the horizon or from straight down</source>
+        <translation>{0}: su columna pitch puede contarse desde el horizonte o desde la vertical hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>

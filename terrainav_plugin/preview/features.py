@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...core.mission.area import Box
-    from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
     from .index import CaptureIndex
     from .view import Rect
@@ -43,7 +42,7 @@ class Clock:
     """When each capture is exposed, and the next one."""
 
     def __init__(self, plan: Plan) -> None:
-        self.start_ms = utc_ms(plan.mission)
+        self.start_ms = utc_ms(plan)
         self.at_ms = self.start_ms + np.round(1000.0 * plan.times_s)
         last = self.at_ms[-1] - self.at_ms[-2] if len(self.at_ms) > 1 else 0.0
         #: A picture is the latest one until the next; of a single one there is no next, so it is for a second.
@@ -56,11 +55,11 @@ class Clock:
         return first, max(int(np.searchsorted(self.at_ms, end, "right")), first)
 
 
-def utc_ms(mission: Mission) -> float:
-    """Start of a mission in milliseconds of Unix time."""
+def utc_ms(plan: Plan) -> float:
+    """First exposure of a plan in milliseconds of Unix time."""
     from ...core.mission.parts import utc_time
 
-    return utc_time(mission.flight.start).timestamp() * 1000.0
+    return utc_time(plan.start).timestamp() * 1000.0
 
 
 def moment(unix_ms: float) -> QDateTime:

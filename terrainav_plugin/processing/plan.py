@@ -283,9 +283,7 @@ def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
     from ...core.geodesy.mercator import wrap_lon_deg
     from ...core.mission.parts import utc_time
 
-    start = QDateTime.fromMSecsSinceEpoch(
-        round(utc_time(plan.mission.flight.start).timestamp() * 1000.0), Qt.TimeSpec.UTC
-    )
+    start = QDateTime.fromMSecsSinceEpoch(round(utc_time(plan.start).timestamp() * 1000.0), Qt.TimeSpec.UTC)
     columns = (
         plan.column,
         plan.row,

@@ -166,9 +166,7 @@ def _fill(ogr: Any, layer: Any, plan: Plan, shapes: Iterator[bytes], failed: Cal
     columns = list(enumerate(POSE_COLUMNS))
     at_time = len(columns)
     for part, batch in zip(parts(len(plan)), batches(plan)):
-        rows = zip(
-            *(batch[name] for name in POSE_COLUMNS), clock(plan.mission.flight.start, plan.times_s[part])
-        )
+        rows = zip(*(batch[name] for name in POSE_COLUMNS), clock(plan.start, plan.times_s[part]))
         for row, shape in zip(rows, shapes):
             feature = ogr.Feature(definition)
             for index, _ in columns:

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ...errors import InvalidInput, Message
 from ..plan import Plan
 from .waypoints import Waypoint, not_flown, waypoints
@@ -51,7 +53,7 @@ def check_litchi(plan: Plan) -> None:
         raise InvalidInput(
             "Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M
         )
-    pitch = abs(plan.mission.attitude.tilt_deg) - 90.0
+    pitch = float(np.abs(meant.tilt_deg).max()) - 90.0
     if pitch > _PITCHES_DEG[1]:
         raise InvalidInput(
             "Litchi mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or "

@@ -81,7 +81,7 @@ def waypoints(plan: Plan) -> Iterator[Waypoint]:
                 above_first[part].tolist(),
                 heading.tolist(),
                 (np.abs(meant.tilt_deg[part]) - 90.0).tolist(),
-                clock(plan.mission.flight.start, plan.times_s[part]),
+                clock(plan.start, plan.times_s[part]),
             ),
         )
 
@@ -108,16 +108,16 @@ def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
 def not_flown(plan: Plan) -> tuple[str, ...]:
     """What of a mission an autopilot's mission of waypoints cannot say, one line each."""
     notes = []
-    if plan.mission.attitude.roll_deg:
-        notes.append(
-            Message("the roll of {0:g} deg is left out: waypoints have none", plan.mission.attitude.roll_deg)
-        )
-    if plan.mission.attitude.tilt_deg < 0.0:
+    meant = plan.poses if plan.nominal is None else plan.nominal
+    roll, tilt = float(meant.roll_deg[np.abs(meant.roll_deg).argmax()]), float(meant.tilt_deg.min())
+    if roll:
+        notes.append(Message("the roll of {0:g} deg is left out: waypoints have none", roll))
+    if tilt < 0.0:
         notes.append(
             Message(
                 "the tilt of {0:g} deg is flown with the aircraft turned around: same ground, "
                 "pictures upside down",
-                plan.mission.attitude.tilt_deg,
+                tilt,
             )
         )
     if plan.nominal is not None:

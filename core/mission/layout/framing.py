@@ -25,7 +25,7 @@ from ..mission import Mission
 from ..parts import GROUND
 from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, lay_out
+from .rows import Layout, lay_out, point_angles_deg
 
 Floats = NDArray[np.float64]
 #: Places and nominal poses to the poses that are flown.
@@ -211,10 +211,14 @@ def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
 
 def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     """Poses of captures as they are meant to be."""
-    tilt, roll = (
-        np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
-        for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
-    )
+    area = mission.area
+    if isinstance(area, Points):
+        tilt, roll = (point_angles_deg(mission, area, name) for name in ("tilt", "roll"))
+    else:
+        tilt, roll = (
+            np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
+            for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
+        )
     return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
 
 

@@ -177,15 +177,16 @@ def _points(mission: Mission, area: Points) -> Layout:
     refuse_too_many(len(area.poses), mission.output.max_images)
     lat, lon, agl = np.array(area.poses, np.float64).reshape(-1, 3).T
     index = np.arange(len(lat), dtype=np.int64)
-    yaws = point_yaws_deg(mission, area)
+    yaws = point_angles_deg(mission, area, "yaw")
     return Layout(index, np.zeros_like(index), lat, lon, agl, yaws)
 
 
-def point_yaws_deg(mission: Mission, area: Points) -> Floats:
-    """Yaw of each point, (n,): its own, or the mission's."""
-    if area.yaws_deg:
-        return np.array(area.yaws_deg, np.float64)
-    return np.broadcast_to(np.float64(mission.attitude.yaw_deg), (len(area.poses),))
+def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
+    """Yaw, tilt or roll of each point, (n,): its own, or the mission's; that takes no memory."""
+    own = area.own_deg(name)
+    if own:
+        return np.array(own, np.float64)
+    return np.broadcast_to(np.float64(getattr(mission.attitude, f"{name}_deg")), (len(area.poses),))
 
 
 # --- rows along parallels

@@ -37,6 +37,7 @@ def make_table(**changes) -> Table:
         "entropies": np.array([7.123456789012345, 0.0, np.nan]),
         "left_px": np.array([123456789.0, 0.5, 3.0]),
         "crs": ("",) * count,
+        "time_utc": ("",) * count,
         **{name: np.full(count, np.nan) for name in ("west", "north", "pixel_width", "pixel_height")},
         "source": ("Synthetic (offline)",) * count,
         "attribution": ("© who, what",) * count,

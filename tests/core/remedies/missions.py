@@ -14,6 +14,7 @@ from terrainav.core.mission.export import litchi, qgroundcontrol, write_plan
 from terrainav.core.mission.export.rows import clock
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mission.pose_table import read_poses
 
 from tests.support.remedies import Case, remedy
 
@@ -31,7 +32,31 @@ def _corners(case: Case) -> None:
     case.follow("give the top-left corner first", lambda: Box(35.1, 10.0, 35.0, 10.1))
 
 
-@remedy("mission/area.py", "{} yaws of {} points: give one for each, or none")
+@remedy(
+    "mission/area.py",
+    "time of point {}: is before that of the one before it; put the points in the order of their times",
+)
+def _times(case: Case) -> None:
+    case.refused(lambda: Points(POSES, times_s=(20.0, 10.0)))
+    case.follow("put the points in the order of their times", lambda: Points(POSES, times_s=(10.0, 20.0)))
+
+
+@remedy(
+    "mission/pose_table.py",
+    "{}: its column pitch may count from the horizon or from straight down; name it tilt (0 looks straight down) or "
+    "gimbal_pitch (-90 does)",
+)
+def _pitch(case: Case) -> None:
+    case.refused(lambda: read_poses(["lat lon agl pitch", "35 10 120 0"]))
+
+    def named(name, value):
+        return read_poses([f"lat lon agl {name}", f"35 10 120 {value}"]).tilts_deg == (0.0,)
+
+    case.follow("name it tilt (0 looks straight down)", lambda: named("tilt", 0))
+    case.follow("gimbal_pitch (-90 does)", lambda: named("gimbal_pitch", -90))
+
+
+@remedy("mission/area.py", "{} {} of {} points: give one for each, or none")
 def _yaws(case: Case) -> None:
     case.refused(lambda: Points(POSES, (10.0,)))
     case.follow("give one for each", lambda: Points(POSES, (10.0, 20.0)))

@@ -33,17 +33,6 @@ def paired(folder, settings=SETTINGS, **options):
 
 
 @remedy(
-    "pairs/capturing.py",
-    "pairs are planned for another pixel grid than that of {}: plan with the source's own",
-)
-def _another_grid(case: Case) -> None:
-    source = PatternSource()
-    other = plan_pairs(PLACES, SETTINGS, PixelGrid(tile_px=512))
-    case.refused(lambda: capture_pairs(other, source, case.tmp_path / "out"))
-    case.follow("plan with the source's own", lambda: paired(case.tmp_path / "out"))
-
-
-@remedy(
     "pairs/capturing.py", "folder {}: holds {} but no {}, so it is not of these pairs; choose another folder"
 )
 def _foreign(case: Case) -> None:

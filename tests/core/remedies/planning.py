@@ -406,7 +406,7 @@ def _too_wide(case: Case) -> None:
 
 planned(
     "plan.py",
-    "imagery {0}: a mission of several imageries has a plan for each, and not one; choose one of them as the source",
+    "imagery {}: a mission of several imageries has a plan for each, and not one; choose one of them as the source",
     Mission(SMALL, 120.0, imageries=("a=world",)),
     {"choose one of them as the source": {"imageries": (), "source": "world"}},
 )

@@ -1,0 +1,190 @@
+"""Poses as people have them: a table whose header names the columns, in any order and by any of their usual names."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from datetime import datetime
+
+from ..errors import InvalidInput, Message
+from ..units import LENGTHS_M
+from .area import ANGLES, Points
+
+#: What columns of a table of poses may be headed, in lower case; of several heights the first named here is taken.
+_HEADERS = {
+    "lat": ("lat", "latitude", "lat_deg", "latitude_deg", "y"),
+    "lon": ("lon", "lng", "long", "longitude", "lon_deg", "longitude_deg", "x"),
+    "agl": (
+        "agl",
+        "agl_m",
+        "height_above_ground",
+        "altitude_agl",
+        "height",
+        "height_m",
+        "altitude",
+        "alt",
+        "z",
+    ),
+    "yaw": ("yaw", "yaw_deg", "heading", "heading_deg", "azimuth", "azimuth_deg", "course", "bearing"),
+    "tilt": ("tilt", "tilt_deg", "off_nadir", "off_nadir_deg"),
+    "gimbal_pitch": (
+        "gimbal_pitch",
+        "gimbal_pitch_deg",
+        "gimbalpitchangle",
+        "camera_pitch",
+        "camera_pitch_deg",
+    ),
+    "roll": ("roll", "roll_deg", "gimbal_roll", "gimbal_roll_deg"),
+    "time": ("time", "time_utc", "timestamp", "datetime", "date_time", "utc", "t"),
+}
+_PITCHES = ("pitch", "pitch_deg")
+#: The table of a dataset, where Lat, Lon and Alt are those of the image, and its zoom.
+_OF_DATASET = {
+    "lat": ("pose_lat_deg",),
+    "lon": ("pose_lon_deg",),
+    "agl": ("agl_m",),
+    "yaw": ("yaw_deg",),
+    "tilt": ("tilt_deg",),
+    "roll": ("roll_deg",),
+    "time": ("time_utc",),
+}
+_UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
+#: A day, a time of it, decimals of a second, and a zone.
+_TIME = re.compile(r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|[+-]\d{2}:?\d{2})?")
+
+
+def is_header(line: str) -> bool:
+    """Whether a line names columns: none of its cells is a number, and one is a name that poses have."""
+    cells = [cell.lower() for cell in _cut(line, _delimiter(line))]
+    known = {name for names in _HEADERS.values() for name in names}
+    return bool(known.intersection(cells)) and not any(cell[:1] in "+-.0123456789" for cell in cells if cell)
+
+
+def read_poses(
+    lines: Sequence[str],
+    where: str = Message("coordinates"),
+    agl_unit: str = "m",
+    agl_m: float | None = None,
+) -> Points:
+    """Points of a table; columns of other names are left out, and so are empty lines and those that begin with #.
+
+    ``lat`` and ``lon`` are needed, ``agl`` unless a height is given; ``yaw``, ``tilt`` (0 looks straight down) or
+    ``gimbal_pitch`` (-90 does), ``roll`` and ``time`` may be there. They go by other usual names, too, such as
+    ``longitude``, ``heading`` or ``timestamp``. Cells are separated by commas, semicolons, tabs or spaces; with
+    semicolons and tabs, numbers may have decimal commas. Times are ISO 8601, in UTC where no zone is stated, or seconds
+    after 1970.
+
+    Parameters
+    ----------
+    where : str
+        What the lines are of, for messages.
+    agl_unit : str
+        m or ft, of the column of heights.
+    agl_m : float or None
+        Height of all in metres, instead of the column.
+
+    Raises
+    ------
+    InvalidInput
+        Names the column that is missing or said twice, or the line that cannot be read.
+    """
+    held = [
+        (at, line) for at, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")
+    ]
+    header = held[0][1]
+    delimiter = _delimiter(header)
+    headers = [cell.lower() for cell in _cut(header, delimiter)]
+    columns = _columns(headers, where, needs_agl=agl_m is None)
+    poses: list[dict[str, float]] = []
+    for number, line in held[1:]:
+        there, cells = Message("{0}, line {1}:", where, number), _cut(line, delimiter)
+        if len(cells) != len(headers):
+            raise InvalidInput(
+                "{0} {1!r} has {2} cells; its header names {3}", there, line.strip(), len(cells), len(headers)
+            )
+        pose: dict[str, float] = {} if agl_m is None else {"agl": agl_m}
+        for name, column in columns.items():
+            cell = cells[column].translate(_UNICODE_MINUS)
+            if delimiter in (";", "\t") and name != "time":
+                cell = cell.replace(",", ".")
+            pose[name] = _value(name, cell, there)
+        if agl_m is None:
+            pose["agl"] *= LENGTHS_M[agl_unit]
+        if "gimbal_pitch" in pose:
+            pose["tilt"] = 90.0 + pose.pop("gimbal_pitch")
+        _points([pose], there)
+        poses.append(pose)
+    if not poses:
+        raise InvalidInput("{0}: holds no poses below its header", where)
+    return _points(poses, Message("{0}:", where))
+
+
+def _points(poses: Sequence[dict[str, float]], where: str) -> Points:
+    own = {f"{name}s_deg": tuple(pose[name] for pose in poses) for name in ANGLES if name in poses[0]}
+    times = tuple(pose["time"] for pose in poses) if "time" in poses[0] else ()
+    try:
+        return Points(tuple((pose["lat"], pose["lon"], pose["agl"]) for pose in poses), **own, times_s=times)
+    except InvalidInput as wrong:
+        raise InvalidInput("{0} {1}", where, wrong) from wrong
+
+
+def _delimiter(header: str) -> str | None:
+    """What separates the cells of a table; None for spaces."""
+    return next((one for one in ";\t," if one in header), None)
+
+
+def _cut(line: str, delimiter: str | None) -> list[str]:
+    """Cells of a line, without the mark that some editors put before the first."""
+    line = line.removeprefix("\ufeff")
+    cells = line.split() if delimiter is None else next(csv.reader([line], delimiter=delimiter), [])
+    return [cell.strip().strip('"') for cell in cells]
+
+
+def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, int]:
+    """Where each thing that a table says of a pose stands."""
+    at = {}
+    for name, names in (_OF_DATASET if "pose_lat_deg" in headers else _HEADERS).items():
+        there = [one for one in names if one in headers]
+        if there and (headers.count(there[0]) > 1 or (len(there) > 1 and name != "agl")):
+            raise InvalidInput("{0}: columns {1} say the same", where, " ".join(there))
+        if there:
+            at[name] = headers.index(there[0])
+    if not needs_agl:
+        at.pop("agl", None)
+    missing = [name for name in ("lat", "lon", *(["agl"] if needs_agl else [])) if name not in at]
+    if missing:
+        raise InvalidInput("{0}: has no column {1}, only {2}", where, missing[0], ", ".join(headers))
+    tilts = [name for name in ("tilt", "gimbal_pitch") if name in at]
+    if len(tilts) > 1:
+        raise InvalidInput("{0}: columns {1} say the same", where, " ".join(tilts))
+    if set(_PITCHES) & set(headers) and not tilts:
+        raise InvalidInput(
+            "{0}: its column pitch may count from the horizon or from straight down",
+            where,
+            remedy="name it tilt (0 looks straight down) or gimbal_pitch (-90 does)",
+        )
+    return at
+
+
+def _value(name: str, cell: str, where: str) -> float:
+    try:
+        return float(cell)
+    except ValueError as wrong:
+        if name != "time":
+            raise InvalidInput("{0} {1} {2!r}: must be a number", where, name, cell) from wrong
+    return _time_s(cell, where)
+
+
+def _time_s(text: str, where: str) -> float:
+    """Seconds after 1970 of a time of ISO 8601, which Python before 3.11 knows in few of its forms."""
+    found = _TIME.fullmatch(text.strip())
+    try:
+        day, clock, decimals, zone = found.groups() if found else ("", "", "", "")
+        offset = "+00:00" if zone in (None, "Z") else zone if ":" in zone else f"{zone[:3]}:{zone[3:]}"
+        whole = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
+    except ValueError as wrong:
+        raise InvalidInput(
+            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text
+        ) from wrong
+    return whole + float(f"0.{decimals or 0}")
