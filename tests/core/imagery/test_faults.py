@@ -31,8 +31,14 @@ from tests.support.tileserver import TileServer
 TILE = Window(12, 1000 * 256, 1500 * 256, 256, 256)
 NAME = "tile 12/1000/1500"
 RIGHT = positions("satellite", 12, 1000, 1500, 256)
-# Long enough for any answer on the loopback, short enough to wait for where none comes.
-TIMEOUTS = Timeouts(connect_s=5.0, read_s=0.3, whole_s=5.0)
+# Long enough for any answer on the loopback, on a busy machine, too.
+PATIENT = Timeouts(connect_s=30.0, read_s=30.0, whole_s=60.0)
+# Where no answer comes, short enough to wait for it.
+IMPATIENT = {
+    "stall": Timeouts(30.0, 1.5, 60.0),
+    "stall-mid-body": Timeouts(30.0, 1.5, 60.0),
+    "trickle": Timeouts(30.0, 30.0, 1.5),
+}
 PLACEHOLDER = Placeholder(sha256=(hashlib.sha256(flat_placeholder()).hexdigest(),))
 # What the promise of cancelling within half a second may miss on a busy machine, of 20 s and more.
 CANCEL_S, BUSY_S = 0.5, 5.0
@@ -80,7 +86,7 @@ def sources_over(transport):
     """Give what makes sources over a transport, and close them."""
     opened = []
 
-    def make(server, tries=2, timeouts=TIMEOUTS, template=None, key=None, cache=None, **options):
+    def make(server, tries=2, timeouts=PATIENT, template=None, key=None, cache=None, **options):
         client = Client(
             transport(4, timeouts),
             "The provider",
@@ -122,7 +128,8 @@ def test_the_list_of_faults_is_whole():
 def test_what_passes_costs_no_picture(server, source_of, kind):
     server.fail(kind, times=1)
     began = time.monotonic()
-    assert np.array_equal(source_of(server).fetch("satellite", TILE), RIGHT)
+    source = source_of(server, timeouts=IMPATIENT.get(kind, PATIENT))
+    assert np.array_equal(source.fetch("satellite", TILE), RIGHT)
     assert sum(server.requests.values()) == 2
     if kind in ("429-seconds", "429-date"):
         # The server asked for a second; dates have whole seconds, so that less may be left of it.
@@ -132,8 +139,9 @@ def test_what_passes_costs_no_picture(server, source_of, kind):
 @pytest.mark.parametrize("kind", [kind for kind in PASSING if not kind.startswith("429")])
 def test_what_does_not_pass_fails_the_part(server, source_of, kind):
     server.fail(kind)
+    source = source_of(server, timeouts=IMPATIENT.get(kind, PATIENT))
     with pytest.raises(PartError, match=rf"^{NAME}: .* \(tried 2 times\)$"):
-        source_of(server).fetch("satellite", TILE)
+        source.fetch("satellite", TILE)
     assert sum(server.requests.values()) == 2
 
 
@@ -375,7 +383,8 @@ def test_no_error_holds_the_key(server, source_of, kind, caplog):
             template = gone.url_template + "?token={key}"
     else:
         server.fail(kind)
-    source = source_of(server, tries=1, timeouts=Timeouts(5.0, 0.3, 0.6), template=template, key=KEY)
+    timeouts = IMPATIENT.get(kind, PATIENT)
+    source = source_of(server, tries=1, timeouts=timeouts, template=template, key=KEY)
     with pytest.raises(TerrAInavError) as raised:
         source.fetch("satellite", TILE)
     everything = "\n".join([translate(raised.value), repr(source), source.name, source.title, caplog.text])
