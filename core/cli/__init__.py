@@ -26,6 +26,7 @@ _COMMANDS = {
     "convert": ("datasets", "run_convert"),
     "pairs": ("pairing", "run_pairs"),
     "export": ("exporting", "run_export"),
+    "poses": ("posing", "run_poses"),
     "benchmark": ("benchmarking", "run_benchmark"),
     "load": ("datasets", "run_load"),
     "report": ("flying", "run_report"),

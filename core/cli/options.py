@@ -10,6 +10,7 @@ from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS
 from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
 from .exits import BAD_INPUT
+from .pose_options import add_poses
 
 _SERVICE_HELP = """
 A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS), and
@@ -38,6 +39,7 @@ def parser() -> argparse.ArgumentParser:
     commands = whole.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
     _add_flying(commands)
     add_dataset_commands(commands)
+    add_poses(commands, _Parser)
     _add_benchmark(commands)
     _add_sources(commands)
     _add_cameras(commands)
@@ -58,7 +60,7 @@ def normalised(argv: Sequence[str]) -> list[str]:
             tidy.append(argument)
             continue
         name = "--" + name[2:].replace("_", "-")
-        if name == "--coords" and not equals:
+        if name in ("--coords", "--area") and not equals:
             value = next(arguments, "")
             equals = "="
         tidy.append(name + equals + value)

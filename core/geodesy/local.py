@@ -52,21 +52,18 @@ class LocalFrame:
         )
         return np.asarray(lat), np.asarray(lon), np.asarray(height)
 
-    def turn_to(self, lat_deg: float, lon_deg: float) -> Floats:
-        """Rotation (3, 3) that takes vectors of this frame to those of the frame at another place."""
+    def turn_to(self, lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
+        """Rotations (..., 3, 3) that take vectors of this frame to those of the frames at other places."""
         turn: Floats = axes_at(lat_deg, lon_deg) @ axes_at(self.lat_deg, self.lon_deg).T
         return turn
 
 
-def axes_at(lat_deg: float, lon_deg: float) -> Floats:
-    """East, north and up of a place as rows (3, 3), in geocentric axes."""
-    (sin_lat, cos_lat), (sin_lon, cos_lon) = (
-        tuple(float(part) for part in sin_cos(np.array(angle))) for angle in (lat_deg, lon_deg)
-    )
-    return np.array(
-        [
-            [-sin_lon, cos_lon, 0.0],
-            [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
-            [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
-        ]
-    )
+def axes_at(lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
+    """East, north and up of places as rows (..., 3, 3), in geocentric axes."""
+    (sin_lat, cos_lat), (sin_lon, cos_lon) = sin_cos(lat_deg), sin_cos(lon_deg)
+    rows = [
+        [-sin_lon, cos_lon, np.zeros_like(sin_lon)],
+        [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
+        [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

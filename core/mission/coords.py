@@ -19,6 +19,8 @@ from .pose_table import is_header, read_poses
 _FORMATS = Message(
     '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
 )
+#: Endings of trajectories and flight logs, which say no heights above ground.
+_TRAJECTORIES = (".gpx", ".ulg", ".bin")
 _SEPARATORS = re.compile(r"[_,;\s]+")
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
@@ -132,6 +134,12 @@ def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None)
     if kind == "raster":
         raise InvalidInput(
             "file {0}: holds points; a raster mission needs two corners and a height as text", path
+        )
+    if path.suffix.lower() in _TRAJECTORIES:
+        raise InvalidInput(
+            "file {0}: is a trajectory or a flight log",
+            path,
+            remedy="make a table of poses from it (terrainav poses read)",
         )
     try:
         lines = decoded(read_limited(path, MAX_MISSION_BYTES)).splitlines()

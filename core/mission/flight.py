@@ -200,7 +200,7 @@ def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Flo
     states = np.zeros((min(CHUNK, which.size) + 1, 2 * size))
     for start in range(0, which.size, CHUNK):
         count = min(CHUNK, which.size - start)
-        states[:count, size:] = _normal(bits, count, size)
+        states[:count, size:] = normal(bits, count, size)
         products = [steps[step] for step in which[start : start + count].tolist()]
         for product, before, after in zip(products, states[:count], states[1 : count + 1, :size]):
             product.dot(before, after)
@@ -247,16 +247,22 @@ def _rounded(values: Floats, most: int) -> tuple[Floats, Ints]:
         resolution *= 2.0
 
 
-def _normal(bits: np.random.PCG64, count: int, size: int) -> Floats:
+def normal(bits: np.random.PCG64, count: int, size: int) -> Floats:
     """Independent standard normal deviates (count, size), by Box and Muller's method.
 
     From the generator's raw words, which numpy keeps the same for ever, and not from its own normal deviates, which
     it does not. Every row takes the same number of words, so that a flight does not depend on how it is cut up.
     """
     pairs = (size + 1) // 2
-    words = bits.random_raw(2 * count * pairs).reshape(count, 2, pairs)
-    uniform = (words >> np.uint64(11)) * 2.0**-53
-    radius = np.sqrt(-2.0 * np.log(1.0 - uniform[:, 0]))  # of 2^-53 to 1, without rounding
-    angle = (2.0 * np.pi) * uniform[:, 1]
+    even = uniform(bits, 2 * count * pairs).reshape(count, 2, pairs)
+    radius = np.sqrt(-2.0 * np.log(1.0 - even[:, 0]))  # of 2^-53 to 1, without rounding
+    angle = (2.0 * np.pi) * even[:, 1]
     normal: Floats = np.concatenate([radius * np.cos(angle), radius * np.sin(angle)], axis=1)[:, :size]
     return normal
+
+
+def uniform(bits: np.random.PCG64, count: int) -> Floats:
+    """Numbers (count,) evenly from 0 to below 1, of 53 bits of a raw word each."""
+    words = np.asarray(bits.random_raw(count), np.uint64)
+    numbers: Floats = (words >> np.uint64(11)) * 2.0**-53
+    return numbers

@@ -173,11 +173,14 @@ def _value(name: str, cell: str, where: str) -> float:
     except ValueError as wrong:
         if name != "time":
             raise InvalidInput("{0} {1} {2!r}: must be a number", where, name, cell) from wrong
-    return _time_s(cell, where)
+    return time_s(cell, where)
 
 
-def _time_s(text: str, where: str) -> float:
-    """Seconds after 1970 of a time of ISO 8601, which Python before 3.11 knows in few of its forms."""
+def time_s(text: str, where: str) -> float:
+    """Seconds after 1970 of a time of ISO 8601, which Python before 3.11 knows in few of its forms.
+
+    Raises InvalidInput, which begins with ``where``.
+    """
     found = _TIME.fullmatch(text.strip())
     try:
         day, clock, decimals, zone = found.groups() if found else ("", "", "", "")
@@ -188,3 +191,13 @@ def _time_s(text: str, where: str) -> float:
             "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text
         ) from wrong
     return whole + float(f"0.{decimals or 0}")
+
+
+def table_text(points: Points) -> str:
+    """Text of a table that `read_poses` reads as the same points."""
+    columns: dict[str, Sequence[object]] = dict(zip(("lat", "lon", "agl"), zip(*points.poses)))
+    columns.update((name, points.own_deg(name)) for name in ANGLES if points.own_deg(name))
+    if points.times_s:
+        columns["time"] = points.times_s
+    rows = zip(*columns.values())
+    return "".join(",".join(map(str, row)) + "\n" for row in (tuple(columns), *rows))

@@ -4502,6 +4502,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/poses/gpx.py"/>
         <source>{0} {1!r}: must be a number</source>
         <translation>{0} {1!r}: debe ser un número</translation>
     </message>
@@ -7252,8 +7253,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
+        <source>file {0}: is a trajectory or a flight log</source>
+        <translation>archivo {0}: es una trayectoria o un registro de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
         <source>give a GeoJSON with one</source>
         <translation>dar un GeoJSON con uno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
+        <source>make a table of poses from it (terrainav poses read)</source>
+        <translation>haga de él una tabla de poses (terrainav poses read)</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -9160,6 +9171,222 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/picture/map_frame.py"/>
         <source>part at {0}, {1} px has shape {2} of {3}: {4} of {5} was asked for</source>
         <translation>la parte en {0}, {1} px tiene la forma {2} de {3}: se pidió {4} de {5}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <source>{0}: cannot be read as GPX ({1})</source>
+        <translation>{0}: no se puede leer como GPX ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <source>{0}: has no track points and no route points</source>
+        <translation>{0}: no tiene puntos de recorrido ni de ruta</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <source>{0}: its times go back at point {1:,}</source>
+        <translation>{0}: sus tiempos retroceden en el punto {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <source>{0}: point {1:,} has no time, and others have</source>
+        <translation>{0}: el punto {1:,} no tiene tiempo, y otros sí</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>get it with: pip install 'terrainav[{0}]'</source>
+        <translation>se obtiene con: pip install 'terrainav[{0}]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: cannot be read as DataFlash ({1})</source>
+        <translation>registro {0}: no se puede leer como DataFlash ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: cannot be read as ULog ({1})</source>
+        <translation>registro {0}: no se puede leer como ULog ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: has no positions ({1})</source>
+        <translation>registro {0}: no tiene posiciones ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: is empty</source>
+        <translation>registro {0}: está vacío</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>{0}, which reads such files, is not installed</source>
+        <translation>{0}, que lee estos archivos, no está instalado</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/priors.py"/>
+        <source>folder {0}: its table has no poses of a camera</source>
+        <translation>carpeta {0}: su tabla no tiene poses de una cámara</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/priors.py"/>
+        <source>mean length of outages {0} s: must be above 0</source>
+        <translation>duración media de las interrupciones {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/priors.py"/>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>seed {0}: must be 0 or more</source>
+        <translation>semilla {0}: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/priors.py"/>
+        <source>share of outages {0}: must be from 0 to below 1</source>
+        <translation>proporción de interrupciones {0}: debe ser de 0 a menos de 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/priors.py"/>
+        <source>{0} {1}: must be 0 or more</source>
+        <translation>{0} {1}: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>above 0 m</source>
+        <translation>mayor que 0 m</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>area: takes hardly any of the box around it</source>
+        <translation>área: apenas ocupa el rectángulo que la rodea</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>distribution {0!r}: must be a number, uniform LOW HIGH or normal MEAN DEVIATION</source>
+        <translation>distribución {0!r}: debe ser un número, uniform MÍNIMO MÁXIMO o normal MEDIA DESVIACIÓN</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>distribution {0!r}: must be a number, uniform or normal</source>
+        <translation>distribución {0!r}: debe ser un número, uniform o normal</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>distribution {0}: its numbers must be finite</source>
+        <translation>distribución {0}: sus números deben ser finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>distribution {0}: the lower end comes first</source>
+        <translation>distribución {0}: el extremo inferior va primero</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>distribution {0}: the standard deviation must be 0 or more</source>
+        <translation>distribución {0}: la desviación típica debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>give a polygon that is less narrow</source>
+        <translation>dé un polígono menos estrecho</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>within 180 degrees</source>
+        <translation>de 180 grados como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>{0:,} poses: must be from 1 to {1:,}</source>
+        <translation>{0:,} poses: deben ser de 1 a {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>{0} {1}: hardly any of its numbers is {2}</source>
+        <translation>{0} {1}: casi ninguno de sus números es {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>give one height above ground (--agl)</source>
+        <translation>dé una sola altura sobre el terreno (--agl)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>give one in metres (--every-m)</source>
+        <translation>dé uno en metros (--every-m)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>give that in the heights of the file (--ground-height), or one height above ground (--agl)</source>
+        <translation>dé la del terreno, en las alturas del archivo (--ground-height), o una sola altura sobre el terreno (--agl)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>give the start to the capture ({0})</source>
+        <translation>dé el comienzo a la captura ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>interval of {0:g} s: the trajectory has no times</source>
+        <translation>intervalo de {0:g} s: la trayectoria no tiene tiempos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>interval of {0} {1}: must be above 0</source>
+        <translation>intervalo de {0} {1}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>start: the trajectory has no times</source>
+        <translation>comienzo: la trayectoria no tiene tiempos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>trajectory: does not say how high its ground is</source>
+        <translation>trayectoria: no dice a qué altura está su terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>trajectory: none of its {0:,} positions is above the ground</source>
+        <translation>trayectoria: ninguna de sus {0:,} posiciones está sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>trajectory: position {0:,} has no height</source>
+        <translation>trayectoria: la posición {0:,} no tiene altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>give --body: urf for that of the published flights, flu or frd for an aircraft's</source>
+        <translation>dé --body: urf para la de los vuelos publicados, flu o frd para la de una aeronave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}, line {1}: {2!r}: must be {3} numbers</source>
+        <translation>{0}, línea {1}: {2!r}: deben ser {3} números</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}: EuRoC's poses are those of an inertial unit</source>
+        <translation>{0}: las poses de EuRoC son las de una unidad inercial</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}: holds no poses</source>
+        <translation>{0}: no contiene poses</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}: its times go back at pose {1:,}</source>
+        <translation>{0}: sus tiempos retroceden en la pose {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}: pose {1:,} is not a rotation</source>
+        <translation>{0}: la pose {1:,} no es una rotación</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}: the quaternion of pose {1:,} has the length {2:.3g}, and not 1</source>
+        <translation>{0}: el cuaternión de la pose {1:,} tiene la longitud {2:.3g}, y no 1</translation>
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>

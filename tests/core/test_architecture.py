@@ -44,6 +44,7 @@ ROOMS = (
     "pairs",
     "benchmark",
     "exports",
+    "poses",
 )
 
 # Room -> rooms it may import. What lies in `core` itself (errors, the shipped tables) knows no room and is
@@ -62,6 +63,7 @@ ARROWS = {
     "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "benchmark": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "exports": {"core", "geodesy", "mission", "dataset"},
+    "poses": {"core", "geodesy", "mission", "imagery", "dataset"},
     "cli": {"core", *ROOMS},
 }
 
@@ -78,6 +80,7 @@ TOLD_IN_ORDER = [
         "capture",
         "report",
         "exports",
+        "poses",
     )
 ]
 

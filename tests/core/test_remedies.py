@@ -14,6 +14,7 @@ from tests.core.remedies import (  # noqa: F401
     missions,
     pairs,
     planning,
+    poses,
     relief,
 )
 from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings

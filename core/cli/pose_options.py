@@ -1,0 +1,135 @@
+"""What the actions of ``terrainav poses`` take."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+#: Formats in metres of a local frame, and all of them; as `poses.trajectories` has them, which needs numpy.
+LOCAL = ("tum", "kitti", "euroc")
+FORMATS = (*LOCAL, "gpx", "ulog", "dataflash")
+BODIES, WORLDS = ("camera", "frd", "flu", "urf"), ("enu", "ned", "rdf")
+
+
+def add_poses(commands: Any, parser_class: Any) -> None:
+    """Add the parser of ``terrainav poses`` and of its actions."""
+    whole = commands.add_parser(
+        "poses", help="make tables of poses from trajectories, logs or at random, and noisy priors of poses"
+    )
+    actions = whole.add_subparsers(dest="action", metavar="ACTION", required=True, parser_class=parser_class)
+    _add_read(actions)
+    _add_random(actions)
+    _add_priors(actions)
+
+
+def _add_read(actions: Any) -> None:
+    reading = actions.add_parser("read", help="make a table of poses from a trajectory or a flight log")
+    reading.add_argument(
+        "file", metavar="FILE", help="TUM, KITTI, EuRoC, GPX (.gpx), ULog (.ulg), DataFlash (.bin, .log)"
+    )
+    reading.add_argument("--format", choices=FORMATS, help="format of a file with another ending")
+    _add_output(reading)
+    local = reading.add_argument_group("tum, kitti and euroc, which are in metres of a local frame")
+    local.add_argument(
+        "--origin",
+        nargs="+",
+        type=float,
+        metavar="DEG",
+        help="LAT LON [HEIGHT] of the frame's origin; heights of the file are above HEIGHT (0)",
+    )
+    local.add_argument(
+        "--body",
+        choices=BODIES,
+        help="axes of what the poses are of: a camera (right, down, forward), the default; an aircraft whose camera "
+        "looks down, frd (forward, right, down) or flu (forward, left, up); or urf (up, right, forward), EuRoC's "
+        "inertial unit, whose cameras look forward",
+    )
+    local.add_argument(
+        "--world",
+        choices=WORLDS,
+        help="axes of the frame: east, north, up (default); north, east, down; or right, down and forward of a "
+        "camera that looks north (default for kitti)",
+    )
+    heights = reading.add_argument_group("heights, times and attitude")
+    heights.add_argument(
+        "--ground-height", type=float, metavar="M", help="height of the ground, as the file counts heights"
+    )
+    heights.add_argument("--agl", type=float, metavar="M", help="one height above ground for all positions")
+    heights.add_argument(
+        "--start", metavar="TIME", help="time of the first position (ISO 8601), instead of the file's"
+    )
+    heights.add_argument(
+        "--nadir",
+        action="store_true",
+        help="a gimbal keeps the camera straight down: take only the yaw of the attitude",
+    )
+    heights.add_argument("--every-s", type=float, metavar="S", help="keep one position every S seconds")
+    heights.add_argument(
+        "--every-m", type=float, metavar="M", help="keep one position every M metres of the way"
+    )
+
+
+def _add_random(actions: Any) -> None:
+    drawing = actions.add_parser("random", help="make a table of random poses inside an area")
+    drawing.add_argument(
+        "--area",
+        required=True,
+        metavar="AREA",
+        help='GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+    )
+    drawing.add_argument("--count", type=int, required=True, metavar="N", help="number of poses")
+    _add_output(drawing)
+    for name, default, what in (
+        ("agl", None, "height above ground in metres"),
+        ("yaw", ("uniform", "-180", "180"), "degrees from north to the image's top edge"),
+        ("tilt", ("0",), "degrees of tilt, 0 straight down"),
+        ("roll", ("0",), "degrees of roll, right side down"),
+    ):
+        by_default = "" if default is None else f" ({' '.join(default)})"
+        drawing.add_argument(
+            f"--{name}",
+            nargs="+",
+            default=default,
+            required=default is None,
+            metavar="X",
+            help=f"{what}: a number, uniform LOW HIGH, or normal MEAN DEVIATION{by_default}",
+        )
+    _add_seed(drawing)
+
+
+def _add_priors(actions: Any) -> None:
+    measuring = actions.add_parser(
+        "priors",
+        help="write what a GNSS receiver, a barometer and a compass would have measured, beside a dataset's tables",
+    )
+    measuring.add_argument("folder", metavar="OUT", help="the dataset's folder")
+    for name, default, what in (
+        ("gnss", 1.5, "standard deviation of the place, along east and along north, m"),
+        ("barometer", 1.0, "standard deviation of the height, m"),
+        ("compass", 3.0, "standard deviation of the heading, degrees"),
+        ("drift", 60.0, "time constant of the half of each variance that drifts, s; 0 for white noise only"),
+    ):
+        measuring.add_argument(
+            f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)"
+        )
+    measuring.add_argument(
+        "--outages",
+        nargs=2,
+        type=float,
+        default=(0.0, 10.0),
+        metavar=("SHARE", "S"),
+        help="share of the time without a GNSS fix, and mean length of an outage, s (0 10)",
+    )
+    _add_seed(measuring)
+
+
+def _add_seed(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--seed", type=int, default=2024, metavar="N", help="seed of the random numbers (2024)"
+    )
+
+
+def _add_output(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--output", required=True, metavar="FILE", help="table to write, for --coords of plan and capture"
+    )

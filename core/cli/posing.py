@@ -1,0 +1,144 @@
+"""``terrainav poses``: tables of poses from trajectories, from logs and at random, and noisy priors."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..errors import InvalidInput
+from ..files import is_there, read_limited, write_whole
+from ..limits import MAX_MISSION_BYTES
+from ..text import printable
+from .exits import DONE
+from .pose_options import LOCAL
+
+if TYPE_CHECKING:
+    from ..mission.area import Box, Points, Polygon
+    from ..poses.track import Track
+
+_ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
+
+
+def run_poses(arguments: argparse.Namespace) -> int:
+    """Run the action of ``terrainav poses``."""
+    return {"read": _read, "random": _random, "priors": _priors}[arguments.action](arguments)
+
+
+def _read(arguments: argparse.Namespace) -> int:
+    from ..mission.pose_table import time_s
+
+    start_s = time_s(arguments.start, "--start") if arguments.start else None
+    track = _track(arguments)
+    if start_s is not None:
+        track = track.starting(start_s)
+    if arguments.nadir:
+        track = track.nadir()
+    points, left_out = track.points(
+        arguments.ground_height, arguments.agl, every_s=arguments.every_s, every_m=arguments.every_m
+    )
+    _write(points, arguments.output)
+    if left_out:
+        print(f"{left_out:,} of {len(track):,} positions left out, at or below the ground")
+    return DONE
+
+
+def _track(arguments: argparse.Namespace) -> Track:
+    from ..poses.gpx import read_gpx
+    from ..poses.logs import read_dataflash, read_ulog
+    from ..poses.trajectories import read_trajectory
+    from ..safe_json import decoded
+
+    path = Path(arguments.file)
+    file_format = arguments.format or _ENDINGS.get(path.suffix.lower())
+    if file_format is None:
+        raise InvalidInput(
+            "trajectory {0}: its ending does not tell its format", path, remedy="give --format"
+        )
+    if file_format not in LOCAL and (arguments.origin or arguments.body or arguments.world):
+        raise InvalidInput(
+            "--origin, --body and --world: are for {0}, and not for {1}", ", ".join(LOCAL), file_format
+        )
+    if not path.is_file():
+        raise InvalidInput("trajectory {0}: no such file", path)
+    if file_format == "ulog":
+        return read_ulog(path)
+    if file_format == "dataflash":
+        return read_dataflash(path, text=path.suffix.lower() == ".log")
+    try:
+        body = read_limited(path, MAX_MISSION_BYTES)
+        text = "" if file_format == "gpx" else decoded(body)
+    except (OSError, InvalidInput) as wrong:
+        raise InvalidInput("trajectory {0}: cannot be read ({1})", path, wrong) from wrong
+    name = f"trajectory {path}"
+    if file_format == "gpx":
+        return read_gpx(body, name)
+    lat_deg, lon_deg, height_m = _origin(arguments.origin or [], path, file_format)
+    return read_trajectory(
+        text,
+        file_format,
+        (lat_deg, lon_deg, height_m),
+        body=arguments.body,
+        world=arguments.world,
+        name=name,
+    )
+
+
+def _origin(numbers: list[float], path: Path, file_format: str) -> tuple[float, float, float]:
+    if len(numbers) not in (2, 3):
+        raise InvalidInput(
+            "trajectory {0}: {1} is in metres of a local frame",
+            path,
+            file_format,
+            remedy="say where its origin lies (--origin LAT LON [HEIGHT])",
+        )
+    from ..mission.area import check_lat_lon
+
+    check_lat_lon(*numbers[:2])
+    return numbers[0], numbers[1], numbers[2] if len(numbers) == 3 else 0.0
+
+
+def _random(arguments: argparse.Namespace) -> int:
+    from ..poses.random_poses import Distribution, PoseDistributions, random_poses
+
+    distributions = PoseDistributions(
+        *(Distribution.parse(getattr(arguments, name)) for name in ("agl", "yaw", "tilt", "roll"))
+    )
+    points = random_poses(_area(arguments.area), arguments.count, distributions, arguments.seed)
+    _write(points, arguments.output)
+    return DONE
+
+
+def _area(text: str) -> Box | Polygon:
+    from ..mission.area import Box
+    from ..mission.coords import load_polygon
+
+    if is_there(text):
+        return load_polygon(text)
+    try:
+        north, west, south, east = (float(field) for field in re.split(r"[_,;\s]+", text.strip()))
+    except ValueError as wrong:
+        raise InvalidInput(
+            "area {0!r}: no such file, and no box",
+            text,
+            remedy='give a GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+        ) from wrong
+    return Box(north, west, south, east)
+
+
+def _write(points: Points, path: str) -> None:
+    from ..mission.pose_table import table_text
+
+    write_whole(path, table_text(points).encode())
+    print(printable(f"{len(points.poses):,} poses in {path}"))
+
+
+def _priors(arguments: argparse.Namespace) -> int:
+    from ..poses.priors import PRIORS_FILE, Sensors, write_priors
+
+    share, seconds = arguments.outages
+    sensors = Sensors(arguments.gnss, arguments.barometer, arguments.compass, arguments.drift, share, seconds)
+    for name, without_place in write_priors(arguments.folder, sensors, arguments.seed).items():
+        print(printable(f"{name:11s} {PRIORS_FILE} beside the table, {without_place:,} rows without a place"))
+    return DONE

@@ -1,0 +1,11 @@
+"""Poses from elsewhere, as tables that missions are flown from, and priors of poses that were flown.
+
+In reading order:
+
+- `track`: positions along a way, thinned, and the points of a mission that are made of them
+- `trajectories`: in metres of a local frame: TUM, KITTI, EuRoC
+- `logs`: flight logs of PX4 and ArduPilot
+- `gpx`: tracks of GNSS receivers
+- `random_poses`: random poses inside an area, from stated distributions
+- `priors`: what a GNSS receiver, a compass and a barometer would have measured of the poses of a dataset
+"""

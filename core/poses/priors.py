@@ -1,0 +1,196 @@
+"""Priors: what a GNSS receiver, a barometer and a compass would have measured of the poses of a dataset.
+
+Each error is normal, of a stated standard deviation: half of its variance is white, and half drifts as a Gauss-Markov
+process of first order with a stated time constant. Outages of the receiver begin and end as a Markov process of two
+states: their lengths, and those of the times between them, are exponentially distributed.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+from dataclasses import asdict, dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.dataset import ImageSet, read_dataset
+from ..dataset.folder import MISSION_FILE
+from ..errors import InvalidInput
+from ..files import write_whole
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.mercator import wrap_lon_deg
+from ..mission.flight import intervals_s, legs, normal, uniform
+from ..mission.mission import Mission
+from ..mission.parts import Flight
+from ..mission.pose_table import time_s
+
+Floats = NDArray[np.float64]
+PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"
+COLUMNS = ("img_names", "prior_lat_deg", "prior_lon_deg", "prior_agl_m", "prior_yaw_deg")
+#: Decimals of a degree of place, 1 mm, and of metres and degrees of heading.
+_PLACE_DIGITS, _DIGITS = 8, 3
+#: Errors of a pose: east, north, up and heading.
+_ERRORS = 4
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """How wrong sensors are.
+
+    Parameters
+    ----------
+    gnss_m, barometer_m, compass_deg : float
+        Standard deviations: of the place along east and along north, of the height, of the heading; 0 or more.
+    drift_s : float
+        Time constant of the half of the variance that drifts; 0 has all of it white.
+    outage_share, outage_s : float
+        Share of the time without a fix, from 0 to below 1, and mean length of an outage.
+
+    Raises
+    ------
+    InvalidInput
+        A number outside of its range.
+    """
+
+    gnss_m: float = 1.5
+    barometer_m: float = 1.0
+    compass_deg: float = 3.0
+    drift_s: float = 60.0
+    outage_share: float = 0.0
+    outage_s: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name in ("gnss_m", "barometer_m", "compass_deg", "drift_s"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InvalidInput("{0} {1}: must be 0 or more", name, value)
+        if not 0.0 <= self.outage_share < 1.0:
+            raise InvalidInput("share of outages {0}: must be from 0 to below 1", self.outage_share)
+        if not (math.isfinite(self.outage_s) and self.outage_s > 0.0):
+            raise InvalidInput("mean length of outages {0} s: must be above 0", self.outage_s)
+
+
+def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) -> dict[str, int]:
+    """Write ``priors.csv`` beside each table of a dataset, and ``priors.json`` with the figures that it is made from.
+
+    Rows are those of the table. The same row of two tables, as of two map types, has the same errors. Cells of
+    the place are empty in an outage, all cells where an image has no pose.
+
+    Parameters
+    ----------
+    seed : int
+        At least 0.
+
+    Returns
+    -------
+    dict of str to int
+        Rows without a place, by map type.
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no capture with poses.
+    OutputError
+        It cannot be written.
+    """
+    if seed < 0:
+        raise InvalidInput("seed {0}: must be 0 or more", seed)
+    lost = {}
+    for name, images in read_dataset(folder).image_sets.items():
+        table = images.table
+        if not np.isfinite(table.pose_lat_deg).any():
+            raise InvalidInput("folder {0}: its table has no poses of a camera", images.folder)
+        rows, lost[name] = _rows(images, sensors, seed)
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(rows)
+        write_whole(images.folder / PRIORS_FILE, text.getvalue().encode())
+        about = json.dumps({**asdict(sensors), "seed": seed}, indent=1) + "\n"
+        write_whole(images.folder / SETTINGS_FILE, about.encode())
+    return lost
+
+
+def errors_of(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, NDArray[np.bool_]]:
+    """Errors (n, 4) of east, north, up and heading at rising times (n,), and whether the receiver has a fix (n,)."""
+    first, second = (np.random.PCG64(one) for one in np.random.SeedSequence(seed).spawn(2))
+    count = len(times_s)
+    deviates = normal(first, count, 2 * _ERRORS)
+    deviation = np.array([sensors.gnss_m, sensors.gnss_m, sensors.barometer_m, sensors.compass_deg])
+    white, drift = deviates[:, :_ERRORS], deviates[:, _ERRORS:]
+    gaps_s = np.diff(times_s)
+    if sensors.drift_s:
+        drift = _drift(gaps_s / sensors.drift_s, drift)
+    errors = (white + drift) * math.sqrt(0.5) * deviation
+    return errors, _fixed(gaps_s, sensors, uniform(second, count))
+
+
+def _drift(gaps: Floats, deviates: Floats) -> Floats:
+    """Gauss-Markov process (n, m) of deviation 1, with gaps (n - 1,) in time constants, from its stationary state on.
+
+    Each state is a share of the one before it and fresh noise. Steps are joined two by two, then four by four and so on
+    (Hillis and Steele's scan): products of shares only fall, so that nothing overflows.
+    """
+    share = np.concatenate([[0.0], np.exp(-gaps)])[:, np.newaxis]
+    states = deviates.copy()
+    states[1:] *= np.sqrt(-np.expm1(-2.0 * gaps))[:, np.newaxis]
+    step = 1
+    while step < len(states) and share.any():
+        states[step:] += share[step:] * states[:-step]
+        share[step:] = share[step:] * share[:-step]
+        step *= 2
+    return states
+
+
+def _fixed(gaps_s: Floats, sensors: Sensors, chance: Floats) -> NDArray[np.bool_]:
+    """Whether there is a fix: a Markov process of two states, seen after each gap, from its stationary state on."""
+    share = sensors.outage_share
+    # Its rates out of an outage and into one add up to this rate of forgetting.
+    kept = np.concatenate([[0.0], np.exp(-gaps_s / (sensors.outage_s * (1.0 - share)))])
+    # Chances of being in an outage after a fix, and after an outage: a draw between both keeps the state before.
+    after_fix, after_outage = share * (1.0 - kept), share + (1.0 - share) * kept
+    settled = (chance < after_fix) | (chance >= after_outage)
+    settled[0] = True
+    last = np.maximum.accumulate(np.where(settled, np.arange(len(chance)), 0))
+    fixed: NDArray[np.bool_] = (chance >= after_fix)[last]
+    return fixed
+
+
+def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[object, ...]], int]:
+    """Rows of the table of priors, and how many of them have no place."""
+    table = images.table
+    errors, fixed = errors_of(_times_s(images), sensors, seed)
+    lat, lon = table.pose_lat_deg, table.pose_lon_deg
+    north = np.degrees(errors[:, 1] / WGS84.meridional_radius_m(lat))
+    east = np.degrees(errors[:, 0] / (WGS84.normal_radius_m(lat) * np.cos(np.radians(lat))))
+    has_place = np.isfinite(lat) & fixed
+    columns = (
+        np.round(np.where(has_place, lat + north, np.nan), _PLACE_DIGITS),
+        np.round(np.where(has_place, wrap_lon_deg(lon + east), np.nan), _PLACE_DIGITS),
+        np.round(table.agl_m + errors[:, 2], _DIGITS),
+        np.round(wrap_lon_deg(table.yaw_deg + errors[:, 3]), _DIGITS),
+    )
+    cells = ([value if value == value else "" for value in column.tolist()] for column in columns)
+    return list(zip(table.img_names, *cells)), int((~has_place).sum())
+
+
+def _times_s(images: ImageSet) -> Floats:
+    """Seconds of each row, which do not fall: the table's, or those of the way from row to row at the airspeed."""
+    table = images.table
+    if all(table.time_utc):
+        times_s = np.array([time_s(text, "time_utc") for text in table.time_utc])
+        return np.maximum.accumulate(times_s)
+    path = images.folder.parent / MISSION_FILE
+    airspeed = Mission.load(path).flight.airspeed_m_per_s if path.is_file() else Flight.airspeed_m_per_s
+    known = np.isfinite(table.pose_lat_deg)
+    # Rows without a pose are where the first one is.
+    lat, lon, agl = (
+        np.where(known, column, column[np.argmax(known)])
+        for column in (table.pose_lat_deg, table.pose_lon_deg, table.agl_m)
+    )
+    gaps = intervals_s(legs(lat, lon), agl, airspeed, None)
+    return np.concatenate([[0.0], np.cumsum(gaps)])

@@ -1,0 +1,207 @@
+"""Random poses inside an area: places evenly by its ground, heights and angles from stated distributions.
+
+The numbers are those of numpy's PCG64 as raw words, which numpy keeps the same for ever (NEP 19), and results are
+rounded: the same seed gives the same poses everywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput, Message
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.mercator import wrap_lon_deg
+from ..mission.area import ANGLES, Box, Points, Polygon, check_agl, sides_of
+from ..mission.flight import normal, uniform
+from .track import ANGLE_DIGITS, PLACE_DIGITS
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+FIXED, UNIFORM, NORMAL = "fixed", "uniform", "normal"
+MAX_POSES = 10_000_000
+#: Where fewer than one in a thousand is accepted of at least this many that are drawn, drawing ends.
+_TRIES, _LEAST_SHARE = 100_000, 1e-3
+#: Drawn at a time: memory for 8 MB columns.
+_BATCH = 1_000_000
+#: Pairs of places and sides of a polygon that are looked at in one go.
+_PAIRS = 5_000_000
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """One number, numbers evenly between two, or a normal distribution.
+
+    Parameters
+    ----------
+    kind : {"fixed", "uniform", "normal"}
+    first, second : float
+        The number; the lower and the upper end; or mean and standard deviation.
+
+    Raises
+    ------
+    InvalidInput
+        Another kind, numbers that are not finite, an upper end below the lower one, a negative standard deviation.
+    """
+
+    kind: str
+    first: float
+    second: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in (FIXED, UNIFORM, NORMAL):
+            raise InvalidInput("distribution {0!r}: must be a number, uniform or normal", self.kind)
+        if not (math.isfinite(self.first) and math.isfinite(self.second)):
+            raise InvalidInput("distribution {0}: its numbers must be finite", self)
+        if self.kind == UNIFORM and self.second < self.first:
+            raise InvalidInput("distribution {0}: the lower end comes first", self)
+        if self.kind == NORMAL and self.second < 0.0:
+            raise InvalidInput("distribution {0}: the standard deviation must be 0 or more", self)
+
+    def __str__(self) -> str:
+        return f"{self.first:g}" if self.kind == FIXED else f"{self.kind} {self.first:g} {self.second:g}"
+
+    @classmethod
+    def parse(cls, words: Sequence[str]) -> Distribution:
+        """Distribution from words: ``120``, ``uniform 80 150`` or ``normal 0 5``; raises InvalidInput."""
+        kind, *texts = words if len(words) == 3 else (FIXED, *words)
+        try:
+            numbers = [float(text) for text in texts]
+        except ValueError:
+            numbers = []
+        if len(numbers) != 1 + (kind != FIXED):
+            raise InvalidInput(
+                "distribution {0!r}: must be a number, uniform LOW HIGH or normal MEAN DEVIATION",
+                " ".join(words),
+            )
+        return cls(kind, *numbers)
+
+    def draw(self, bits: np.random.PCG64, count: int) -> Floats:
+        """Numbers (count,)."""
+        if self.kind == FIXED:
+            return np.full(count, self.first)
+        if self.kind == UNIFORM:
+            return self.first + (self.second - self.first) * uniform(bits, count)
+        return self.first + self.second * normal(bits, count, 1)[:, 0]
+
+
+@dataclass(frozen=True)
+class PoseDistributions:
+    """What heights above ground, in metres, and angles, in degrees, are drawn from."""
+
+    agl: Distribution
+    yaw: Distribution = field(default_factory=lambda: Distribution(UNIFORM, -180.0, 180.0))
+    tilt: Distribution = field(default_factory=lambda: Distribution(FIXED, 0.0))
+    roll: Distribution = field(default_factory=lambda: Distribution(FIXED, 0.0))
+
+
+def random_poses(area: Box | Polygon, count: int, distributions: PoseDistributions, seed: int) -> Points:
+    """Random poses inside an area.
+
+    Heights that are not above 0, and tilts and rolls beyond 180 degrees, are drawn again; yaws are wrapped. The poses
+    of a smaller count are the first ones of a larger count.
+
+    Parameters
+    ----------
+    count : int
+        At least 1.
+    seed : int
+        At least 0.
+
+    Raises
+    ------
+    InvalidInput
+        A count or seed out of range; a distribution of which less than one number in a thousand can be used; a polygon
+        that takes less than a thousandth of the box around it.
+    """
+    if not 1 <= count <= MAX_POSES:
+        raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
+    if seed < 0:
+        raise InvalidInput("seed {0}: must be 0 or more", seed)
+    # A stream for each, so that another distribution of one leaves the others as they are.
+    streams = [np.random.PCG64(sequence) for sequence in np.random.SeedSequence(seed).spawn(5)]
+    lat, lon = _places(area, streams[0], count)
+    agl = _numbers("agl", distributions.agl, streams[1], count)
+    check_agl(float(agl.max()))
+    angles = {
+        f"{name}s_deg": tuple(_numbers(name, getattr(distributions, name), bits, count).tolist())
+        for name, bits in zip(ANGLES, streams[2:])
+    }
+    return Points(tuple(zip(lat.tolist(), lon.tolist(), agl.tolist())), **angles)
+
+
+def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count: int) -> Floats:
+    """Heights or angles (count,)."""
+
+    def draw(batch: int) -> tuple[Floats, Flags]:
+        numbers = np.round(distribution.draw(bits, batch), ANGLE_DIGITS)
+        if name == "yaw":
+            # A direction, which has no ends.
+            return np.round(wrap_lon_deg(numbers), ANGLE_DIGITS), np.ones(batch, np.bool_)
+        return numbers, numbers > 0.0 if name == "agl" else np.abs(numbers) <= 180.0
+
+    wanted = Message("above 0 m") if name == "agl" else Message("within 180 degrees")
+    return _first_accepted(
+        draw, count, InvalidInput("{0} {1}: hardly any of its numbers is {2}", name, distribution, wanted)
+    )
+
+
+def _places(area: Box | Polygon, bits: np.random.PCG64, count: int) -> tuple[Floats, Floats]:
+    """Latitudes and longitudes (count,), evenly by the ellipsoid's area."""
+    box = area.bounds
+    south, north = (math.sin(math.radians(angle)) for angle in (box.south_deg, box.north_deg))
+    sides = sides_of(area) if isinstance(area, Polygon) else None
+    # Even in the sine of latitude is even by the area of a sphere; the ellipsoid has 1.3 % more for it at the poles
+    # than at the equator: the more, the nearer to a pole.
+    poleward = np.array(max(box.south_deg, box.north_deg, key=abs))
+    most = WGS84.meridional_radius_m(poleward) * WGS84.normal_radius_m(poleward)
+
+    def draw(batch: int) -> tuple[Floats, Flags]:
+        across, up, chance = uniform(bits, 3 * batch).reshape(batch, 3).T
+        lat = np.degrees(np.arcsin(south + (north - south) * up))
+        lat = np.clip(np.round(lat, PLACE_DIGITS), box.south_deg, box.north_deg)
+        lon = np.round(box.west_deg + box.span_deg * across, PLACE_DIGITS)
+        accepted = chance * most <= WGS84.meridional_radius_m(lat) * WGS84.normal_radius_m(lat)
+        if sides is not None:
+            accepted &= _inside(sides, lat, lon)
+        return np.column_stack([lat, lon]), accepted
+
+    refusal = InvalidInput(
+        "area: takes hardly any of the box around it",
+        remedy="give a polygon that is less narrow",
+    )
+    lat, lon = _first_accepted(draw, count, refusal).T
+    return lat, np.round(np.where(lon > 180.0, lon - 360.0, lon), PLACE_DIGITS)
+
+
+def _first_accepted(draw: Callable[[int], tuple[Floats, Flags]], count: int, refusal: InvalidInput) -> Floats:
+    """First rows (count, ...) that are accepted, however many are drawn at a time; raises where hardly any is."""
+    kept: list[Floats] = []
+    tried = found = 0
+    while found < count:
+        share = max(found / tried, _LEAST_SHARE) if tried else 1.0
+        drawn, accepted = draw(min(math.ceil((count - found) / share), _BATCH))
+        kept.append(drawn[accepted])
+        tried += len(drawn)
+        found += len(kept[-1])
+        if tried >= _TRIES and found < _LEAST_SHARE * tried:
+            raise refusal
+    return np.concatenate(kept)[:count]
+
+
+def _inside(sides: tuple[Floats, Floats, Floats, Floats], lat: Floats, lon: Floats) -> Flags:
+    """Whether places lie in a polygon, whose sides are straight in longitude and latitude, by a ray to the east."""
+    lon0, lat0, lon1, lat1 = sides
+    found = np.empty(len(lat), np.bool_)
+    step = max(_PAIRS // len(lon0), 1)
+    for start in range(0, len(lat), step):
+        y, x = lat[start : start + step, np.newaxis], lon[start : start + step, np.newaxis]
+        crossed = (lat0 > y) != (lat1 > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = lon0 + (y - lat0) / (lat1 - lat0) * (lon1 - lon0)
+        found[start : start + step] = (crossed & (at > x)).sum(axis=1) % 2 == 1
+    return found

@@ -1,0 +1,192 @@
+"""A track: what trajectories and logs hold, whatever their format, and the points of a mission made of it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput, Message, OptionName
+from ..mission.area import Points
+from ..mission.flight import legs
+
+Floats = NDArray[np.float64]
+#: Decimals of latitude and longitude that are kept, 0.1 mm; of heights and angles; of seconds.
+PLACE_DIGITS, ANGLE_DIGITS, _TIME_DIGITS = 9, 6, 6
+#: A step shorter than this has no direction: a vehicle that stands, or a position that is logged twice.
+_STANDING_M = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Positions (n,) in the order of a file.
+
+    Parameters
+    ----------
+    lat_deg, lon_deg, height_m : array
+        Places; heights in the file's own reference, NaN where it has none.
+    ground_m : float or None
+        Height of the ground in that reference, where the file or its origin says so; None where it has to be given.
+    time_s : array or None
+        Seconds after 1970 in UTC, or after the beginning where the file knows no more; never before the one before.
+    attitude_deg : tuple of three arrays, or None
+        Yaw, tilt and roll of the camera; None where the file has none.
+    """
+
+    lat_deg: Floats
+    lon_deg: Floats
+    height_m: Floats
+    ground_m: float | None = None
+    time_s: Floats | None = None
+    attitude_deg: tuple[Floats, Floats, Floats] | None = None
+
+    def __len__(self) -> int:
+        return len(self.lat_deg)
+
+    def take(self, which: NDArray[np.intp]) -> Track:
+        """Some of the positions."""
+        return replace(
+            self,
+            lat_deg=self.lat_deg[which],
+            lon_deg=self.lon_deg[which],
+            height_m=self.height_m[which],
+            time_s=None if self.time_s is None else self.time_s[which],
+            attitude_deg=None
+            if self.attitude_deg is None
+            else (self.attitude_deg[0][which], self.attitude_deg[1][which], self.attitude_deg[2][which]),
+        )
+
+    def starting(self, start_s: float) -> Track:
+        """The same track, its first position at a time in seconds after 1970; raises InvalidInput without times."""
+        if self.time_s is None:
+            raise InvalidInput(
+                "start: the trajectory has no times",
+                remedy=Message("give the start to the capture ({0})", OptionName("start")),
+            )
+        return replace(self, time_s=self.time_s - self.time_s[0] + start_s)
+
+    def nadir(self) -> Track:
+        """The same track with a camera that a gimbal keeps straight down: of the attitude only the yaw counts."""
+        if self.attitude_deg is None:
+            return self
+        yaw, tilt, _ = self.attitude_deg
+        return replace(self, attitude_deg=(yaw, np.zeros_like(tilt), np.zeros_like(tilt)))
+
+    def thinned(self, every_s: float | None = None, every_m: float | None = None) -> Track:
+        """Positions that are at least so many seconds, or metres along the way, after the last one that is kept.
+
+        Raises
+        ------
+        InvalidInput
+            An interval that is not above 0, or one of time where there is none.
+        """
+        for unit, value in (("s", every_s), ("m", every_m)):
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise InvalidInput("interval of {0} {1}: must be above 0", value, unit)
+        if every_s is not None and self.time_s is None:
+            raise InvalidInput(
+                "interval of {0:g} s: the trajectory has no times",
+                every_s,
+                remedy="give one in metres (--every-m)",
+            )
+        kept = self
+        if every_s is not None and kept.time_s is not None:
+            kept = kept.take(_spaced(kept.time_s, every_s))
+        if every_m is not None:
+            climb_m = np.nan_to_num(np.diff(kept.height_m))
+            steps_m = np.hypot(legs(kept.lat_deg, kept.lon_deg).distance_m, climb_m)
+            kept = kept.take(_spaced(np.concatenate([[0.0], np.cumsum(steps_m)]), every_m))
+        return kept
+
+    def points(
+        self,
+        ground_m: float | None = None,
+        agl_m: float | None = None,
+        *,
+        every_s: float | None = None,
+        every_m: float | None = None,
+    ) -> tuple[Points, int]:
+        """Points of a mission, and how many positions are left out because they are not above the ground.
+
+        Where there is no attitude, the top of the image points along the way.
+
+        Parameters
+        ----------
+        ground_m : float or None
+            Height of the ground in the file's own reference; None for the track's.
+        agl_m : float or None
+            One height above ground for all, instead of the file's.
+        every_s, every_m : float or None
+            How those above the ground are thinned.
+
+        Raises
+        ------
+        InvalidInput
+            The height of the ground, or of a position, is not known; nothing is above the ground; as `thinned` does.
+        """
+        agl = np.round(self._agl_m(ground_m, agl_m), ANGLE_DIGITS)
+        flown = np.flatnonzero(agl > 0.0)
+        if not len(flown):
+            raise InvalidInput("trajectory: none of its {0:,} positions is above the ground", len(self))
+        track = replace(self, height_m=agl).take(flown).thinned(every_s, every_m)
+        yaw, tilt, roll = track.attitude_deg or (_headings_deg(track.lat_deg, track.lon_deg), None, None)
+        poses = zip(
+            np.round(track.lat_deg, PLACE_DIGITS).tolist(),
+            np.round(track.lon_deg, PLACE_DIGITS).tolist(),
+            track.height_m.tolist(),
+        )
+        points = Points(
+            tuple(poses),
+            _listed(yaw, ANGLE_DIGITS),
+            _listed(tilt, ANGLE_DIGITS),
+            _listed(roll, ANGLE_DIGITS),
+            _listed(track.time_s, _TIME_DIGITS),
+        )
+        return points, len(self) - len(flown)
+
+    def _agl_m(self, ground_m: float | None, agl_m: float | None) -> Floats:
+        if agl_m is not None:
+            return np.full(len(self), agl_m)
+        ground_m = self.ground_m if ground_m is None else ground_m
+        if ground_m is None:
+            raise InvalidInput(
+                "trajectory: does not say how high its ground is",
+                remedy="give that in the heights of the file (--ground-height), or one height above ground (--agl)",
+            )
+        unknown = np.flatnonzero(np.isnan(self.height_m))
+        if len(unknown):
+            raise InvalidInput(
+                "trajectory: position {0:,} has no height",
+                int(unknown[0]) + 1,
+                remedy="give one height above ground (--agl)",
+            )
+        return self.height_m - ground_m
+
+
+def _headings_deg(lat_deg: Floats, lon_deg: Floats) -> Floats:
+    """Directions of the way (n,); where it stands still, the last one, at the beginning the first."""
+    way = legs(lat_deg, lon_deg)
+    moving = np.append(way.distance_m >= _STANDING_M, False)
+    if not moving.any():
+        return np.zeros(len(lat_deg))
+    last = np.maximum.accumulate(np.where(moving, np.arange(len(moving)), np.argmax(moving)))
+    headings: Floats = way.headings_deg()[last]
+    return headings
+
+
+def _listed(values: Floats | None, digits: int) -> tuple[float, ...]:
+    return () if values is None else tuple((np.round(values, digits) + 0.0).tolist())
+
+
+def _spaced(along: Floats, interval: float) -> NDArray[np.intp]:
+    """Indices of the first of rising numbers (n,), and of each that is an interval or more after the last one taken."""
+    taken = [0]
+    # Steps that are meant to be the interval may be a rounding less.
+    interval *= 1.0 - 1e-9
+    while True:
+        after = int(np.searchsorted(along, along[taken[-1]] + interval))
+        if after >= len(along):
+            return np.array(taken, np.intp)
+        taken.append(after)

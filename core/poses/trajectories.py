@@ -1,0 +1,170 @@
+"""Trajectories in metres of a local frame, as odometry and its evaluation have them: TUM, KITTI and EuRoC.
+
+Each pose is the rotation and the place that take points of a body to the world. What the axes of body and world are,
+the files do not say: the usual conventions of each format are the defaults.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.camera import attitude_of
+from ..geodesy.local import LocalFrame
+from .track import Track
+
+Floats = NDArray[np.float64]
+
+#: Right, top and view of the camera in the body's axes, as rows.
+BODIES: Mapping[str, Floats] = {
+    # A camera's own axes: right, down, forward.
+    "camera": np.array([[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]),
+    # An aircraft's: forward, right, down, or forward, left, up; its camera looks down, the image's top ahead.
+    "frd": np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+    "flu": np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
+    # The inertial unit of EuRoC's vehicle: up, right, forward; its cameras look forward.
+    "urf": np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]),
+}
+#: East, north and up in the world's axes, as rows.
+WORLDS: Mapping[str, Floats] = {
+    "enu": np.eye(3),
+    "ned": np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
+    # Those of a camera that looks north: right, down, forward.
+    "rdf": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
+}
+#: How far rotations and quaternions, which are written with some digits, may be from right ones.
+_ROUNDING = 1e-3
+
+
+def read_trajectory(
+    text: str,
+    file_format: str,
+    origin: tuple[float, float, float],
+    *,
+    body: str | None = None,
+    world: str | None = None,
+    name: str = "trajectory",
+) -> Track:
+    """Read a trajectory in a local frame.
+
+    Parameters
+    ----------
+    text : str
+        What the file holds.
+    file_format : {"tum", "kitti", "euroc"}
+        Lines of ``timestamp tx ty tz qx qy qz qw``; of the twelve numbers of a 3 x 4 matrix, without times; or EuRoC's
+        table of nanoseconds, place and quaternion with w first.
+    origin : latitude, longitude in degrees, and height in metres
+        Where the world's origin lies; its height is that of the ground, unless another is given.
+    body : str or None
+        One of `BODIES`; None for a camera. EuRoC's poses are those of an inertial unit, whose axes have to be given.
+    world : str or None
+        One of `WORLDS`; None for ``enu``, and with KITTI, whose world is its first camera, ``rdf``.
+    name : str
+        What messages call the file.
+
+    Raises
+    ------
+    InvalidInput
+        Names the line that cannot be read, or the pose that is none.
+    """
+    if file_format == "euroc" and body is None:
+        raise InvalidInput(
+            "{0}: EuRoC's poses are those of an inertial unit",
+            name,
+            remedy="give --body: urf for that of the published flights, flu or frd for an aircraft's",
+        )
+    lat, lon, height = origin
+    time_s, places, rotations = _FORMATS[file_format](text, name)
+    world_axes = WORLDS[world or ("rdf" if file_format == "kitti" else "enu")]
+    frame = LocalFrame(lat, lon, height)
+    lat_deg, lon_deg, height_m = frame.geodetic(places @ world_axes.T)
+    # Columns of a rotation are the body's axes in the world's. Attitudes count from north and up where the camera is.
+    own_axes = frame.turn_to(lat_deg, lon_deg) @ world_axes @ rotations
+    vectors = own_axes @ BODIES[body or "camera"].T
+    attitude = attitude_of(vectors[..., 0], vectors[..., 1], vectors[..., 2])
+    return Track(lat_deg, lon_deg, height_m, height, time_s, attitude)
+
+
+def rotations_of(quaternions: Floats) -> Floats:
+    """Rotations (n, 3, 3) of quaternions (n, 4) of length 1, w first."""
+    w, x, y, z = quaternions.T
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _tum(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
+    rows = _numbers(text, name, (8,))
+    return _times(rows[:, 0], name), rows[:, 1:4], _rotations(rows[:, [7, 4, 5, 6]], name)
+
+
+def _kitti(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
+    matrices = _numbers(text, name, (12,)).reshape(-1, 3, 4)
+    rotations = matrices[:, :, :3]
+    off = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max(axis=(1, 2))
+    wrong = np.flatnonzero((off > _ROUNDING) | (np.linalg.det(rotations) < 0.0))
+    if len(wrong):
+        raise InvalidInput("{0}: pose {1:,} is not a rotation", name, int(wrong[0]) + 1)
+    return None, matrices[:, :, 3], rotations
+
+
+def _euroc(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
+    # The ground truth has speed and biases in nine more columns.
+    rows = _numbers(text, name, (8, 17))
+    return _times(rows[:, 0] * 1e-9, name), rows[:, 1:4], _rotations(rows[:, 4:8], name)
+
+
+_FORMATS: Mapping[str, Callable[[str, str], tuple[Floats | None, Floats, Floats]]] = {
+    "tum": _tum,
+    "kitti": _kitti,
+    "euroc": _euroc,
+}
+FORMATS = tuple(_FORMATS)
+
+
+def _numbers(text: str, name: str, counts: tuple[int, ...]) -> Floats:
+    """Numbers (n, count) of lines; empty lines, and those that begin with #, are left out."""
+    rows: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        try:
+            row = [float(cell) for cell in line.replace(",", " ").split()]
+        except ValueError:
+            row = []
+        if len(row) not in counts or not np.isfinite(row).all() or (rows and len(row) != len(rows[0])):
+            raise InvalidInput(
+                "{0}, line {1}: {2!r}: must be {3} numbers", name, number, line.strip()[:80], counts[0]
+            )
+        rows.append(row)
+    if not rows:
+        raise InvalidInput("{0}: holds no poses", name)
+    return np.array(rows, np.float64)
+
+
+def _times(time_s: Floats, name: str) -> Floats:
+    back = np.flatnonzero(np.diff(time_s) < 0.0)
+    if len(back):
+        raise InvalidInput("{0}: its times go back at pose {1:,}", name, int(back[0]) + 2)
+    return time_s
+
+
+def _rotations(quaternions: Floats, name: str) -> Floats:
+    """Rotations (n, 3, 3) of quaternions (n, 4) as they are written, w first."""
+    lengths = np.linalg.norm(quaternions, axis=1)
+    wrong = np.flatnonzero(np.abs(lengths - 1.0) > _ROUNDING)
+    if len(wrong):
+        raise InvalidInput(
+            "{0}: the quaternion of pose {1:,} has the length {2:.3g}, and not 1",
+            name,
+            int(wrong[0]) + 1,
+            lengths[wrong[0]],
+        )
+    return rotations_of(quaternions / lengths[:, np.newaxis])

@@ -1,0 +1,163 @@
+"""What refusals of trajectories, logs and random poses advise."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pytest
+from terrainav.core.mission.area import Polygon
+from terrainav.core.mission.coords import parse_coords
+from terrainav.core.poses.logs import read_ulog
+from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
+from terrainav.core.poses.track import Track
+from terrainav.core.poses.trajectories import read_trajectory
+
+from tests.core.remedies.files import extra_brings
+from tests.support.remedies import Case, remedy
+
+TUM = "0 0 0 90 1 0 0 0\n"
+KITTI = "1 0 0 0 0 0 1 -90 0 -1 0 0\n1 0 0 0 0 0 1 -90 0 -1 0 50\n"
+GPX = '<gpx><trkpt lat="35.16" lon="-89.9"><ele>200</ele></trkpt><trkpt lat="35.17" lon="-89.9"/></gpx>'
+ORIGIN = ("--origin", "35.16", "-89.9")
+
+
+def read(case: Case, *arguments: str) -> bool:
+    return case.run("poses", "read", *arguments, "--output", "poses.csv").returncode == 0
+
+
+def refused_read(case: Case, *arguments: str) -> None:
+    case.says(case.run("poses", "read", *arguments, "--output", "poses.csv").stderr)
+
+
+@remedy("cli/posing.py", "trajectory {}: its ending does not tell its format; give --format")
+def _no_ending(case: Case) -> None:
+    (case.tmp_path / "flight.txt").write_text(TUM)
+    refused_read(case, "flight.txt", *ORIGIN)
+    case.follow("give --format", lambda: read(case, "flight.txt", *ORIGIN, "--format", "tum"))
+
+
+@remedy(
+    "cli/posing.py",
+    "trajectory {}: {} is in metres of a local frame; say where its origin lies (--origin LAT LON [HEIGHT])",
+)
+def _no_origin(case: Case) -> None:
+    (case.tmp_path / "flight.txt").write_text(TUM)
+    refused_read(case, "flight.txt", "--format", "tum")
+    case.follow(
+        "say where its origin lies (--origin LAT LON [HEIGHT])",
+        lambda: read(case, "flight.txt", "--format", "tum", *ORIGIN, "80"),
+    )
+
+
+@remedy(
+    "cli/posing.py",
+    'area {}: no such file, and no box; give a GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+)
+def _no_area(case: Case) -> None:
+    def drawn(area: str):
+        return case.run(*"poses random --count 3 --agl 90 --output p.csv --area".split(), area)
+
+    case.says(drawn("area.geojson").stderr)
+    ring = [[-89.9, 35.15], [-89.89, 35.15], [-89.89, 35.16], [-89.9, 35.15]]
+    (case.tmp_path / "area.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    case.follow("give a GeoJSON file of a polygon", lambda: drawn("area.geojson").returncode == 0)
+    case.follow('a box "latTL_lonTL_latBR_lonBR"', lambda: drawn("35.16_-89.90_35.15_-89.89").returncode == 0)
+
+
+@remedy(
+    "mission/coords.py",
+    "file {}: is a trajectory or a flight log; make a table of poses from it (terrainav poses read)",
+)
+def _no_table(case: Case) -> None:
+    pytest.importorskip("lxml")
+    path = case.tmp_path / "way.gpx"
+    path.write_text(GPX)
+    case.refused(lambda: parse_coords(str(path)))
+    case.follow(
+        "make a table of poses from it (terrainav poses read)", lambda: read(case, "way.gpx", "--agl", "90")
+    )
+    assert len(parse_coords(str(case.tmp_path / "poses.csv"))[0].poses) == 2
+
+
+@remedy(
+    "poses/logs.py",
+    "{}, which reads such files, is not installed; get it with: pip install 'terrainav[logs]'",
+)
+def _no_reader(case: Case) -> None:
+    with case.monkeypatch.context() as without:
+        without.setitem(sys.modules, "pyulog", None)
+        case.refused(lambda: read_ulog(case.tmp_path / "flight.ulg"))
+    case.follow(
+        "get it with: pip install 'terrainav[logs]'",
+        lambda: all(extra_brings("logs", name) for name in ("pyulog", "pymavlink", "lxml")),
+    )
+
+
+@remedy(
+    "poses/random_poses.py",
+    "area: takes hardly any of the box around it; give a polygon that is less narrow",
+)
+def _needle(case: Case) -> None:
+    def drawn(width: float):
+        area = Polygon((((0.0, 0.0), (1.0, 1.0), (1.0, 1.0 + width)),))
+        return random_poses(area, 3, PoseDistributions(Distribution("fixed", 90.0)), 1)
+
+    case.refused(lambda: drawn(1e-9))
+    case.follow("give a polygon that is less narrow", lambda: drawn(0.1))
+
+
+@remedy("poses/track.py", "start: the trajectory has no times; give the start to the capture (--start)")
+def _no_times_to_start(case: Case) -> None:
+    (case.tmp_path / "poses.txt").write_text(KITTI)
+    file, start = ("poses.txt", "--format", "kitti", *ORIGIN), ("--start", "2024-06-21T10:30:00Z")
+    refused_read(case, *file, *start)
+    assert read(case, *file)
+    case.follow(
+        "give the start to the capture (--start)",
+        lambda: case.run("plan", "--coords", "poses.csv", *start).returncode == 0,
+    )
+
+
+@remedy("poses/track.py", "interval of {} s: the trajectory has no times; give one in metres (--every-m)")
+def _no_times_to_thin(case: Case) -> None:
+    (case.tmp_path / "poses.txt").write_text(KITTI)
+    file = ("poses.txt", "--format", "kitti", *ORIGIN)
+    refused_read(case, *file, "--every-s", "2")
+    case.follow("give one in metres (--every-m)", lambda: read(case, *file, "--every-m", "2"))
+
+
+@remedy(
+    "poses/track.py",
+    "trajectory: does not say how high its ground is; give that in the heights of the file (--ground-height), or one "
+    "height above ground (--agl)",
+)
+def _no_ground(case: Case) -> None:
+    track = Track(np.ones(2), np.ones(2), np.array([200.0, 210.0]))
+    case.refused(track.points)
+    case.follow("give that in the heights of the file (--ground-height)", lambda: track.points(ground_m=80.0))
+    case.follow("one height above ground (--agl)", lambda: track.points(agl_m=90.0))
+
+
+@remedy("poses/track.py", "trajectory: position {} has no height; give one height above ground (--agl)")
+def _no_height(case: Case) -> None:
+    ones = np.ones(2)
+    track = Track(ones, ones, np.array([90.0, np.nan]), 0.0)
+    case.refused(track.points)
+    case.follow("give one height above ground (--agl)", lambda: track.points(agl_m=90.0))
+
+
+@remedy(
+    "poses/trajectories.py",
+    "{}: EuRoC's poses are those of an inertial unit; give --body: urf for that of the published flights, flu or "
+    "frd for an aircraft's",
+)
+def _no_body(case: Case) -> None:
+    def track(**options: str) -> Track:
+        return read_trajectory("0,0,0,90,1,0,0,0\n", "euroc", (35.16, -89.9, 0.0), **options)
+
+    case.refused(track)
+    case.follow("give --body: urf for that of the published flights", lambda: track(body="urf"))
+    case.follow("flu", lambda: track(body="flu"))
+    case.follow("frd for an aircraft's", lambda: track(body="frd"))
