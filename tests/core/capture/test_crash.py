@@ -30,7 +30,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system kil
 
 AREA = Box(35.16, -89.90, 35.1555, -89.895)
 # Kills of each of the two ways to run a capture, and runs within which there are so many.
-KILLS, MOST_RUNS = 32, 200
+KILLS, MOST_RUNS = 16, 200
 SEED = 20240229
 # No run is left alone for longer, lest a busy machine makes the test long.
 LONGEST_S = 0.5

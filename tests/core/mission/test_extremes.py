@@ -17,9 +17,9 @@ CASES = [case for case in cases() if case.tested]
 PART = 40
 #: What became of each, for all the tests.
 outcome_of = cache(lambda index: run(CASES[index]))
-#: Of the parts, one in four in every run of the tests.
+#: Of the parts, one in eight in every run of the tests.
 PARTS = [
-    pytest.param(part, marks=() if part % 4 == 0 else pytest.mark.thorough)
+    pytest.param(part, marks=() if part % 8 == 0 else pytest.mark.thorough)
     for part in range(-(-len(CASES) // PART))
 ]
 
@@ -45,7 +45,7 @@ def test_every_case_ends_within_its_bound_or_with_one_clear_line(part):
 
 
 def test_plans_hold_numbers_and_nothing_else():
-    for index in range(0, len(CASES), 17):
+    for index in range(0, len(CASES), 34):
         case = CASES[index]
         if not outcome_of(index).refusal:
             assert finite(plan(case.mission, GRID)), case.name

@@ -636,7 +636,7 @@ def test_sets_that_make_no_sense_are_one_line(server, changed):
     assert len(refusal(server, **changed)) < 1000
 
 
-def test_each_of_thousands_of_systems_takes_as_long_as_one_of_a_few(server):
+def test_each_of_hundreds_of_systems_takes_as_long_as_one_of_a_few(server):
     codes = list(dict.fromkeys(info.code for info in query_crs_info("EPSG", PJType.PROJECTED_CRS)))
 
     def read(count):
@@ -645,7 +645,7 @@ def test_each_of_thousands_of_systems_takes_as_long_as_one_of_a_few(server):
         sets = [replace(DUTCH, name=f"s{code}", epsg=code) for code in codes[:count]]
         named_source(serve(server, *sets)).entry  # noqa: B018
 
-    assert growth(read, 200) < PROPORTIONAL
+    assert growth(read, 60) < PROPORTIONAL
 
 
 def test_levels_without_number_are_read_in_time(server):
