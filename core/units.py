@@ -50,6 +50,7 @@ UNITS = {
     "deg": Unit(Message("deg"), Message("degrees"), "_deg", " °", 6),
     "px": Unit(Message("px"), Message("px"), "_px", " px", 12),
     "m/s": Unit(Message("m/s"), Message("metres per second"), "_m_per_s", " m/s", 3),
+    "s": Unit(Message("s"), Message("seconds"), "_s", " s", 3),
     "share": Unit(
         words=Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0
     ),

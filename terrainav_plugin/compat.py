@@ -29,10 +29,15 @@ else:
     )
 
 if hasattr(Qgis, "LayerFilter"):  # QGIS 3.34
-    POINT_LAYERS, POLYGON_LAYERS = Qgis.LayerFilter.PointLayer, Qgis.LayerFilter.PolygonLayer
+    POINT_LAYERS, LINE_LAYERS, POLYGON_LAYERS = (
+        Qgis.LayerFilter.PointLayer,
+        Qgis.LayerFilter.LineLayer,
+        Qgis.LayerFilter.PolygonLayer,
+    )
 else:
-    POINT_LAYERS, POLYGON_LAYERS = (
+    POINT_LAYERS, LINE_LAYERS, POLYGON_LAYERS = (
         QgsMapLayerProxyModel.Filter.PointLayer,
+        QgsMapLayerProxyModel.Filter.LineLayer,
         QgsMapLayerProxyModel.Filter.PolygonLayer,
     )
 

@@ -5,6 +5,11 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+from ..fields import declared_fields
+from ..mission.options import Option
+from ..mission.parts import Flight
+from ..poses.line_flight import LineFlight
+
 #: Formats in metres of a local frame, and all of them; as `poses.trajectories` has them, which needs numpy.
 LOCAL = ("tum", "kitti", "euroc")
 FORMATS = (*LOCAL, "gpx", "ulog", "dataflash")
@@ -14,11 +19,13 @@ BODIES, WORLDS = ("camera", "frd", "flu", "urf"), ("enu", "ned", "rdf")
 def add_poses(commands: Any, parser_class: Any) -> None:
     """Add the parser of ``terrainav poses`` and of its actions."""
     whole = commands.add_parser(
-        "poses", help="make tables of poses from trajectories, logs or at random, and noisy priors of poses"
+        "poses",
+        help="make tables of poses from trajectories, logs, lines or at random, and noisy priors of poses",
     )
     actions = whole.add_subparsers(dest="action", metavar="ACTION", required=True, parser_class=parser_class)
     _add_read(actions)
     _add_random(actions)
+    _add_line(actions)
     _add_priors(actions)
 
 
@@ -95,6 +102,31 @@ def _add_random(actions: Any) -> None:
             help=f"{what}: a number, uniform LOW HIGH, or normal MEAN DEVIATION{by_default}",
         )
     _add_seed(drawing)
+
+
+def _add_line(actions: Any) -> None:
+    flying = actions.add_parser("line", help="make a table of a line that is flown at a speed")
+    flying.add_argument("file", metavar="LINE", help="GeoJSON file of LineStrings, flown one after the other")
+    _add_output(flying)
+    every = flying.add_mutually_exclusive_group(required=True)
+    for field in declared_fields(LineFlight):
+        option = Option.of(field)
+        group, name = every if field.optional else flying, f"--{option.name.replace('_', '-')}"
+        if option.flag:
+            group.add_argument(name, action="store_true", help=option.told)
+        else:
+            group.add_argument(
+                name, type=float, required=field.needed, default=option.default, metavar="X", help=option.told
+            )
+    flying.add_argument(
+        "--agl", type=float, metavar="M", help="height above ground; without it, the line's third coordinates"
+    )
+    flying.add_argument(
+        "--start",
+        default=Flight.start,
+        metavar="TIME",
+        help="time of the first pose, in UTC as 2024-06-21T10:30:00Z (%(default)s)",
+    )
 
 
 def _add_priors(actions: Any) -> None:

@@ -23,7 +23,7 @@ _ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "datafla
 
 def run_poses(arguments: argparse.Namespace) -> int:
     """Run the action of ``terrainav poses``."""
-    return {"read": _read, "random": _random, "priors": _priors}[arguments.action](arguments)
+    return {"read": _read, "random": _random, "line": _line, "priors": _priors}[arguments.action](arguments)
 
 
 def _read(arguments: argparse.Namespace) -> int:
@@ -107,6 +107,25 @@ def _random(arguments: argparse.Namespace) -> int:
     )
     points = random_poses(_area(arguments.area), arguments.count, distributions, arguments.seed)
     _write(points, arguments.output)
+    return DONE
+
+
+def _line(arguments: argparse.Namespace) -> int:
+    from ..mission.pose_table import time_s
+    from ..poses.line import fly, read_lines, turn_radius_m
+    from ..poses.line_flight import LineFlight
+
+    flight = LineFlight(
+        arguments.speed, arguments.every_s, arguments.every_m, arguments.bank, arguments.fixed_camera
+    )
+    lines = read_lines(arguments.file, arguments.agl)
+    flown = fly(lines, flight, time_s(arguments.start, "--start"))
+    _write(flown.points, arguments.output)
+    print(f"turns of {turn_radius_m(flight):,.1f} m, which miss corners by up to {flown.missed_m:,.1f} m")
+    if flown.tight:
+        print(
+            f"tighter ones between short legs: {flown.tight:,}, flown at down to {flown.slowest_m_per_s:.1f} m/s"
+        )
     return DONE
 
 

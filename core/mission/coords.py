@@ -196,17 +196,17 @@ def load_polygon(path: str) -> Polygon:
 def _first_polygon(data: Any) -> list[Any] | None:
     if not isinstance(data, dict):
         return None
-    coordinates = _listed(data, "coordinates")
+    coordinates = listed(data, "coordinates")
     if data.get("type") == "Polygon" and coordinates:
         return coordinates
     if data.get("type") == "MultiPolygon" and len(coordinates) == 1 and isinstance(coordinates[0], list):
         return coordinates[0]
-    inner = [data.get("geometry"), *_listed(data, "features"), *_listed(data, "geometries")]
+    inner = [data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")]
     found = (_first_polygon(item) for item in inner)
     return next((rings for rings in found if rings is not None), None)
 
 
-def _listed(data: dict[str, Any], name: str) -> list[Any]:
+def listed(data: dict[str, Any], name: str) -> list[Any]:
     """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
     value = data.get(name)
     return value if isinstance(value, list) else []

@@ -56,9 +56,28 @@ _TIME = re.compile(r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|
 
 def is_header(line: str) -> bool:
     """Whether a line names columns: none of its cells is a number, and one is a name that poses have."""
-    cells = [cell.lower() for cell in _cut(line, _delimiter(line))]
+    cells = [cell.lower() for cell in columns_of(line)]
     known = {name for names in _HEADERS.values() for name in names}
     return bool(known.intersection(cells)) and not any(cell[:1] in "+-.0123456789" for cell in cells if cell)
+
+
+def columns_of(header: str) -> list[str]:
+    """Names of the columns of a table."""
+    return _cut(header, _delimiter(header))
+
+
+def usual_names(columns: Sequence[str]) -> dict[str, list[str]]:
+    """Which columns say what of a pose, by their usual names: `lat`, `lon`, `agl`, `yaw`, `tilt` and so on.
+
+    Of several, the one that comes first is to be taken. What no column says is left out.
+    """
+    lower = [column.lower() for column in columns]
+    kinds = _OF_DATASET if "pose_lat_deg" in lower else _HEADERS
+    found = {
+        kind: [column for name in names for column, own in zip(columns, lower) if own == name]
+        for kind, names in kinds.items()
+    }
+    return {kind: there for kind, there in found.items() if there}
 
 
 def read_poses(
@@ -144,12 +163,10 @@ def _cut(line: str, delimiter: str | None) -> list[str]:
 def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, int]:
     """Where each thing that a table says of a pose stands."""
     at = {}
-    for name, names in (_OF_DATASET if "pose_lat_deg" in headers else _HEADERS).items():
-        there = [one for one in names if one in headers]
-        if there and (headers.count(there[0]) > 1 or (len(there) > 1 and name != "agl")):
-            raise InvalidInput("{0}: columns {1} say the same", where, " ".join(there))
-        if there:
-            at[name] = headers.index(there[0])
+    for name, there in usual_names(headers).items():
+        if there.count(there[0]) > 1 or (len(there) > 1 and name != "agl"):
+            raise InvalidInput("{0}: columns {1} say the same", where, " ".join(dict.fromkeys(there)))
+        at[name] = headers.index(there[0])
     if not needs_agl:
         at.pop("agl", None)
     missing = [name for name in ("lat", "lon", *(["agl"] if needs_agl else [])) if name not in at]

@@ -7,5 +7,6 @@ In reading order:
 - `logs`: flight logs of PX4 and ArduPilot
 - `gpx`: tracks of GNSS receivers
 - `random_poses`: random poses inside an area, from stated distributions
+- `line_flight`, `line`: how a line is flown, and the poses along it
 - `priors`: what a GNSS receiver, a compass and a barometer would have measured of the poses of a dataset
 """

@@ -25,8 +25,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
-        <source>Text file of points: lat lon agl [yaw]</source>
-        <translation>Archivo de texto con puntos: lat lon agl [guiñada]</translation>
+        <source>Text file of points: lat lon agl [yaw], or a table with a header</source>
+        <translation>Archivo de texto con puntos: lat lon agl [guiñada], o una tabla con encabezado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -42,6 +42,11 @@
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>extent of {layer}</source>
         <translation>extensión de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>line of {layer}</source>
+        <translation>línea de {layer}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -80,13 +85,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Height above ground</source>
+        <translation>Altura so&amp;bre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Height of all</source>
         <translation>&amp;Altura de todos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Interval</source>
+        <translation>Inter&amp;valo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Layer</source>
         <translation>&amp;Capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Roll from field</source>
+        <translation>A&amp;labeo del campo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -100,6 +120,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>&amp;Tilt from field</source>
+        <translation>&amp;Inclinación del campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Unit of heights</source>
         <translation>&amp;Unidad de las alturas</translation>
     </message>
@@ -107,6 +132,11 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Yaw from field</source>
         <translation>&amp;Guiñada del campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>1 line is selected.</source>
+        <translation>Hay 1 línea seleccionada.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -130,8 +160,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Corners become turns of a radius of {radius} m.</source>
+        <translation>Los vértices se convierten en virajes de {radius} m de radio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no zone is stated; empty: the mission's start and airspeed tell. Pictures are in the order of times.</source>
+        <translation>Fechas con su hora, texto como 2024-06-21T10:30:00Z, o segundos desde 1970; en UTC donde no se indica la zona. Vacío: lo dicen el inicio y la velocidad aérea de la misión. Las imágenes siguen el orden de las horas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Degrees clockwise from north; empty: the mission's own yaw</source>
         <translation>Grados en sentido horario desde el norte; vacío: la guiñada de la propia misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Degrees, right side down; empty: the mission's own roll</source>
+        <translation>Grados, positivos con el lado derecho hacia abajo; vacío: el alabeo propio de la misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Degrees; empty: the mission's own tilt</source>
+        <translation>Grados; vacío: la inclinación propia de la misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -145,13 +195,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>From picture to picture, the first at the beginning</source>
+        <translation>De una imagen a la siguiente; la primera, al principio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Height above the ground (AGL) in the unit below</source>
         <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Height above the ground (AGL) of the whole flight</source>
+        <translation>Altura sobre el terreno (AGL) de todo el vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Height from &amp;field</source>
         <translation>Altura del ca&amp;mpo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>It has one line, which is flown.</source>
+        <translation>Tiene una sola línea, que es la que se vuela.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -165,8 +230,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Line of a layer</source>
+        <translation>Línea de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Metres or international feet</source>
         <translation>Metros o pies internacionales</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Nothing is selected in it: all {n} lines are flown one after the other.</source>
+        <translation>No hay nada seleccionado en ella: se vuelan las {n} líneas, una tras otra.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -190,6 +265,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>The project has no layer of lines: add one, or draw a box instead.</source>
+        <translation>El proyecto no tiene ninguna capa de líneas: añada una, o dibuje un recuadro en su lugar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>The project has no layer of polygons: add one, or draw a box instead.</source>
         <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
     </message>
@@ -210,9 +290,29 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Ti&amp;me from field</source>
+        <translation>&amp;Hora del campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Time, or way flown</source>
+        <translation>Tiempo, o camino volado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>What the field counts the angle from: straight down, or the horizon</source>
+        <translation>Desde dónde cuenta el campo el ángulo: desde la vertical hacia abajo o desde el horizonte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>ft</source>
         <translation>ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>gimbal pitch: -90 looks down</source>
+        <translation>cabeceo del gimbal: -90 mira hacia abajo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -222,8 +322,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>metres</source>
+        <translation>metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>no CRS</source>
         <translation>sin SRC</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>seconds</source>
+        <translation>segundos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>tilt: 0 looks down</source>
+        <translation>inclinación: 0 mira hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>{n} lines are selected, which are flown one after the other.</source>
+        <translation>Hay {n} líneas seleccionadas, que se vuelan una tras otra.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -380,6 +500,16 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>The flight misses the corners of its line by up to {missed} m.</source>
+        <translation>El vuelo pasa a {missed} m como máximo de los vértices de su línea.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>Tighter turns between short legs: {count}, flown at down to {speed} m/s.</source>
+        <translation>Virajes más cerrados, entre tramos cortos: {count}, volados a un mínimo de {speed} m/s.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>feature {id}</source>
         <translation>objeto {id}</translation>
     </message>
@@ -392,6 +522,11 @@
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>layer “{name}” is empty: it has no extent</source>
         <translation>la capa «{name}» está vacía: no tiene extensión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>no lines to fly: select some, or use all lines of the layer</source>
+        <translation>no hay ninguna línea que volar: seleccionar algunas, o tomar todas las de la capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -425,6 +560,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} has no geometry: give it a line, or leave it out</source>
+        <translation>{feature} no tiene geometría: darle una línea u omitirla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has no geometry: give it a point, or leave it out</source>
         <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
     </message>
@@ -437,6 +577,11 @@
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has {count} parts, but an area is a single polygon: split it first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one part</source>
         <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature} is no line: take a layer of lines</source>
+        <translation>{feature} no es una línea: tomar una capa de líneas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -460,8 +605,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature}: yaw in “{field}”</source>
-        <translation>{feature}: guiñada en «{field}»</translation>
+        <source>{feature}: time in “{field}”</source>
+        <translation>{feature}: hora en «{field}»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{feature}: {what} in “{field}”</source>
+        <translation>{feature}: {what} en «{field}»</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -480,8 +630,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{what} is {value}°: must be from -360 to 360</source>
-        <translation>{what} es {value}°: debe estar entre -360 y 360</translation>
+        <source>{what} is {value}°: must be from {least} to {most}</source>
+        <translation>{what} es {value}°: debe estar entre {least} y {most}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -516,6 +666,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>A line flown at a speed, with a picture each so many seconds or metres</source>
+        <translation>Una línea volada a una velocidad, con una imagen cada tantos segundos o metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Area &amp;from</source>
         <translation>Área de&amp;sde</translation>
     </message>
@@ -531,13 +686,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; heights in the unit chosen</source>
-        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]; alturas en la unidad elegida</translation>
+        <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, lines of lat lon agl [yaw], or a table whose first line names its columns; heights in the unit chosen</source>
+        <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl, líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en la unidad elegida</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height</source>
-        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura</translation>
+        <source>L&amp;ine of a layer…</source>
+        <translation>&amp;Línea de una capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height; or a table whose first line names its columns, such as lat, lon, agl, yaw, tilt, roll, time</source>
+        <translation>Líneas de «lat lon agl [guiñada]», en grados y en la unidad elegida para la altura; o una tabla cuya primera línea nombra las columnas, como lat, lon, agl, yaw, tilt, roll, time</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -546,8 +706,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>One picture above each point, with heights (AGL) and yaws from fields</source>
-        <translation>Una imagen sobre cada punto, con alturas (AGL) y guiñadas tomadas de campos</translation>
+        <source>One picture above each point, with height (AGL), attitude and time from fields</source>
+        <translation>Una imagen sobre cada punto, con altura (AGL), orientación y hora tomadas de campos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -1256,8 +1416,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>each with its yaw</source>
-        <translation>cada uno con su guiñada</translation>
+        <source>each with its {values}</source>
+        <translation>cada uno con su {values}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>gimbal pitch</source>
+        <translation>cabeceo del gimbal</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -1271,6 +1436,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>roll</source>
+        <translation>alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>the area's shape cannot be read: {error}</source>
         <translation>no se puede leer la forma del área: {error}</translation>
     </message>
@@ -1278,6 +1448,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>the area's shape is a box: must be a polygon or points</source>
         <translation>la forma del área es un recuadro: debe ser un polígono o puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>tilt</source>
+        <translation>inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>time</source>
+        <translation>tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>yaw</source>
+        <translation>guiñada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -3205,11 +3390,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
-        <source>area {name}: has no place in latitude and longitude ({error})</source>
-        <translation>área {name}: no tiene lugar en latitud y longitud ({error})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area {name}: no such layer</source>
         <translation>área {name}: no existe tal capa</translation>
     </message>
@@ -3225,8 +3405,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
-        <source>point {id}, field {field}: {value} is no number</source>
-        <translation>punto {id}, campo {field}: {value} no es un número</translation>
+        <source>fields of tilts and of gimbal pitches given: needs one of the two</source>
+        <translation>campos de inclinaciones y de cabeceos del gimbal a la vez: se necesita uno de los dos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -3664,6 +3844,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Las fuentes que piden conformidad rechazan sin ella las misiones mayores.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>Flies lines at a speed, one after the other, and gives a point each so many seconds or metres. Corners become turns whose radius follows from the speed and the bank; between short legs they are tighter, and flown slower.</source>
+        <translation>Vuela líneas a una velocidad, una tras otra, y da un punto cada tantos segundos o metros. Los vértices se convierten en virajes cuyo radio resulta de la velocidad y de la inclinación lateral; entre tramos cortos son más cerrados y se vuelan más despacio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>Lines</source>
+        <translation>Líneas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>Lines in any CRS; the first exposure is at the beginning of each.</source>
+        <translation>Líneas en cualquier SRC; la primera exposición está al principio de cada una.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>Points along lines that are flown at a speed, with height, yaw, roll and time.</source>
+        <translation>Puntos a lo largo de líneas voladas a una velocidad, con altura, guiñada, alabeo y hora.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>Poses</source>
+        <translation>Poses</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>Poses along a line</source>
+        <translation>Poses a lo largo de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>The points are an area for the other algorithms: choose their fields there as those of heights, yaws, rolls and times.</source>
+        <translation>Los puntos sirven de área a los demás algoritmos: elija allí sus campos como los de alturas, guiñadas, alabeos y horas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/line.py"/>
+        <source>uav,drone,line,trajectory,flight,speed,turn,bank,yaw,points,poses</source>
+        <translation>uav,drone,dron,línea,trayectoria,vuelo,velocidad,viraje,inclinación lateral,guiñada,puntos,poses</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>A mission file written by the plan. All parameters above are then ignored.</source>
         <translation>Una misión tal como la escribe el plan; los parámetros anteriores no se tienen en cuenta.</translation>
@@ -3695,8 +3915,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Field of gimbal pitches</source>
+        <translation>Campo de los cabeceos del gimbal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Field of heights</source>
         <translation>Campo de las alturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Field of rolls</source>
+        <translation>Campo de los alabeos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Field of tilts</source>
+        <translation>Campo de las inclinaciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Field of times</source>
+        <translation>Campo de las horas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3725,6 +3965,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Pitch of each point instead of a tilt, degrees: -90 looks straight down.</source>
+        <translation>Cabeceo de cada punto en lugar de una inclinación, en grados: -90 mira en vertical hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Roll of each point, degrees, right side down.</source>
+        <translation>Alabeo de cada punto, en grados, positivo con el lado derecho hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply.</source>
         <translation>Su campo de visión, relación de aspecto y píxeles. Sin ella cuentan los de abajo.</translation>
     </message>
@@ -3732,6 +3982,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Source of imagery</source>
         <translation>Fuente de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Tilt of each point, degrees: 0 looks straight down.</source>
+        <translation>Inclinación de cada punto, en grados: 0 mira en vertical hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Time of each point: a date with its time, text such as 2024-06-21T10:30:00Z, or seconds after 1970; in UTC where no zone is stated. Captures are in the order of their times.</source>
+        <translation>Hora de cada punto: una fecha con su hora, texto como 2024-06-21T10:30:00Z, o segundos desde 1970; en UTC donde no se indica la zona. Las capturas siguen el orden de sus horas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -3760,8 +4020,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a text file of lat lon agl [yaw] lines; heights in metres.</source>
-        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo de texto con líneas de lat lon agl [guiñada]; alturas en metros.</translation>
+        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
+        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -9193,6 +9453,127 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: el punto {1:,} no tiene tiempo, y otros sí</translation>
     </message>
     <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>file {0}: a corner is not longitude, latitude ({1})</source>
+        <translation>archivo {0}: un vértice no es longitud y latitud ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>file {0}: cannot be read as GeoJSON ({1})</source>
+        <translation>archivo {0}: no se puede leer como GeoJSON ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>file {0}: holds no LineString</source>
+        <translation>archivo {0}: no contiene ningún LineString</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>file {0}: its corners have no height above ground</source>
+        <translation>archivo {0}: sus vértices no tienen altura sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>give one for all (--agl)</source>
+        <translation>indique una para todos (--agl)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>line {0}: is a single place</source>
+        <translation>línea {0}: es un solo lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>line {0}: turns by {1:.0f} degrees at {2:.6f}, {3:.6f}, between legs of {4:.1f} m and {5:.1f} m</source>
+        <translation>línea {0}: gira {1:.0f} grados en {2:.6f}, {3:.6f}, entre tramos de {4:.1f} m y {5:.1f} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>line: there is none</source>
+        <translation>línea: no hay ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <source>make two lines of it there, or simplify it</source>
+        <translation>divídala allí en dos líneas, o simplifíquela</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line.py"/>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>{0:,} poses: must be from 1 to {1:,}</source>
+        <translation>{0:,} poses: deben ser de 1 a {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>&amp;Bank in turns</source>
+        <translation>Inclinación lateral en los vira&amp;jes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>&amp;Speed</source>
+        <translation>V&amp;elocidad</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>Camera rolls with the aircr&amp;aft</source>
+        <translation>La cámara alabea con la aero&amp;nave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>bank in turns</source>
+        <translation>inclinación lateral en los virajes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>bank in turns; with the speed, it gives their radius</source>
+        <translation>inclinación lateral en los virajes; con la velocidad da su radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>camera rolls with the aircraft</source>
+        <translation>la cámara alabea con la aeronave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>interval in metres</source>
+        <translation>intervalo en metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>interval in seconds</source>
+        <translation>intervalo en segundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>interval: must be either in seconds or in metres</source>
+        <translation>intervalo: debe indicarse en segundos o en metros, uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>speed</source>
+        <translation>velocidad</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>speed over ground</source>
+        <translation>velocidad sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>the camera is fixed to the aircraft; without this, a gimbal keeps it level in turns</source>
+        <translation>la cámara va fija a la aeronave; sin esto, un gimbal la mantiene nivelada en los virajes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>time from one exposure to the next</source>
+        <translation>tiempo de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/line_flight.py"/>
+        <source>way flown from one exposure to the next</source>
+        <translation>camino volado de una exposición a la siguiente</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/logs.py"/>
         <source>get it with: pip install 'terrainav[{0}]'</source>
         <translation>se obtiene con: pip install 'terrainav[{0}]'</translation>
@@ -9292,11 +9673,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/random_poses.py"/>
         <source>within 180 degrees</source>
         <translation>de 180 grados como máximo</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/random_poses.py"/>
-        <source>{0:,} poses: must be from 1 to {1:,}</source>
-        <translation>{0:,} poses: deben ser de 1 a {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
@@ -9482,6 +9858,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>px</source>
         <translation>px</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>seconds</source>
+        <translation>segundos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

@@ -11,6 +11,7 @@ from qgis.PyQt.QtWidgets import QApplication, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Area, Box, Points
+from ...core.mission.parts import utc_time
 from ..compat import POLYGON, VECTOR
 from ..form.area import FormError, area_words, entered_area, with_area
 from ..i18n import tr, translate
@@ -18,10 +19,19 @@ from ..map.canvas import canvas_rectangle, show_extent
 from ..messages import Messages
 from ..tasks import single_shot
 from .bands import AreaMark
-from .dialogs import LayerDialog, PointsDialog, PolygonDialog
+from .dialogs import LayerDialog, LineDialog, PointsDialog, PolygonDialog
 from .editing import AreaEditing
 from .entries import AreaEntries
-from .layers import Reading, ReadTask, extent_of, points, rectangle_area, selected_polygon, text_file
+from .layers import (
+    Reading,
+    ReadTask,
+    extent_of,
+    flown_lines,
+    points,
+    rectangle_area,
+    selected_polygon,
+    text_file,
+)
 from .menu import Way
 from .tools import AreaTool, BoxTool, PointTool
 
@@ -99,6 +109,7 @@ class AreaControl(QObject):
             Way.LAYER: self._ask_for_layer,
             Way.POLYGON: self._take_polygon,
             Way.POINTS: self._ask_for_points,
+            Way.LINE: self._ask_for_line,
             Way.FILE: self._ask_for_file,
             Way.PASTE: self.paste,
             Way.TO_BOX: self._editing.make_box,
@@ -210,10 +221,26 @@ class AreaControl(QObject):
 
         self._open(dialog, take)
 
+    def _ask_for_line(self) -> None:
+        state = self._editing.state()
+        dialog = LineDialog(self._iface.mainWindow(), self._iface.activeLayer(), state)
+
+        def take() -> None:
+            layer, flight, agl_m = dialog.chosen(), dialog.flight, dialog.agl_m
+            step = tr("line of {layer}").format(layer=layer.name())
+            self.read(
+                step,
+                lambda: flown_lines(
+                    layer, flight(), agl_m(), utc_time(state.start).timestamp(), self._project
+                ),
+            )
+
+        self._open(dialog, take)
+
     def _ask_for_file(self) -> None:
         path, _ = QFileDialog.getOpenFileName(
             self._iface.mainWindow(),
-            tr("Text file of points: lat lon agl [yaw]"),
+            tr("Text file of points: lat lon agl [yaw], or a table with a header"),
             "",
             tr("Text files (*.txt *.csv *.dat);;All files (*)"),
         )
@@ -249,9 +276,11 @@ class AreaControl(QObject):
         elif task.error:
             self._refuse(translate(task.error))
         elif task.found is not None:
-            area, agl_m = task.found
+            area, agl_m, note = task.found
             if self._enter(lambda: area, task.step, agl_m):
                 self._show_on_canvas()
+                if note:
+                    self._messages.info(note)
 
     def _take_drawn(self, box: Area) -> None:
         self._enter(lambda: box, tr("draw box"))

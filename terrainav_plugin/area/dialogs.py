@@ -13,14 +13,22 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ...core.fields import field_named
+from ...core.mission.pose_table import usual_names
+from ...core.poses.line import turn_radius_m
+from ...core.poses.line_flight import LineFlight
 from ...core.units import LENGTHS_M
-from ..compat import POINT_LAYERS, POLYGON_LAYERS
+from ..compat import LINE_LAYERS, POINT_LAYERS, POLYGON_LAYERS
+from ..form.fields import label_of, tip_of
+from ..form.state import FormState, in_metres
 from ..i18n import number_text, tr
 from ..plain import plain_label
-from ..widgets import NumberBox, combo, named, ok_and_cancel, row, spin
+from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, spin, tick
 from .layers import PointFields
 
-_MOST_AGL = 1e9
+_MOST_AGL, _MOST_INTERVAL = 1e9, 1e6
+#: Seconds from picture to picture, where nothing else is entered.
+_INTERVAL_S = 2.0
 
 
 class LayerDialog(QDialog):
@@ -123,20 +131,26 @@ def _has_polygon(layer: QgsVectorLayer | None) -> bool:
 
 
 class PointsDialog(LayerDialog):
-    """Asks for a layer of points, and where their heights and yaws come from."""
+    """Asks for a layer of points, and where their heights, attitudes and times come from.
+
+    Fields of usual names are chosen at first.
+    """
 
     def __init__(self, parent: QWidget, active: QgsMapLayer | None, agl: float, agl_unit: str) -> None:
         self._agl, self._agl_unit = agl, agl_unit
         super().__init__(parent, tr("Points of a layer"), active, POINT_LAYERS)
 
     def fields(self) -> PointFields:
-        """Return where heights and yaws come from."""
+        """Return where heights, attitudes and times come from."""
         m_per_unit = LENGTHS_M[self.unit.currentData()]
         return PointFields(
             self.agl.value() * m_per_unit,
-            self.agl_field.currentField() if self.by_field.isChecked() else "",
-            self.yaw_field.currentField(),
-            m_per_unit,
+            agl_field=self.agl_field.currentField() if self.by_field.isChecked() else "",
+            yaw_field=self.yaw_field.currentField(),
+            roll_field=self.roll_field.currentField(),
+            time_field=self.time_field.currentField(),
+            m_per_unit=m_per_unit,
+            **{f"{self.tilt_is.currentData()}_field": self.tilt_field.currentField()},
         )
 
     def only_selected(self) -> bool:
@@ -149,11 +163,24 @@ class PointsDialog(LayerDialog):
         self.selected.setText(tr("&Selected ({n})").format(n=number_text(count)))
         self.selected.setEnabled(count > 0)
         (self.selected if count else self.all).setChecked(True)
-        for fields in (self.agl_field, self.yaw_field):
+        usual = usual_names([] if layer is None else layer.fields().names())
+        if "tilt" not in usual and "gimbal_pitch" in usual:
+            usual["tilt"] = usual["gimbal_pitch"]
+            choose(self.tilt_is, "gimbal_pitch")
+        else:
+            choose(self.tilt_is, "tilt")
+        for what, fields in (
+            ("agl", self.agl_field),
+            ("yaw", self.yaw_field),
+            ("tilt", self.tilt_field),
+            ("roll", self.roll_field),
+            ("time", self.time_field),
+        ):
             fields.setLayer(layer)
+            if what in usual:
+                fields.setField(usual[what][0])
         self.by_field.setEnabled(self.agl_field.count() > 0)
-        if not self.by_field.isEnabled():
-            self.by_value.setChecked(True)
+        (self.by_field if "agl" in usual else self.by_value).setChecked(True)
         super().show_layer(layer)
 
     def _add_entries(self) -> None:
@@ -185,8 +212,29 @@ class PointsDialog(LayerDialog):
         self.yaw_field = _fields(
             "yaw_field", tr("Degrees clockwise from north; empty: the mission's own yaw")
         )
-        self.yaw_field.setAllowEmptyFieldName(True)
+        self.tilt_field = _fields("tilt_field", tr("Degrees; empty: the mission's own tilt"))
+        self.tilt_is = combo(
+            "tilt_is",
+            (("tilt", tr("tilt: 0 looks down")), ("gimbal_pitch", tr("gimbal pitch: -90 looks down"))),
+            tr("What the field counts the angle from: straight down, or the horizon"),
+        )
+        self.tilt_is.setMinimumContentsLength(max(map(len, map(self.tilt_is.itemText, range(2)))))
+        self.roll_field = _fields("roll_field", tr("Degrees, right side down; empty: the mission's own roll"))
+        self.time_field = _fields(
+            "time_field",
+            tr(
+                "Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no "
+                "zone is stated; empty: the mission's start and airspeed tell. Pictures are in the order of times."
+            ),
+            QgsFieldProxyModel.Filter.DateTime,
+        )
+        for fields in (self.yaw_field, self.tilt_field, self.roll_field, self.time_field):
+            fields.setAllowEmptyFieldName(True)
         self.form.addRow(tr("&Yaw from field"), self.yaw_field)
+        self.form.addRow(tr("&Tilt from field"), self.tilt_field)
+        self.form.addRow("", self.tilt_is)
+        self.form.addRow(tr("&Roll from field"), self.roll_field)
+        self.form.addRow(tr("Ti&me from field"), self.time_field)
         # Buttons of one parent are one choice unless they are told apart.
         for pair in ((self.all, self.selected), (self.by_value, self.by_field)):
             choice = QButtonGroup(self)
@@ -201,8 +249,98 @@ class PointsDialog(LayerDialog):
         return tr("One picture above each point ({crs}).").format(crs=layer.crs().authid() or tr("no CRS"))
 
 
-def _fields(name: str, tip: str) -> QgsFieldComboBox:
+class LineDialog(LayerDialog):
+    """Asks for a layer of lines, and how they are flown.
+
+    Parameters
+    ----------
+    state : FormState
+        Of which the height, its unit and the airspeed are those entered at first.
+    """
+
+    def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
+        self._state = state
+        super().__init__(parent, tr("Line of a layer"), active, LINE_LAYERS)
+
+    def flight(self) -> LineFlight:
+        """Return how the lines are flown; raises InvalidInput."""
+        return LineFlight(
+            self.speed.value(),
+            bank_deg=self.bank.value(),
+            fixed_camera=self.fixed_camera.isChecked(),
+            **{self.interval_in.currentData(): self.interval.value()},
+        )
+
+    def agl_m(self) -> float:
+        """Return the height above ground."""
+        return in_metres(self.agl.value(), LENGTHS_M[self.unit.currentData()])
+
+    def show_layer(self, layer: QgsVectorLayer | None) -> None:
+        """Show which lines are flown, and how they are turned."""
+        super().show_layer(layer)
+        if layer is None:
+            self.words.setText(tr("The project has no layer of lines: add one, or draw a box instead."))
+
+    def _add_entries(self) -> None:
+        self.speed, self.bank = _number("speed_m_per_s"), _number("bank_deg")
+        self.interval: NumberBox = spin(
+            "interval",
+            0.001,
+            _MOST_INTERVAL,
+            3,
+            "",
+            tr("From picture to picture, the first at the beginning"),
+        )
+        self.interval_in = combo(
+            "interval_in", (("every_s", tr("seconds")), ("every_m", tr("metres"))), tr("Time, or way flown")
+        )
+        self.agl: NumberBox = spin(
+            "agl", 0.0, _MOST_AGL, 4, "", tr("Height above the ground (AGL) of the whole flight")
+        )
+        self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
+        camera = field_named(LineFlight, "fixed_camera")
+        self.fixed_camera = tick("fixed_camera", label_of(camera), tip_of(camera))
+        self.speed.setValue(self._state.airspeed_m_per_s)
+        self.interval.setValue(_INTERVAL_S)
+        self.agl.setValue(self._state.agl)
+        choose(self.unit, self._state.agl_unit)
+        self.bank.setValue(LineFlight.bank_deg)
+        for name, entry in (("speed_m_per_s", self.speed), ("bank_deg", self.bank)):
+            self.form.addRow(label_of(field_named(LineFlight, name)), entry)
+            entry.valueChanged.connect(lambda _: self.show_layer(self.chosen()))
+        self.form.addRow(self.fixed_camera)
+        self.form.addRow(tr("&Interval"), row(self.interval, self.interval_in, stretch=0))
+        self.form.addRow(tr("&Height above ground"), row(self.agl, self.unit, stretch=0))
+
+    def _words(self, layer: QgsVectorLayer) -> str:
+        selected, count = layer.selectedFeatureCount(), layer.featureCount()
+        if selected > 1:
+            which = tr("{n} lines are selected, which are flown one after the other.").format(
+                n=number_text(selected)
+            )
+        elif selected == 1:
+            which = tr("1 line is selected.")
+        elif count == 1:
+            which = tr("It has one line, which is flown.")
+        else:
+            which = tr("Nothing is selected in it: all {n} lines are flown one after the other.").format(
+                n=number_text(count)
+            )
+        turns = tr("Corners become turns of a radius of {radius} m.").format(
+            radius=number_text(turn_radius_m(self.flight()), ",.1f")
+        )
+        return f"{which} {turns}"
+
+
+def _number(name: str) -> NumberBox:
+    """Entry for a number of a line's flight, as it is declared."""
+    field = field_named(LineFlight, name)
+    return spin(name, field.least, field.most, field.unit.decimals, field.unit.suffix, tip_of(field))
+
+
+def _fields(name: str, tip: str, more: QgsFieldProxyModel.Filter | None = None) -> QgsFieldComboBox:
     fields = named(QgsFieldComboBox(), name, tip)
     # Numbers may stand in fields of text.
-    fields.setFilters(QgsFieldProxyModel.Filter.Numeric | QgsFieldProxyModel.Filter.String)
+    kinds = QgsFieldProxyModel.Filter.Numeric | QgsFieldProxyModel.Filter.String
+    fields.setFilters(kinds if more is None else kinds | more)
     return fields

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from qgis.core import (
     Qgis,
     QgsAbstractGeometry,
@@ -25,16 +27,22 @@ from qgis.core import (
     QgsVectorLayer,
     QgsVectorLayerFeatureSource,
 )
+from qgis.PyQt.QtCore import QDateTime, Qt
 
 from ...core.errors import Cancelled, InvalidInput
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon, Position
 from ...core.mission.coords import parse_coords
-from ..compat import POINT, POLYGON
+from ...core.mission.pose_table import time_s
+from ...core.poses.line import Flown, fly
+from ...core.poses.line_flight import LineFlight
+from ..compat import LINE, POINT, POLYGON
+from ..form.area import point_words
 from ..i18n import number_text, tr
 from ..map.canvas import LON_LAT, box_of
 from ..tasks import Task
 
+Floats = NDArray[np.float64]
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
 #: pixel of the sharpest imagery there is.
 EDGE_TOLERANCE_M = 0.1
@@ -47,23 +55,39 @@ _DEEPEST = 24
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
 #: Features between two looks at whether somebody has lost patience.
 _PAUSE = 256
-_MOST_YAW_DEG = 360.0
+#: Least and greatest of the angles that points may have of their own.
+_ANGLES_DEG = {
+    "yaw": (-360.0, 360.0),
+    "tilt": (-180.0, 180.0),
+    "gimbal_pitch": (-180.0, 90.0),
+    "roll": (-180.0, 180.0),
+}
 _HALF_TURN_DEG = 180.0
 #: How much larger a box may be than the rectangle that it is around: half as large again.
 _MUCH_LARGER = 1.5
-#: What reads an area, and the height of its first point in metres where it has one; it may be cancelled.
-Reading = Callable[[Callable[[], bool]], "tuple[Area, float | None]"]
+
+
+class Found(NamedTuple):
+    """An area that was read, the height of its first point in metres where it has one, and what there is to say."""
+
+    area: Area
+    agl_m: float | None = None
+    note: str = ""
+
+
+#: What reads an area; it may be cancelled.
+Reading = Callable[[Callable[[], bool]], Found]
 
 
 class PointFields(NamedTuple):
-    """Where heights and yaws of points come from.
+    """Where heights, attitudes and times of points come from.
 
     Parameters
     ----------
     agl_m : float
         Height of all points, where ``agl_field`` is empty.
-    agl_field, yaw_field : str
-        Names of attributes; empty for none.
+    agl_field, yaw_field, tilt_field, gimbal_pitch_field, roll_field, time_field : str
+        Names of attributes; empty for none. A gimbal's pitch, of -90 straight down, stands for a tilt.
     m_per_unit : float
         Of the heights in that attribute.
     """
@@ -71,6 +95,10 @@ class PointFields(NamedTuple):
     agl_m: float
     agl_field: str = ""
     yaw_field: str = ""
+    tilt_field: str = ""
+    gimbal_pitch_field: str = ""
+    roll_field: str = ""
+    time_field: str = ""
     m_per_unit: float = 1.0
 
 
@@ -143,31 +171,70 @@ def points_of(
     fields: PointFields,
     cancelled: Callable[[], bool] = lambda: False,
 ) -> Points:
-    """Points of all features, each part of one a point.
+    """Points of all features, each part of one a point; in the order of their times, where they have such.
 
     Raises
     ------
     InvalidInput
-        No feature, or one without a point, or with a height or yaw that is missing or outside its domain; its number
-        is named.
+        No feature, or one without a point, or with a height, angle or time that is missing or outside its domain; its
+        number is named.
     Cancelled
         Once ``cancelled`` says so.
     """
     poses: list[tuple[float, float, float]] = []
-    yaws: list[float] = []
+    own: dict[str, list[float]] = {}
     for number, feature in enumerate(features):
         if number % _PAUSE == 0 and cancelled():
             raise Cancelled
         name = tr("feature {id}").format(id=feature.id())
-        agl, yaw = _agl_m(feature, fields, name), _yaw_deg(feature, fields, name)
+        agl, values = _agl_m(feature, fields, name), _own_values(feature, fields, name)
         place = _Places(crs, context, name)
         for point in _points(feature.geometry(), name):
             lon, lat = place(point)
             poses.append((lat, lon, agl))
-            yaws += yaw
+            for what, value in values.items():
+                own.setdefault(what, []).append(value)
     if not poses:
         raise InvalidInput(tr("no points to use: select some, or use all points of the layer"))
-    return Points(tuple(poses), tuple(yaws))
+    if "times_s" in own:
+        order = sorted(range(len(poses)), key=own["times_s"].__getitem__)
+        poses = [poses[at] for at in order]
+        own = {what: [values[at] for at in order] for what, values in own.items()}
+    return Points(tuple(poses), **{what: tuple(values) for what, values in own.items()})
+
+
+def lines_of(
+    features: Iterable[QgsFeature],
+    crs: QgsCoordinateReferenceSystem,
+    context: QgsCoordinateTransformContext,
+    agl_m: float,
+    cancelled: Callable[[], bool] = lambda: False,
+) -> list[Floats]:
+    """Lines of all features, each part of one a line, as `core.poses.line.fly` takes them.
+
+    Sides stay where they are in the layer, within `EDGE_TOLERANCE_M`.
+
+    Raises
+    ------
+    InvalidInput
+        No feature, or one without a line, or with a side through a pole; its number is named.
+    Cancelled
+        Once ``cancelled`` says so.
+    """
+    lines: list[Floats] = []
+    for feature in features:
+        if cancelled():
+            raise Cancelled
+        name = tr("feature {id}").format(id=feature.id())
+        place = _Places(crs, context, name)
+        for part in _line_parts(_straight(feature.geometry(), crs), name):
+            corners = [place(part[0])]
+            for start, end in zip(part, part[1:]):
+                corners += _edge(start, end, place, name)
+            lines.append(np.array([(lat, lon, agl_m) for lon, lat in corners]))
+    if not lines:
+        raise InvalidInput(tr("no lines to fly: select some, or use all lines of the layer"))
+    return lines
 
 
 class ReadTask(Task):
@@ -175,7 +242,7 @@ class ReadTask(Task):
 
     Attributes
     ----------
-    found : tuple of (area, height above ground in metres or None), or None
+    found : Found or None
         Once it has ended.
     step : str
         Name of the change that it makes.
@@ -184,7 +251,7 @@ class ReadTask(Task):
     def __init__(self, step: str, read: Reading) -> None:
         super().__init__(tr("Reading the area"))
         self.step = step
-        self.found: tuple[Area, float | None] | None = None
+        self.found: Found | None = None
         self._read = read
 
     def work(self) -> None:
@@ -199,7 +266,7 @@ def selected_polygon(layer: QgsVectorLayer, project: QgsProject) -> Reading:
     # A snapshot: the layer itself belongs to the main thread.
     source = QgsVectorLayerFeatureSource(layer)
     request = QgsFeatureRequest() if is_only else _selected(layer)
-    return lambda _cancelled: (polygon_of(source.getFeatures(request), crs, context), None)
+    return lambda _cancelled: Found(polygon_of(source.getFeatures(request), crs, context))
 
 
 def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, project: QgsProject) -> Reading:
@@ -208,16 +275,44 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
     source = QgsVectorLayerFeatureSource(layer)
     request = _selected(layer) if only_selected else QgsFeatureRequest()
 
-    def read(cancelled: Callable[[], bool]) -> tuple[Area, float | None]:
+    def read(cancelled: Callable[[], bool]) -> Found:
         found = points_of(source.getFeatures(request), crs, context, fields, cancelled)
-        return found, found.poses[0][2]
+        return Found(found, found.poses[0][2])
 
     return read
 
 
+def flown_lines(
+    layer: QgsVectorLayer, flight: LineFlight, agl_m: float, start_s: float, project: QgsProject
+) -> Reading:
+    """Reader of the selected lines of a layer, of all where none is selected, flown one after the other."""
+    crs, context = _crs(layer), project.transformContext()
+    source = QgsVectorLayerFeatureSource(layer)
+    request = _selected(layer) if layer.selectedFeatureCount() else QgsFeatureRequest()
+
+    def read(cancelled: Callable[[], bool]) -> Found:
+        flown = fly(lines_of(source.getFeatures(request), crs, context, agl_m, cancelled), flight, start_s)
+        return Found(flown.points, agl_m, flown_words(flown))
+
+    return read
+
+
+def flown_words(flown: Flown) -> str:
+    """How near to its line a flight is, and what is flown slower."""
+    words = tr("The flight misses the corners of its line by up to {missed} m.").format(
+        missed=number_text(flown.missed_m, ",.1f")
+    )
+    if not flown.tight:
+        return words
+    slow = tr("Tighter turns between short legs: {count}, flown at down to {speed} m/s.")
+    return f"{words} " + slow.format(
+        count=number_text(flown.tight), speed=number_text(flown.slowest_m_per_s, ".1f")
+    )
+
+
 def text_file(path: str, agl_unit: str) -> Reading:
     """Reader of a file of points."""
-    return lambda _cancelled: parse_coords(path, agl_unit=agl_unit)
+    return lambda _cancelled: Found(*parse_coords(path, agl_unit=agl_unit))
 
 
 def rectangle_area(
@@ -407,6 +502,16 @@ def _points(geometry: QgsGeometry, name: str) -> list[QgsPointXY]:
     return geometry.asMultiPoint() if geometry.isMultipart() else [geometry.asPoint()]
 
 
+def _line_parts(geometry: QgsGeometry, name: str) -> list[list[QgsPointXY]]:
+    if geometry.isEmpty():
+        raise InvalidInput(
+            tr("{feature} has no geometry: give it a line, or leave it out").format(feature=name)
+        )
+    if geometry.type() != LINE:
+        raise InvalidInput(tr("{feature} is no line: take a layer of lines").format(feature=name))
+    return geometry.asMultiPolyline() if geometry.isMultipart() else [geometry.asPolyline()]
+
+
 def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
     if not fields.agl_field:
         return fields.agl_m
@@ -419,16 +524,48 @@ def _agl_m(feature: QgsFeature, fields: PointFields, name: str) -> float:
     return agl
 
 
-def _yaw_deg(feature: QgsFeature, fields: PointFields, name: str) -> list[float]:
-    if not fields.yaw_field:
-        return []
-    what = tr("{feature}: yaw in “{field}”").format(feature=name, field=fields.yaw_field)
-    yaw = _number(feature, fields.yaw_field, what)
-    if abs(yaw) > _MOST_YAW_DEG:
-        raise InvalidInput(
-            tr("{what} is {value}°: must be from -360 to 360").format(what=what, value=number_text(yaw, "g"))
+def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str, float]:
+    """Angles and time of a feature's points, by what `Points` calls them."""
+    found = {}
+    for angle, field in (
+        ("yaw", fields.yaw_field),
+        ("tilt", fields.tilt_field),
+        ("gimbal_pitch", fields.gimbal_pitch_field),
+        ("roll", fields.roll_field),
+    ):
+        if not field:
+            continue
+        what = tr("{feature}: {what} in “{field}”").format(
+            feature=name, what=point_words()[angle], field=field
         )
-    return [yaw]
+        degrees = _number(feature, field, what)
+        least, most = _ANGLES_DEG[angle]
+        if not least <= degrees <= most:
+            raise InvalidInput(
+                tr("{what} is {value}°: must be from {least} to {most}").format(
+                    what=what, value=number_text(degrees, "g"), least=f"{least:g}", most=f"{most:g}"
+                )
+            )
+        found.update({"tilts_deg": 90.0 + degrees} if angle == "gimbal_pitch" else {f"{angle}s_deg": degrees})
+    if fields.time_field:
+        what = tr("{feature}: time in “{field}”").format(feature=name, field=fields.time_field)
+        found["times_s"] = _time_s(feature, fields.time_field, what)
+    return found
+
+
+def _time_s(feature: QgsFeature, field: str, what: str) -> float:
+    """Seconds after 1970 of a date with its time, which is UTC where it says no zone, of a number or of a text."""
+    value = feature.attribute(field)
+    if isinstance(value, QDateTime) and value.isValid():
+        if value.timeSpec() == Qt.TimeSpec.LocalTime:
+            value = QDateTime(value.date(), value.time(), Qt.TimeSpec.UTC)
+        return value.toMSecsSinceEpoch() / 1000.0
+    if isinstance(value, str):
+        try:
+            return float(value)
+        except ValueError:
+            return time_s(value, f"{what}:")
+    return _number(feature, field, what)
 
 
 def _number(feature: QgsFeature, field: str, what: str) -> float:

@@ -18,7 +18,7 @@ class Way:
     """Ways to an area, by the names of the menu's entries."""
 
     DRAW, SINGLE = "draw", "single"
-    CANVAS, LAYER, POLYGON, POINTS = "canvas", "layer", "polygon", "points"
+    CANVAS, LAYER, POLYGON, POINTS, LINE = "canvas", "layer", "polygon", "points", "line"
     FILE, PASTE, TO_BOX = "file", "paste", "box"
 
 
@@ -93,7 +93,13 @@ class AreaMenu(QPushButton):
                     Way.POINTS,
                     "/mIconPointLayer.svg",
                     tr("P&oints of a layer…"),
-                    tr("One picture above each point, with heights (AGL) and yaws from fields"),
+                    tr("One picture above each point, with height (AGL), attitude and time from fields"),
+                ),
+                (
+                    Way.LINE,
+                    "/mIconLineLayer.svg",
+                    tr("L&ine of a layer…"),
+                    tr("A line flown at a speed, with a picture each so many seconds or metres"),
                 ),
             ),
             (
@@ -101,15 +107,18 @@ class AreaMenu(QPushButton):
                     Way.FILE,
                     "/mActionFileOpen.svg",
                     tr("&Text file of points…"),
-                    tr("Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height"),
+                    tr(
+                        "Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height; or a table whose "
+                        "first line names its columns, such as lat, lon, agl, yaw, tilt, roll, time"
+                    ),
                 ),
                 (
                     Way.PASTE,
                     "/mActionEditPaste.svg",
                     tr("&Paste coordinates"),
                     tr(
-                        "From the clipboard: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]; "
-                        "heights in the unit chosen"
+                        "From the clipboard: north_west_south_east_agl, lat_lon_agl, lines of lat lon agl [yaw], or a "
+                        "table whose first line names its columns; heights in the unit chosen"
                     ),
                 ),
             ),

@@ -12,14 +12,15 @@ import numpy as np
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import Area, Box, Points, Polygon
+from ...core.mission.area import ANGLES, Area, Box, Points, Polygon
 from ...core.mission.coords import parse_coords
 from ...core.mission.mission import area_from_dict
+from ...core.mission.pose_table import columns_of, is_header, read_poses, usual_names
 from ...core.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from ..i18n import localized, number_text, tr, translate
 from ..units import area_text, length_text
-from .state import BOX_FIELDS, FormState
+from .state import BOX_FIELDS, FormState, in_metres
 from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
 
 #: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
@@ -157,8 +158,9 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     Parameters
     ----------
     text : str
-        ``north_west_south_east_agl`` or ``lat_lon_agl``, or several lines of ``lat lon agl [yaw]``. Commas,
-        semicolons and spaces do as well as underscores, and the height may be left out of one line.
+        ``north_west_south_east_agl`` or ``lat_lon_agl``, several lines of ``lat lon agl [yaw]``, or a table of poses
+        with a header, as `pose_table.read_poses` has it. Commas, semicolons and spaces do as well as underscores, and
+        the height may be left out of one line.
     agl : float
         Height where the text has none.
     agl_unit : str
@@ -175,11 +177,17 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     InvalidInput
         Names what cannot be read, with its line.
     """
-    lines = [
-        (number, _without_separators(line))
+    held = [
+        (number, line)
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
+    if held and is_header(held[0][1]):
+        has_heights = "agl" in usual_names(columns_of(held[0][1]))
+        agl_m = None if has_heights else in_metres(agl, LENGTHS_M[agl_unit])
+        points = read_poses(text.splitlines(), agl_unit=agl_unit, agl_m=agl_m)
+        return points, points.poses[0][2] if has_heights else None
+    lines = [(number, _without_separators(line)) for number, line in held]
     if len(lines) > 1:
         return _points(lines, agl, agl_unit)
     line = lines[0][1] if lines else ""
@@ -218,12 +226,18 @@ def area_words(area: Area, unit: str) -> str:
         localized(f"{height:,.1f}".rstrip("0").rstrip(".")) for height in (min(heights), max(heights))
     )
     words.append((low if low == high else f"{low}–{high}") + f" {unit} AGL")
-    if area.yaws_deg:
-        if len(heights) == 1:
-            words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
-        else:
-            words.append(tr("each with its yaw"))
+    own = [what for name, what in point_words().items() if name in ANGLES and area.own_deg(name)]
+    own += [tr("time")] if area.times_s else []
+    if len(heights) == 1 and area.yaws_deg:
+        words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
+    elif own:
+        words.append(tr("each with its {values}").format(values=", ".join(own)))
     return ", ".join(words)
+
+
+def point_words() -> dict[str, str]:
+    """What the angles of points are called."""
+    return {"yaw": tr("yaw"), "tilt": tr("tilt"), "gimbal_pitch": tr("gimbal pitch"), "roll": tr("roll")}
 
 
 def readout(area: Area, unit: str) -> str:

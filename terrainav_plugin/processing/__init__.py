@@ -5,6 +5,7 @@ algorithm           what all algorithms have in common; their work is kept off t
 areas               areas out of what Processing hands over: extents, polygons and points
 mission_parameters  the parameters of a mission, and the mission that they ask for
 imagery             the imagery of a mission, taken on the main thread before an algorithm runs
+line                poses along a line that is flown at a speed
 plan                a mission worked out, as layers, numbers and files
 capture             a mission captured into a dataset folder, and what has failed captured again
 datasets            a dataset cleaned of images with too little to see, and divided into parts

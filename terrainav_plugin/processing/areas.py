@@ -6,13 +6,10 @@ from typing import TYPE_CHECKING
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
-    QgsCoordinateTransform,
     QgsCoordinateTransformContext,
     QgsCsException,
     QgsFeature,
     QgsGeometry,
-    QgsProcessingContext,
-    QgsProcessingFeatureSource,
 )
 
 from ...core.errors import InvalidInput
@@ -20,10 +17,12 @@ from ..compat import POINT, chosen_fields
 from ..i18n import tr
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Area, Box, Points, Polygon
+    from ...core.mission.area import Area, Box, Polygon
     from .algorithm import Run
 
 
+#: What fields of points may say, as parameters of Processing: AGL_FIELD and so on.
+POINT_FIELDS = ("agl", "yaw", "tilt", "gimbal_pitch", "roll", "time")
 #: Latitude and longitude, which missions are in.
 _GEOGRAPHIC = "EPSG:4326"
 
@@ -66,61 +65,21 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
     if not features:
         raise InvalidInput(tr("area {name}: has no features").format(name=source.sourceName()))
     if source.wkbType() and all(feature.geometry().type() == POINT for feature in features):
-        fields = [
-            next(iter(chosen_fields(run.algorithm, run.parameters, name, run.context)), None)
-            for name in ("AGL_FIELD", "YAW_FIELD")
-        ]
-        points = _points(_located(features, source, run.context), *fields, agl_m)
+        from ..area.layers import PointFields, points_of
+
+        fields = {
+            f"{name}_field": next(
+                iter(chosen_fields(run.algorithm, run.parameters, f"{name}_field".upper(), run.context)), ""
+            )
+            for name in POINT_FIELDS
+        }
+        if fields["tilt_field"] and fields["gimbal_pitch_field"]:
+            raise InvalidInput(tr("fields of tilts and of gimbal pitches given: needs one of the two"))
+        crs, context = source.sourceCrs(), run.context.transformContext()
+        points = points_of(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
     name = tr("area {name}").format(name=source.sourceName())
     return _polygon(features, source.sourceCrs(), run.context.transformContext(), name), agl_m
-
-
-def _located(
-    features: list[QgsFeature], source: QgsProcessingFeatureSource, context: QgsProcessingContext
-) -> list[tuple[QgsFeature, QgsGeometry]]:
-    """Points with their geometries in longitude and latitude."""
-    geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
-    to_geographic = QgsCoordinateTransform(source.sourceCrs(), geographic, context.transformContext())
-    found = []
-    for feature in features:
-        geometry = QgsGeometry(feature.geometry())
-        try:
-            geometry.transform(to_geographic)
-        except QgsCsException as wrong:
-            raise InvalidInput(
-                tr("area {name}: has no place in latitude and longitude ({error})").format(
-                    name=source.sourceName(), error=wrong
-                )
-            ) from wrong
-        found.append((feature, geometry))
-    return found
-
-
-def _points(
-    features: list[tuple[QgsFeature, QgsGeometry]], agl_field: str | None, yaw_field: str | None, agl_m: float
-) -> Points:
-    from ...core.mission.area import Points
-
-    poses, yaws = [], []
-    for feature, geometry in features:
-        agl = agl_m if agl_field is None else _value(feature, agl_field)
-        for vertex in geometry.vertices():
-            poses.append((vertex.y(), vertex.x(), agl))
-            if yaw_field is not None:
-                yaws.append(_value(feature, yaw_field))
-    return Points(tuple(poses), tuple(yaws))
-
-
-def _value(feature: QgsFeature, field: str) -> float:
-    try:
-        return float(feature[field])
-    except (KeyError, TypeError, ValueError) as wrong:
-        raise InvalidInput(
-            tr("point {id}, field {field}: {value} is no number").format(
-                id=feature.id(), field=field, value=feature.attribute(field)
-            )
-        ) from wrong
 
 
 def _polygon(

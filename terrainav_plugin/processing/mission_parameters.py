@@ -66,7 +66,7 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
     for name, own in _WIND.items():
         field = field_named(Wind, own)
         usual = field.default if own == "speed_m_per_s" else field.starts_with
-        algorithm.add(_number(name, field, usual), sentence_of(field), advanced=True)
+        algorithm.add(number_of(name, field, usual), sentence_of(field), advanced=True)
     mission = QgsProcessingParameterFile("MISSION", tr("Mission file"), extension="json", optional=True)
     algorithm.add(
         mission,
@@ -141,7 +141,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.kind in (str, tuple):
         usual = field.default if field.kind is str and field.name not in _IF_GIVEN else None
         return QgsProcessingParameterString(name, title, usual, optional=True)
-    return _number(name, field, None if field.name in _IF_GIVEN else field.default)
+    return number_of(name, field, None if field.name in _IF_GIVEN else field.default)
 
 
 def _add_area(algorithm: Algorithm) -> None:
@@ -161,21 +161,37 @@ def _add_area(algorithm: Algorithm) -> None:
     algorithm.add(
         QgsProcessingParameterString("COORDS", tr("Area: coordinates"), optional=True),
         tr(
-            "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a text file of lat lon agl [yaw] "
-            "lines; heights in metres."
+            "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, "
+            "or a table whose first line names its columns; heights in metres."
         ),
     )
     field = field_named(Flight, "agl_m")
-    algorithm.add(_number("AGL", field, field.starts_with), sentence_of(field))
+    algorithm.add(number_of("AGL", field, field.starts_with), sentence_of(field))
+    any_type = QgsProcessingParameterField.DataType.Any
     for name, title, text in (
         ("AGL_FIELD", tr("Field of heights"), tr("Height above ground of each point, metres.")),
         ("YAW_FIELD", tr("Field of yaws"), tr("Yaw of each point, degrees clockwise from north.")),
+        ("TILT_FIELD", tr("Field of tilts"), tr("Tilt of each point, degrees: 0 looks straight down.")),
+        (
+            "GIMBAL_PITCH_FIELD",
+            tr("Field of gimbal pitches"),
+            tr("Pitch of each point instead of a tilt, degrees: -90 looks straight down."),
+        ),
+        ("ROLL_FIELD", tr("Field of rolls"), tr("Roll of each point, degrees, right side down.")),
+        (
+            "TIME_FIELD",
+            tr("Field of times"),
+            tr(
+                "Time of each point: a date with its time, text such as 2024-06-21T10:30:00Z, or seconds after 1970; "
+                "in UTC where no zone is stated. Captures are in the order of their times."
+            ),
+        ),
     ):
         of_points = QgsProcessingParameterField(
             name,
             title,
             parentLayerParameterName="AREA",
-            type=QgsProcessingParameterField.DataType.Numeric,
+            type=any_type if name == "TIME_FIELD" else QgsProcessingParameterField.DataType.Numeric,
             optional=True,
         )
         algorithm.add(of_points, text, advanced=True)
@@ -190,7 +206,7 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     )
     field = field_named(Lens, "fov_deg")
     algorithm.add(
-        _number("FOV", field, field.default),
+        number_of("FOV", field, field.default),
         tr("{help} Where no camera is chosen.").format(help=sentence_of(field)),
     )
     algorithm.add(
@@ -217,7 +233,7 @@ def _add_source(algorithm: Algorithm, listed: bool) -> None:
     )
 
 
-def _number(name: str, field: Field, usual: float | None) -> QgsProcessingParameterNumber:
+def number_of(name: str, field: Field, usual: float | None) -> QgsProcessingParameterNumber:
     """Number of a field, in the range that is declared."""
     kind = _WHOLE if field.kind is int else _REAL
     parameter = QgsProcessingParameterNumber(name, title_of(field), kind, usual, usual is None)

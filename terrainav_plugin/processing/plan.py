@@ -149,7 +149,7 @@ class Plan(Algorithm):
             sink, results[name] = self.parameterAsSink(run.parameters, name, run.context, fields, kind, crs)
             if sink is None:
                 raise QgsProcessingException(self.invalidSinkError(run.parameters, name))
-            _fill(sink, found(worked_out), len(worked_out), run.feedback)
+            fill(sink, found(worked_out), len(worked_out), run.feedback)
             del sink
         self._write_files(worked_out, run, results)
         return results
@@ -173,12 +173,12 @@ class Plan(Algorithm):
 
 def capture_fields() -> QgsFields:
     """Attributes of a footprint and of a capture."""
-    return _fields(_CAPTURE)
+    return fields_of(_CAPTURE)
 
 
 def flight_fields() -> QgsFields:
     """Attributes of the flight line."""
-    return _fields(_FLIGHT)
+    return fields_of(_FLIGHT)
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
@@ -187,7 +187,7 @@ def footprints(plan: Plan) -> Iterator[QgsFeature]:
 
     for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
         shape.convertToMultiType()
-        yield _feature(shape, values)
+        yield feature_of(shape, values)
 
 
 def captures(plan: Plan) -> Iterator[QgsFeature]:
@@ -197,7 +197,7 @@ def captures(plan: Plan) -> Iterator[QgsFeature]:
 
     east, north = placed(plan.grid.plane, wrap_lon_deg(plan.lon_deg), plan.lat_deg)
     for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
-        yield _feature(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
+        yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
 
 
 def flight_line(plan: Plan) -> QgsFeature:
@@ -205,12 +205,13 @@ def flight_line(plan: Plan) -> QgsFeature:
     from ..map.outlines import flight_lines
 
     lines = flight_lines(plan.grid.plane, [(plan.lon_deg, plan.lat_deg)])
-    return _feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
+    return feature_of(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
 
 
-def _fill(
+def fill(
     sink: QgsFeatureSink, found: Iterable[QgsFeature], count: int, feedback: QgsProcessingFeedback
 ) -> None:
+    """Write features to a sink, as far as the user lets it."""
     for done, feature in enumerate(found):
         if done % _BATCH == 0:
             feedback.setProgress(_PERCENT * done / count)
@@ -263,14 +264,16 @@ def _values(summary: Summary) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def _fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
+def fields_of(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
+    """Attributes of a layer, of names and kinds."""
     fields = QgsFields()
     for name, kind in kinds:
         fields.append(field(name, kind))
     return fields
 
 
-def _feature(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
+def feature_of(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
+    """Feature of a layer."""
     feature = QgsFeature()
     feature.setGeometry(geometry)
     feature.setAttributes(list(values))

@@ -33,8 +33,9 @@ class Provider(QgsProcessingProvider):
         """Add the algorithms."""
         from .capture import Capture, CaptureFailed
         from .datasets import Clean, Split
+        from .line import PosesAlongLine
         from .plan import Plan
         from .report import AccuracyReport
 
-        for algorithm in (Plan, Capture, CaptureFailed, Clean, Split, AccuracyReport):
+        for algorithm in (Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split, AccuracyReport):
             self.addAlgorithm(algorithm(listed=True))

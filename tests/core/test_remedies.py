@@ -11,6 +11,7 @@ from tests.core.remedies import (  # noqa: F401
     files,
     foreign,
     imagery,
+    lines,
     missions,
     pairs,
     planning,

@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from pyproj import Transformer
+from pyproj import Proj, Transformer
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransformContext,
@@ -18,13 +18,19 @@ from qgis.core import (
     QgsRectangle,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtCore import QDate, QDateTime, QPoint, Qt, QTime
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.mission.area import Box
 from terrainav.terrainav_plugin.area.dialogs import LayerDialog
-from terrainav.terrainav_plugin.area.layers import EDGE_TOLERANCE_M, PointFields, points_of, polygon_of
+from terrainav.terrainav_plugin.area.layers import (
+    EDGE_TOLERANCE_M,
+    PointFields,
+    lines_of,
+    points_of,
+    polygon_of,
+)
 
 CONTEXT = QgsCoordinateTransformContext()
 CONCAVE = (
@@ -397,6 +403,74 @@ def test_points_with_one_height_for_all(desk):
     assert desk.wait_planned().mission.area.yaws_deg == ()
 
 
+OWN = "&field=agl:double&field=Heading:double&field=gimbal_pitch:double&field=roll:double&field=timestamp:datetime"
+
+
+def test_points_with_attitude_and_time_by_the_usual_names_of_their_fields(desk, screenshot):
+    """Nothing has to be chosen; they are flown in the order of their times, which are UTC where they say no zone."""
+    clock = QDateTime(QDate(2024, 6, 21), QTime(10, 30), Qt.TimeSpec.LocalTime)
+    values = [
+        (120.0, 10.0, -90.0, 1.0, clock.addSecs(4)),
+        (100.0, 20.0, -60.0, -2.0, clock),
+        (
+            110.0,
+            30.0,
+            -100.0,
+            0.0,
+            QDateTime(clock.date(), clock.time(), Qt.TimeSpec.OffsetFromUTC, 3600).addSecs(3602),
+        ),
+    ]
+    wkts = ["Point (1 0)", "Point (1.001 0)", "Point (1.002 0)"]
+    layer = layer_of("Point", "EPSG:4326", wkts, OWN, values)
+    desk.iface.setActiveLayer(layer)
+    choose_way(desk, "points")
+    dialog = dialog_of(desk)
+    screenshot("points-with-attitude", dialog)
+    accept(desk, dialog)
+    desk.wait(
+        lambda: "3 points, 100–120 m AGL, each with its yaw, tilt, roll, time" in desk.form.area.words.text()
+    )
+    area = desk.wait_planned().mission.area
+    assert area.poses == ((0.0, 1.001, 100.0), (0.0, 1.002, 110.0), (0.0, 1.0, 120.0))
+    assert (area.yaws_deg, area.tilts_deg) == ((20.0, 30.0, 10.0), (30.0, -10.0, 0.0))
+    assert area.rolls_deg == (-2.0, 0.0, 1.0)
+    assert area.times_s == (1_718_965_800.0, 1_718_965_802.0, 1_718_965_804.0)
+    assert not desk.form.area.undo.toolTip().startswith("No change")
+
+
+@pytest.mark.parametrize(
+    ("value", "seconds"),
+    [
+        ("2024-06-21T10:30:00Z", 1_718_965_800.0),
+        ("2024-06-21 12:30:00.5+02:00", 1_718_965_800.5),
+        ("86400", 86_400.0),
+    ],
+)
+def test_times_may_be_text(value, seconds):
+    layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"], "&field=at:string(40)", [(value,)])
+    fields = PointFields(9.0, time_field="at")
+    assert points_of(layer.getFeatures(), layer.crs(), CONTEXT, fields).times_s == (seconds,)
+
+
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        ({"tilt_field": "height"}, "feature 1: tilt in “height” is 181°: must be from -180 to 180"),
+        (
+            {"gimbal_pitch_field": "height"},
+            "feature 1: gimbal pitch in “height” is 181°: must be from -180 to 90",
+        ),
+        ({"roll_field": "words"}, "feature 1: roll in “words” is “noon”: must be a number"),
+        ({"time_field": "words"}, "feature 1: time in “words”: time 'noon': must be as 2024-06-21T10:30:00Z"),
+        ({"time_field": "heading"}, "feature 1: time in “heading” is empty"),
+    ],
+)
+def test_bad_attitudes_and_times_are_named_by_feature(fields, words):
+    layer = layer_of("Point", "EPSG:4326", ["Point (0 0)"], FIELDS, [(181.0, None, "noon")])
+    with pytest.raises(InvalidInput, match=re.escape(words)):
+        points_of(layer.getFeatures(), layer.crs(), CONTEXT, PointFields(9.0, **fields))
+
+
 @pytest.mark.parametrize(
     ("wkt", "values", "words"),
     [
@@ -434,7 +508,121 @@ def test_reading_points_can_be_cancelled():
         )
 
 
+# --- lines
+
+
+def test_line_is_flown_at_a_speed(desk, screenshot):
+    """Two sides of 400 m in UTM: the way is shorter by what the turn saves, and the top of the image follows it."""
+    wkt = "LineString (240000 3891000, 240000 3891400, 240400 3891400)"
+    layer = layer_of("LineString", "EPSG:32616", [wkt, "LineString (0 0, 1 1)"])
+    desk.iface.setActiveLayer(layer)
+    desk.form.agl.setValue(150.0)
+    choose_way(desk, "line")
+    dialog = dialog_of(desk)
+    assert "Nothing is selected in it: all 2 lines" in dialog.words.text()
+    layer.selectByIds([1])
+    dialog.show_layer(layer)
+    dialog.speed.setValue(10.0)
+    dialog.interval_in.setCurrentIndex(dialog.interval_in.findData("every_m"))
+    dialog.interval.setValue(20.0)
+    dialog.fixed_camera.setChecked(True)
+    assert dialog.words.text() == "1 line is selected. Corners become turns of a radius of 21.9 m."
+    screenshot("line-dialog", dialog)
+    accept(desk, dialog)
+    desk.wait(lambda: "150 m AGL, each with its yaw, roll, time" in desk.form.area.words.text())
+    assert any("misses the corners of its line by up to 9.1 m." in text for text in desk.messages())
+    assert desk.form.area.undo.toolTip() == "Undo: line of mine (Ctrl+Z)"
+    area = desk.wait_planned().mission.area
+    # A metre of UTM is 1.0004 m of ground at this edge of its zone.
+    length = 800.0 / scale_of_utm(240_200.0, 3_891_200.0) - (2.0 - math.pi / 2.0) * 21.87
+    assert len(area.poses) == math.floor(length / 20.0) + 1
+    assert {agl for _, _, agl in area.poses} == {150.0}
+    assert area.times_s[1] - area.times_s[0] == pytest.approx(2.0)
+    # Grid north leans by 1.6 degrees from true north here.
+    assert area.yaws_deg[-1] - area.yaws_deg[0] == pytest.approx(90.0, abs=0.01)
+    assert max(area.rolls_deg) > 20.0
+    assert area.rolls_deg[0] == area.rolls_deg[-1] == 0.0
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    desk.canvas.waitWhileRendering()
+    screenshot("line-preview")
+    desk.form.area.undo.click()
+    assert desk.form.area.words.text() == ""
+
+
+def scale_of_utm(x, y):
+    factors = Proj("EPSG:32616").get_factors(
+        *Transformer.from_crs(32616, 4326, always_xy=True).transform(x, y)
+    )
+    return factors.meridional_scale
+
+
+def test_sides_of_lines_stay_where_they_are_in_the_layer():
+    """A side of 300 km on a polar map, which bends between degrees."""
+    layer = layer_of("LineString", "EPSG:3031", ["LineString (500000 500000, 700000 700000)"])
+    (line,) = lines_of(layer.getFeatures(), layer.crs(), CONTEXT, 80.0)
+    assert len(line) > 2
+    x, y = Transformer.from_crs(4326, 3031, always_xy=True).transform(line[:, 1], line[:, 0])
+    assert np.abs(x - y).max() <= EDGE_TOLERANCE_M
+    assert set(line[:, 2]) == {80.0}
+
+
+@pytest.mark.parametrize(
+    ("kind", "wkts", "words"),
+    [
+        ("LineString", [], "no lines to fly: select some, or use all lines of the layer"),
+        ("LineString", [""], "feature 1 has no geometry"),
+        ("Point", ["Point (1 1)"], "feature 1 is no line"),
+    ],
+)
+def test_what_is_no_line_is_named(kind, wkts, words):
+    layer = layer_of(kind, "EPSG:4326", wkts)
+    with pytest.raises(InvalidInput, match=words):
+        lines_of(layer.getFeatures(), layer.crs(), CONTEXT, 80.0)
+
+
+def test_line_that_is_too_sharp_is_refused(desk):
+    layer = layer_of("LineString", "EPSG:4326", ["LineString (0 0, 0 0.001, 0 0)"])
+    desk.iface.setActiveLayer(layer)
+    choose_way(desk, "line")
+    dialog = dialog_of(desk)
+    assert dialog.words.text().startswith("It has one line, which is flown.")
+    accept(desk, dialog)
+    desk.wait(lambda: any("turns by 180 degrees at 0.001000, 0.000000" in text for text in desk.messages()))
+
+
 # --- files
+
+TABLE = "latitude;longitude;height;heading;gimbal_pitch;roll;timestamp\n35,1;-89,9;100;5;-90;1;2024-06-21T10:30:00Z\n"
+
+
+def test_table_of_poses_in_a_file_or_on_the_clipboard(desk, tmp_path, monkeypatch):
+    path = tmp_path / "poses.csv"
+    path.write_text(TABLE, encoding="utf-8")
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(path), ""))
+    choose_way(desk, "file")
+    desk.wait_for_tasks()
+    read = desk.wait_planned().mission.area
+    assert (read.poses, read.yaws_deg, read.tilts_deg, read.rolls_deg, read.times_s) == (
+        ((35.1, -89.9, 100.0),),
+        (5.0,),
+        (0.0,),
+        (1.0,),
+        (1_718_965_800.0,),
+    )
+    desk.form.agl.setValue(60.0)
+    QApplication.clipboard().setText(TABLE)
+    choose_way(desk, "paste")
+    assert desk.wait_planned().mission.area == read
+    desk.form.agl.setValue(60.0)
+    desk.form.edges["north"].setText(TABLE)
+    assert desk.wait_planned().mission.area == read
+    # Without heights, the height entered is that of all.
+    desk.form.agl.setValue(60.0)
+    QApplication.clipboard().setText("lat\tlon\theading\n35.1\t-89.9\t5\n35.2\t-89.9\t6\n")
+    choose_way(desk, "paste")
+    area = desk.wait_planned().mission.area
+    assert (area.poses, area.yaws_deg) == (((35.1, -89.9, 60.0), (35.2, -89.9, 60.0)), (5.0, 6.0))
 
 
 def test_text_file_of_points(desk, tmp_path, monkeypatch):

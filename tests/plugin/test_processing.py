@@ -38,6 +38,8 @@ from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import OFFLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.poses.line import fly
+from terrainav.core.poses.line_flight import LineFlight
 from terrainav.terrainav_plugin import packages
 from terrainav.terrainav_plugin.processing import imagery
 from terrainav.terrainav_plugin.processing.provider import Provider
@@ -49,7 +51,7 @@ BOX = Box(35.16, -89.90, 35.156, -89.895)
 EXTENT = "-89.90,-89.895,35.156,35.16 [EPSG:4326]"
 #: Far longer than anything here takes.
 NEVER_S = 60.0
-NAMES = {"plan", "capture", "capturefailed", "clean", "split", "accuracyreport"}
+NAMES = {"plan", "capture", "capturefailed", "clean", "split", "accuracyreport", "posesalongline"}
 
 
 @pytest.fixture(autouse=True)
@@ -300,6 +302,68 @@ def test_points_with_heights_and_yaws():
     assert "COVERAGE" not in results
     results = run("plan", AREA=layer, AGL=99, FOOTPRINTS="memory:")
     assert {feature["agl_m"] for feature in features_of(results["FOOTPRINTS"])} == {99.0}
+
+
+def test_poses_along_a_line_are_an_area_with_attitudes_and_times():
+    layer = memory_layer(
+        "LineString", "EPSG:4326", ["LineString (-89.9 35.15, -89.9 35.154, -89.896 35.154)"]
+    )
+    log = Feedback()
+    made = run(
+        *("posesalongline", log),
+        INPUT=layer,
+        SPEED=12,
+        EVERY_S=2,
+        AGL=120,
+        FIXED_CAMERA=True,
+        START="2024-06-21T10:30:00Z",
+        OUTPUT="memory:",
+    )["OUTPUT"]
+    assert any("misses the corners of its line by up to 13.0 m" in line for line in log.lines)
+    corners = np.array([(35.15, -89.9, 120.0), (35.154, -89.9, 120.0), (35.154, -89.896, 120.0)])
+    start_s = 1_718_965_800.0
+    expected = fly([corners], LineFlight(12.0, every_s=2.0, fixed_camera=True), start_s).points
+    results = run(
+        "plan",
+        AREA=made,
+        AGL_FIELD="agl_m",
+        YAW_FIELD="yaw_deg",
+        ROLL_FIELD="roll_deg",
+        TIME_FIELD="time",
+        TILT=10,
+        FOOTPRINTS="memory:",
+    )
+    found = features_of(results["FOOTPRINTS"])
+    assert len(found) == len(expected.poses) > 30
+    np.testing.assert_allclose([one["yaw_deg"] for one in found], expected.yaws_deg, atol=1e-9)
+    np.testing.assert_allclose([one["roll_deg"] for one in found], expected.rolls_deg, atol=1e-9)
+    assert {one["tilt_deg"] for one in found} == {10.0}
+    times = [one["time"].toMSecsSinceEpoch() / 1000.0 for one in found]
+    assert times == list(expected.times_s)
+    assert times[0] == start_s
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({}, "must be either in seconds or in metres"),
+        ({"EVERY_S": 1, "EVERY_M": 1}, "must be either in seconds or in metres"),
+        ({"EVERY_S": 1, "START": "noon"}, "'noon': must be UTC as 2024-06-21T10:30:00Z"),
+    ],
+)
+def test_a_flight_along_a_line_that_is_none(parameters, words):
+    layer = memory_layer("LineString", "EPSG:4326", ["LineString (0 0, 0 1)"])
+    assert words in refusal("posesalongline", INPUT=layer, OUTPUT="memory:", **parameters)
+
+
+def test_a_tilt_is_said_once():
+    layer = memory_layer("Point", "EPSG:4326", ["Point (0 0)"], "&field=a:double", [(-90.0,)])
+    said = refusal("plan", AREA=layer, TILT_FIELD="a", GIMBAL_PITCH_FIELD="a", FOOTPRINTS="memory:")
+    assert said.endswith("needs one of the two")
+    found = features_of(
+        run("plan", AREA=layer, GIMBAL_PITCH_FIELD="a", TILT=9, FOOTPRINTS="memory:")["FOOTPRINTS"]
+    )
+    assert [feature["tilt_deg"] for feature in found] == [0.0]
 
 
 def test_camera_attitude_and_antimeridian():

@@ -71,7 +71,7 @@ class Qgis:
         Point, Line, Polygon = range(3)
 
     class LayerFilter:
-        PointLayer, PolygonLayer = range(2)
+        PointLayer, LineLayer, PolygonLayer = range(3)
 
     class LayerType:
         Vector, Raster = range(2)

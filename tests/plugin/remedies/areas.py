@@ -12,9 +12,10 @@ from qgis.core import (
 )
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
-from terrainav.terrainav_plugin.area.dialogs import PolygonDialog
-from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, points_of, polygon_of
+from terrainav.terrainav_plugin.area.dialogs import LineDialog, PolygonDialog
+from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, lines_of, points_of, polygon_of
 from terrainav.terrainav_plugin.form.area import area_of_text
+from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
 from terrainav.terrainav_plugin.processing.areas import _polygon
 
@@ -27,6 +28,7 @@ CONTEXT = QgsCoordinateTransformContext()
 UTM = "EPSG:32616"
 SQUARE, FAR = "Polygon ((0 0, 9 0, 9 9, 0 9, 0 0))", "Polygon ((50 50, 59 50, 59 59, 50 50))"
 TWO_PARTS = "MultiPolygon (((0 0, 1 0, 1 1, 0 0)), ((5 5, 6 5, 6 6, 5 5)))"
+LINE = "LineString (1 1, 2 2)"
 BOW_TIE = "Polygon ((0 0, 10 10, 0 10, 10 0, 0 0))"
 
 
@@ -44,6 +46,10 @@ def points(*shapes):
     return points_of(
         map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, PointFields(120.0)
     )
+
+
+def lines(*shapes):
+    return lines_of(map(feature, shapes), QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, 120.0)
 
 
 @remedy("area/layers.py", "no polygon is selected: select exactly one in its layer")
@@ -144,6 +150,26 @@ def _no_place(case: Case) -> None:
 def _no_point(case: Case) -> None:
     case.refused(lambda: points(SQUARE))
     case.follow("take a layer of points", lambda: points("Point (1 1)"))
+
+
+@remedy("area/layers.py", "no lines to fly: select some, or use all lines of the layer")
+def _no_lines(case: Case) -> None:
+    case.refused(lines)
+    case.follow("select some", lambda: lines(LINE))
+    case.follow("use all lines of the layer", lambda: lines(LINE, LINE))
+
+
+@remedy("area/layers.py", "{feature} has no geometry: give it a line, or leave it out")
+def _no_way(case: Case) -> None:
+    case.refused(lambda: lines(LINE, "LineString EMPTY"))
+    case.follow("give it a line", lambda: lines(LINE, LINE))
+    case.follow("leave it out", lambda: lines(LINE))
+
+
+@remedy("area/layers.py", "{feature} is no line: take a layer of lines")
+def _no_line(case: Case) -> None:
+    case.refused(lambda: lines(SQUARE))
+    case.follow("take a layer of lines", lambda: lines(LINE))
 
 
 @remedy("area/layers.py", "layer “{name}” has no CRS: set it in the layer's properties")
@@ -254,6 +280,23 @@ def _no_polygons(case: Case) -> None:
     def add():
         layer_of("Polygon", "EPSG:4326", TWO_SQUARES[:1])
         again = PolygonDialog(desk.dock, None)
+        return again.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
+
+    case.follow("add one", add)
+    case.follow("draw a box instead.", lambda: drawn(desk))
+
+
+@remedy("area/dialogs.py", "The project has no layer of lines: add one, or draw a box instead.")
+def _no_line_layer(case: Case) -> None:
+    desk = case.fixture("desk")
+    choose_way(desk, "line")
+    dialog = dialog_of(desk)
+    case.says(dialog.words.text())
+    dialog.reject()
+
+    def add():
+        layer_of("LineString", "EPSG:4326", [LINE])
+        again = LineDialog(desk.dock, None, FormState())
         return again.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
 
     case.follow("add one", add)

@@ -1,0 +1,339 @@
+"""A line flown at a speed: corners rounded into turns, and a pose each so many seconds or metres.
+
+Corners are passed as fly-by waypoints are: on the arc of a circle that touches both legs. An aircraft of speed v that
+turns without slipping at the bank b has the radius r = v² / (g tan b), and turns by v / r. Where legs are too short for
+that radius, the arc is as wide as they allow, and flown at the speed that the bank has there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pyproj import Geod
+
+from ..errors import InvalidInput
+from ..files import read_limited
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.projections import through_proj
+from ..limits import MAX_MISSION_BYTES
+from ..mission.area import Points, check_agl, check_lat_lon
+from ..mission.coords import listed
+from ..mission.gusts import GRAVITY_M_PER_S2
+from ..safe_json import parse_json
+from .line_flight import LineFlight
+from .random_poses import MAX_POSES
+from .track import ANGLE_DIGITS, PLACE_DIGITS
+
+Floats = NDArray[np.float64]
+#: Metres that geodesics between places along a line may be off the line, and within which two corners are one.
+TOLERANCE_M = 0.1
+#: Geodesics in place of one side.
+_MOST_PIECES = 10_000
+#: Greatest |sin a| (1 + cos² a) of any direction a.
+_MOST_BENDING = 4.0 / 3.0 * math.sqrt(2.0 / 3.0)
+#: Turns tighter than this are refused, unless the speed makes all of them so: they would be corners again.
+_LEAST_RADIUS_M = 1.0
+#: Time over which the bank is the mean of what the turns ask for: it sets in and ends over this time.
+_ROLLING_S = 1.0
+
+
+class Flown(NamedTuple):
+    """A line as it is flown.
+
+    Parameters
+    ----------
+    points : Points
+        Poses with yaw and time, and roll where the camera is fixed.
+    missed_m : float
+        How far corners are missed at most; no place of the flight is further off the line.
+    tight : int
+        Turns that are tighter than `turn_radius_m`, as their legs are short.
+    slowest_m_per_s : float
+        Speed in the tightest turn.
+    """
+
+    points: Points
+    missed_m: float
+    tight: int
+    slowest_m_per_s: float
+
+
+def turn_radius_m(flight: LineFlight) -> float:
+    """Radius of the turns of a flight, where legs are long enough."""
+    return flight.speed_m_per_s**2 / (GRAVITY_M_PER_S2 * math.tan(math.radians(flight.bank_deg)))
+
+
+def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Flown:
+    """Fly lines, one after the other; on the way from one to the next there are no exposures.
+
+    The first exposure is at the beginning of each line. The top of the image points along the way.
+
+    Parameters
+    ----------
+    lines : sequence of arrays (n, 3)
+        Latitude, longitude in degrees and height above ground in metres of each corner. Sides are straight in longitude
+        and latitude (RFC 7946), and take the shorter way around; heights rise evenly.
+    start_s : float
+        Time of the first exposure, seconds after 1970 in UTC.
+
+    Raises
+    ------
+    InvalidInput
+        No line, a place or height that there is not, a line that is a single place, a corner that is too sharp for
+        its legs, too many poses.
+    """
+    ways = [_Way.of(line, flight, number) for number, line in enumerate(lines, 1)]
+    if not ways:
+        raise InvalidInput("line: there is none")
+    count = sum(way.count(flight) for way in ways)
+    if count > MAX_POSES:
+        raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
+    clock, columns = start_s, []
+    for at, way in enumerate(ways):
+        time_s, way_m = way.exposures(flight)
+        columns.append([*way.places(way_m), way.roll_deg(time_s), clock + time_s])
+        if at + 1 < len(ways):
+            clock += float(way.time_s[-1]) + way.distance_to(ways[at + 1]) / flight.speed_m_per_s
+    digits = (PLACE_DIGITS, PLACE_DIGITS, *[ANGLE_DIGITS] * 4)
+    # Adding 0 takes the sign of a zero.
+    lat, lon, agl, yaw, roll, time = (
+        (np.round(np.concatenate(column), places) + 0.0).tolist()
+        for column, places in zip(zip(*columns), digits)
+    )
+    return Flown(
+        Points(
+            tuple(zip(lat, lon, agl)),
+            yaws_deg=tuple(yaw),
+            rolls_deg=tuple(roll) if flight.fixed_camera else (),
+            times_s=tuple(time),
+        ),
+        max(way.missed_m for way in ways),
+        int(sum(np.count_nonzero(way.speed_m_per_s < flight.speed_m_per_s) for way in ways)),
+        min(float(way.speed_m_per_s.min()) for way in ways),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Way:
+    """One line: n corners, and 2 n - 3 pieces in turn, legs (even) and turns (odd), with where each begins.
+
+    ``radius_m`` and ``turn_deg`` (right is positive) are those of the corners, 0 at the ends, ``cut_m`` what their arcs
+    take of the legs on both sides; ``way_m`` and ``time_s`` are those of the pieces' n ends.
+    """
+
+    lat_deg: Floats
+    lon_deg: Floats
+    agl_m: Floats
+    azimuth_deg: Floats
+    arrival_deg: Floats
+    leg_m: Floats
+    turn_deg: Floats
+    radius_m: Floats
+    cut_m: Floats
+    way_m: Floats
+    time_s: Floats
+    speed_m_per_s: Floats
+    bank_deg: Floats
+
+    @classmethod
+    def of(cls, line: Floats, flight: LineFlight, number: int) -> _Way:
+        """Way of a line, the one of this number."""
+        lat, lon, agl = _distinct(line, number).T
+        azimuth, back, leg = through_proj(_geod().inv, lon[:-1], lat[:-1], lon[1:], lat[1:])
+        arrival = back + 180.0
+        turn = np.zeros(len(lat))
+        turn[1:-1] = wrap_lon_deg(azimuth[1:] - arrival[:-1])
+        half = np.tan(np.radians(np.abs(turn)) / 2.0)
+        widest = turn_radius_m(flight)
+        wanted = widest * half
+        # A leg too short for both turns at its ends is shared, half of it for each that needs so much.
+        first, second = (
+            np.minimum(own, np.maximum(leg / 2.0, leg - other))
+            for own, other in ((wanted[:-1], wanted[1:]), (wanted[1:], wanted[:-1]))
+        )
+        cut = np.minimum(np.append(first, 0.0), np.append(0.0, second))
+        share = np.divide(cut, wanted, out=np.ones(len(cut)), where=wanted > 0.0)
+        radius = widest * share
+        sharp = np.flatnonzero(radius[1:-1] < min(widest, _LEAST_RADIUS_M)) + 1
+        if len(sharp):
+            at = int(sharp[0])
+            raise InvalidInput(
+                "line {0}: turns by {1:.0f} degrees at {2:.6f}, {3:.6f}, between legs of {4:.1f} m and {5:.1f} m",
+                number,
+                abs(turn[at]),
+                lat[at],
+                lon[at],
+                leg[at - 1],
+                leg[at],
+                remedy="make two lines of it there, or simplify it",
+            )
+        length = np.empty(2 * len(leg) - 1)
+        length[::2] = np.maximum(leg - cut[:-1] - cut[1:], 0.0)
+        length[1::2] = (radius * np.radians(np.abs(turn)))[1:-1]
+        speed, bank = np.full(len(length), flight.speed_m_per_s), np.zeros(len(length))
+        speed[1::2] *= np.sqrt(share[1:-1])
+        bank[1::2] = np.copysign(flight.bank_deg, turn[1:-1])
+        way, time = (np.append(0.0, np.cumsum(values)) for values in (length, length / speed))
+        return cls(lat, lon, agl, azimuth, arrival, leg, turn, radius, cut, way, time, speed, bank)
+
+    @property
+    def missed_m(self) -> float:
+        """How far corners are missed at most."""
+        return float((np.hypot(self.radius_m, self.cut_m) - self.radius_m).max())
+
+    def count(self, flight: LineFlight) -> int:
+        """Exposures that there are."""
+        every, end = (
+            (flight.every_m, self.way_m[-1]) if flight.every_s is None else (flight.every_s, self.time_s[-1])
+        )
+        # Steps that are meant to end where the line does are not left out for a rounding.
+        return int(end / float(every or 1.0) * (1.0 + 1e-12)) + 1
+
+    def exposures(self, flight: LineFlight) -> tuple[Floats, Floats]:
+        """Seconds and metres of the way at each exposure."""
+        steps = np.arange(self.count(flight))
+        if flight.every_s is not None:
+            time_s = steps * flight.every_s
+            return time_s, np.interp(time_s, self.time_s, self.way_m)
+        way_m = steps * float(flight.every_m or 0.0)
+        return np.interp(way_m, self.way_m, self.time_s), way_m
+
+    def places(self, way_m: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Latitude, longitude, height above ground and course at places along the way.
+
+        Legs are geodesics. Turns are drawn on the plane of azimuths and distances about their corner, where legs are
+        straight, and circles wrong by (r / R)² / 6: 2e-8 of a radius of 2 km.
+        """
+        last = len(self.speed_m_per_s) - 1
+        piece = np.minimum(np.searchsorted(self.way_m, way_m, side="right") - 1, last)
+        along = way_m - self.way_m[piece]
+        # A turn is drawn from its corner, a leg from that at its beginning.
+        in_turn, corner = piece % 2 == 1, (piece + 1) // 2
+        radius, turn, cut = self.radius_m[corner], self.turn_deg[corner], self.cut_m[corner]
+        swept = np.where(in_turn, along / radius, 0.0)
+        ahead = np.where(in_turn, radius * np.sin(swept) - cut, cut + along)
+        right = np.copysign(radius * (1.0 - np.cos(swept)), turn)
+        inward = np.where(in_turn, self.arrival_deg[corner - 1], self.azimuth_deg[piece // 2])
+        heading = inward + np.copysign(np.degrees(swept), turn)
+        away = inward + np.degrees(np.arctan2(right, ahead))
+        lon, lat, back = through_proj(
+            _geod().fwd, self.lon_deg[corner], self.lat_deg[corner], away, np.hypot(ahead, right)
+        )
+        # Heights are those of the line at the share of the turn that is flown.
+        share = np.degrees(swept) / np.where(in_turn, np.abs(turn), 1.0)
+        corners_m = np.append(0.0, np.cumsum(self.leg_m))
+        line_m = corners_m[corner] + np.where(in_turn, cut * (2.0 * share - 1.0), ahead)
+        agl = np.interp(line_m, corners_m, self.agl_m)
+        course: Floats = wrap_lon_deg(back + 180.0 + heading - away)
+        return lat, lon, agl, course
+
+    def roll_deg(self, time_s: Floats) -> Floats:
+        """Roll of an aircraft at times: the mean bank of the time around them."""
+        turned = np.append(0.0, np.cumsum(self.bank_deg * np.diff(self.time_s)))
+        after, before = (
+            np.interp(time_s + half, self.time_s, turned) for half in (_ROLLING_S / 2.0, -_ROLLING_S / 2.0)
+        )
+        roll: Floats = (after - before) / _ROLLING_S
+        return roll
+
+    def distance_to(self, other: _Way) -> float:
+        """Metres from the end to the beginning of another."""
+        *_, distance = _geod().inv(self.lon_deg[-1], self.lat_deg[-1], other.lon_deg[0], other.lat_deg[0])
+        return float(distance)
+
+
+def _geod() -> Geod:
+    return Geod(a=WGS84.a_m, b=WGS84.b_m)
+
+
+def _distinct(line: Floats, number: int) -> Floats:
+    """Places (m, 3) along a line that geodesics join within the tolerance, none as near as that to the one before."""
+    for lat, lon, agl in line.tolist():
+        check_lat_lon(lat, lon)
+        check_agl(agl)
+    corners = line.copy()
+    corners[1:, 1] = line[:1, 1] + np.cumsum(wrap_lon_deg(np.diff(line[:, 1])))
+    places = [corners[:1]]
+    for start, end in zip(corners, corners[1:]):
+        pieces = _pieces(start, end)
+        places.append(start + np.arange(1, pieces + 1)[:, np.newaxis] / pieces * (end - start))
+    whole = np.concatenate(places)
+    kept = [0]
+    for at in range(1, len(whole)):
+        *_, distance = _geod().inv(whole[kept[-1], 1], whole[kept[-1], 0], whole[at, 1], whole[at, 0])
+        if distance > TOLERANCE_M:
+            kept.append(at)
+    if len(kept) < 2:
+        raise InvalidInput("line {0}: is a single place", number)
+    distinct: Floats = whole[kept]
+    return distinct
+
+
+def _pieces(start: Floats, end: Floats) -> int:
+    """Geodesics that stay within the tolerance of a side that is straight in longitude and latitude.
+
+    The side's geodesic curvature is sin a (1 + cos² a) tan(lat) / R where it runs in the direction a.
+    """
+    (lat0, lon0, _), (lat1, lon1, _) = np.radians(start), np.radians(end)
+    if lon0 == lon1:
+        return 1
+    low = 0.0 if lat0 * lat1 < 0.0 else min(abs(lat0), abs(lat1))
+    length = WGS84.a_m * math.hypot(lat1 - lat0, (lon1 - lon0) * math.cos(low))
+    bending = _MOST_BENDING * math.tan(max(abs(lat0), abs(lat1))) / WGS84.b_m
+    return min(math.ceil(length * math.sqrt(bending / (8.0 * TOLERANCE_M))) or 1, _MOST_PIECES)
+
+
+def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
+    """Lines of a GeoJSON file, as `fly` takes them: each LineString, and each part of a MultiLineString.
+
+    Parameters
+    ----------
+    agl_m : float or None
+        Height above ground of all corners; None for their third coordinates.
+
+    Raises
+    ------
+    InvalidInput
+        A file that cannot be read or holds no line, a corner that is none or has no height.
+    """
+    try:
+        data = parse_json(read_limited(path, MAX_MISSION_BYTES))
+    except (OSError, InvalidInput) as wrong:
+        raise InvalidInput("file {0}: cannot be read as GeoJSON ({1})", path, wrong) from wrong
+    found = []
+    for coordinates in _line_strings(data):
+        try:
+            line = np.array([corner[: 3 if agl_m is None else 2] for corner in coordinates], np.float64)
+            lon, lat = line.T[:2]
+            agl = line.T[2] if agl_m is None else np.full(len(line), agl_m)
+        except IndexError as wrong:
+            raise InvalidInput(
+                "file {0}: its corners have no height above ground",
+                path,
+                remedy="give one for all (--agl)",
+            ) from wrong
+        except (TypeError, ValueError) as wrong:
+            raise InvalidInput("file {0}: a corner is not longitude, latitude ({1})", path, wrong) from wrong
+        found.append(np.stack([lat, lon, agl], axis=1))
+    if not found:
+        raise InvalidInput("file {0}: holds no LineString", path)
+    return found
+
+
+def _line_strings(data: Any) -> Iterator[list[Any]]:
+    """Coordinates of the lines in GeoJSON, in their order."""
+    if not isinstance(data, dict):
+        return
+    coordinates = listed(data, "coordinates")
+    if data.get("type") == "LineString" and coordinates:
+        yield coordinates
+    elif data.get("type") == "MultiLineString":
+        yield from coordinates
+    for inner in (data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")):
+        yield from _line_strings(inner)

@@ -1,0 +1,130 @@
+"""Algorithm: poses along a line that is flown at a speed, as points with attitude and time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsFeature,
+    QgsGeometry,
+    QgsPointXY,
+    QgsProcessing,
+    QgsProcessingException,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterFeatureSink,
+    QgsProcessingParameterFeatureSource,
+    QgsProcessingParameterString,
+    QgsWkbTypes,
+)
+from qgis.PyQt.QtCore import QDateTime, Qt
+
+from ...core.fields import declared_fields, field_named
+from ...core.mission.parts import Flight, utc_time
+from ...core.poses.line_flight import LineFlight
+from ..form.fields import sentence_of, title_of
+from ..i18n import tr
+from .algorithm import Algorithm, Run, Words, off_main_thread
+from .mission_parameters import number_of
+from .plan import feature_of, fields_of, fill
+
+if TYPE_CHECKING:
+    from ...core.mission.area import Points
+
+_FIELDS = (("agl_m", "number"), ("yaw_deg", "number"), ("roll_deg", "number"), ("time", "time"))
+
+
+class PosesAlongLine(Algorithm):
+    """Points of a flight along lines."""
+
+    NAME = "posesalongline"
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Poses along a line"),
+            tr("Points along lines that are flown at a speed, with height, yaw, roll and time."),
+            tr("uav,drone,line,trajectory,flight,speed,turn,bank,yaw,points,poses"),
+            (
+                tr(
+                    "Flies lines at a speed, one after the other, and gives a point each so many seconds or metres. "
+                    "Corners become turns whose radius follows from the speed and the bank; between short legs they "
+                    "are tighter, and flown slower."
+                ),
+                tr(
+                    "The points are an area for the other algorithms: choose their fields there as those of heights, "
+                    "yaws, rolls and times."
+                ),
+            ),
+        )
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        lines = QgsProcessing.SourceType.TypeVectorLine
+        self.add(
+            QgsProcessingParameterFeatureSource("INPUT", tr("Lines"), [lines]),
+            tr("Lines in any CRS; the first exposure is at the beginning of each."),
+        )
+        for one in (field_named(Flight, "agl_m"), *declared_fields(LineFlight)):
+            name = one.name_of_option.upper()
+            self.add(
+                QgsProcessingParameterBoolean(name, title_of(one), one.default)
+                if one.kind is bool
+                else number_of(name, one, one.starts_with),
+                sentence_of(one),
+            )
+        start = field_named(Flight, "start")
+        self.add(QgsProcessingParameterString("START", title_of(start), start.default), sentence_of(start))
+        self.addParameter(
+            QgsProcessingParameterFeatureSink("OUTPUT", tr("Poses"), QgsProcessing.SourceType.TypeVectorPoint)
+        )
+
+    def prepared(self, run: Run) -> None:
+        """Read the lines, and how they are flown."""
+        from ..area.layers import lines_of
+
+        self._flight = LineFlight(
+            run.number("SPEED"),
+            *(run.number(name) if run.is_given(name) else None for name in ("EVERY_S", "EVERY_M")),
+            run.number("BANK"),
+            run.flag("FIXED_CAMERA"),
+        )
+        self._start_s = utc_time(run.text("START").strip()).timestamp()
+        source = self.parameterAsSource(run.parameters, "INPUT", run.context)
+        if source is None:
+            raise QgsProcessingException(self.invalidSourceError(run.parameters, "INPUT"))
+        self._lines = lines_of(
+            source.getFeatures(),
+            source.sourceCrs(),
+            run.context.transformContext(),
+            run.number("AGL"),
+            run.feedback.isCanceled,
+        )
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Fly, and write the points."""
+        from ...core.poses.line import fly
+        from ..area.layers import flown_words
+
+        flown = off_main_thread(lambda _watch: fly(self._lines, self._flight, self._start_s), run.feedback)
+        run.feedback.pushInfo(flown_words(flown))
+        sink, output = self.parameterAsSink(
+            run.parameters,
+            "OUTPUT",
+            run.context,
+            fields_of(_FIELDS),
+            QgsWkbTypes.Type.Point,
+            QgsCoordinateReferenceSystem("EPSG:4326"),
+        )
+        if sink is None:
+            raise QgsProcessingException(self.invalidSinkError(run.parameters, "OUTPUT"))
+        fill(sink, _features(flown.points), len(flown.points.poses), run.feedback)
+        return {"OUTPUT": output}
+
+
+def _features(points: Points) -> Iterator[QgsFeature]:
+    rolls = points.rolls_deg or (0.0,) * len(points.poses)
+    for (lat, lon, agl), yaw, roll, time in zip(points.poses, points.yaws_deg, rolls, points.times_s):
+        when = QDateTime.fromMSecsSinceEpoch(round(1000.0 * time), Qt.TimeSpec.UTC)
+        yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(lon, lat)), (agl, yaw, roll, when))
