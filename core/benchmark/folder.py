@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ..dataset.dataset import UNREADABLE, open_image
 from ..dataset.folder import PARTS
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import Plane, WebMercator
@@ -287,7 +287,11 @@ class Benchmark:
         if not isinstance(about, dict) or about.get("schema") != SCHEMA:
             raise InvalidInput("{0}: is not of a benchmark that this version reads", mark)
         if "mosaic" not in about:
-            raise InvalidInput("folder {0}: is not finished", folder, remedy="make it with --resume")
+            raise InvalidInput(
+                "folder {0}: is not finished",
+                folder,
+                remedy=Message("go on{0}", OptionName("resume").in_brackets),
+            )
         try:
             mosaic = Mosaic(**about["mosaic"])
         except TypeError as wrong:

@@ -44,20 +44,27 @@ def write_scores(
     scores: Scores,
     folder: str | os.PathLike[str],
     title: str,
+    *,
+    diagrams: bool = True,
 ) -> Path:
     """Write figures, errors, diagrams and the page of a method into a folder; returns the page, written last.
+
+    Parameters
+    ----------
+    diagrams : bool
+        Whether to draw, which needs matplotlib.
 
     Raises
     ------
     OutputError
-        The folder cannot be written, or matplotlib is not installed.
+        The folder cannot be written, or matplotlib, which draws the diagrams, is not installed.
     """
     target = Path(folder)
     errors = scores.errors
     drawn: dict[str, bytes] = {}
-    if scores.recall:
+    if diagrams and scores.recall:
         drawn[RECALL] = _recall(scores.recall, title)
-    if np.isfinite(errors.error_m).any():
+    if diagrams and np.isfinite(errors.error_m).any():
         drawn[WITHIN] = _within(errors, title)
         drawn[MAP] = _map(benchmark, errors, title)
         drawn[FAILURES] = _failures(benchmark, errors, title)

@@ -175,7 +175,7 @@ def plan_benchmark(
         Queries that cannot be flown or see the horizon; a reference of more pixels than an image may have.
     """
     mission = settings.queries.with_(frame="camera")
-    queries = {one.name: plan(_of(mission, one), grids[str(one)], heights) for one in settings.imageries}
+    queries = {one.name: plan(mission.over(one), grids[str(one)], heights) for one in settings.imageries}
     first = queries[settings.imageries[0].name]
     for name, worked_out in queries.items():
         beyond = np.flatnonzero(~worked_out.corners.hit.all(axis=1))
@@ -228,10 +228,6 @@ def _extent_px(one: Plan) -> tuple[float, float, float, float]:
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def _of(mission: Mission, imagery: NamedImagery) -> Mission:
-    return mission.with_(source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
-
-
 def _side_of_ground_m(queries: Plan) -> float:
     """Side of a square as large as the ground that a query shows, median."""
     lat, lon = queries.corners.lat_deg, queries.corners.lon_deg
@@ -275,7 +271,7 @@ def _reference(settings: BenchmarkSettings, area: Any, agl_m: float, **more: Any
         "stretch": asked.imagery.stretch,
         "seed": asked.imagery.seed,
     }
-    return _of(Mission(area, agl_m, **{**values, **more}), settings.reference)
+    return Mission(area, agl_m, **{**values, **more}).over(settings.reference)
 
 
 def _mosaic(settings: BenchmarkSettings, box: Box, gsd_m: float, grid: PixelGrid) -> Plan:

@@ -111,6 +111,11 @@ def _answered(locate: Locate, query: Query) -> Answer:
     return answer
 
 
+def scores_folder(folder: Path, name: str) -> Path:
+    """Folder of the scores of a method, in that of the benchmark."""
+    return folder / "scores" / name.replace(":", "-")
+
+
 def prediction_file(folder: Path, name: str) -> Path:
     """File of the predictions of a method, beside its scores."""
     return folder / f"{name.replace(':', '-')}.csv"

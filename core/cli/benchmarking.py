@@ -91,7 +91,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
 
 
 def _opened(imagery: NamedImagery, settings: BenchmarkSettings, values: dict[str, Any]) -> Source:
-    mission = settings.queries.with_(source=imagery.source, date=imagery.date, map_types=(imagery.map_type,))
+    mission = settings.queries.over(imagery)
     asked = mission.imagery
     return named(
         asked,
@@ -239,9 +239,11 @@ def _score(arguments: argparse.Namespace) -> int:
 
 
 def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> Path:
+    from ..benchmark.running import scores_folder
+
     if arguments.output is not None:
         return Path(arguments.output)
-    return benchmark.folder / "scores" / name.replace(":", "-")
+    return scores_folder(benchmark.folder, name)
 
 
 def _judge(

@@ -16,6 +16,7 @@ from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
 from .earlier import of_schema_1
+from .imageries import NamedImagery
 from .parts import (
     FLAT_PARTS,
     PAPER,
@@ -116,10 +117,13 @@ class Mission:
     @property
     def by_imagery(self) -> dict[str, Mission]:
         """Mission of each of several imageries, by its name; empty where there is one source."""
-        return {
-            one.name: self.with_(imageries=(), source=one.source, date=one.date, map_types=(one.map_type,))
-            for one in self.imagery.named
-        }
+        return {one.name: self.over(one) for one in self.imagery.named}
+
+    def over(self, imagery: NamedImagery) -> Mission:
+        """Return a copy that takes its pictures of this imagery alone."""
+        return self.with_(
+            imageries=(), source=imagery.source, date=imagery.date, map_types=(imagery.map_type,)
+        )
 
     def with_(self, **changes: Any) -> Mission:
         """Return a copy with some fields changed, by the names that the constructor takes; checked again."""

@@ -62,11 +62,11 @@ def _no_opencv(case: Case) -> None:
     )
 
 
-@remedy("benchmark/folder.py", "folder {}: is not finished; make it with --resume")
+@remedy("benchmark/folder.py", "folder {}: is not finished; go on (--resume)")
 def _not_finished(case: Case) -> None:
     made(case.tmp_path / "out", cancelled=lambda: True)
     case.refused(lambda: Benchmark.read(case.tmp_path / "out"))
-    case.follow("make it with --resume", lambda: made(case.tmp_path / "out", resume=True))
+    case.follow("go on (--resume)", lambda: made(case.tmp_path / "out", resume=True))
     Benchmark.read(case.tmp_path / "out")
 
 
