@@ -80,6 +80,13 @@ class TerrAInavPlugin:
         self._add("capture", tr("&Capture"), lambda: self._use(lambda w: w.capture()))
         self._add("view_images", tr("&View images"), self._toggle_view_tool, checkable=True)
         self._add("clean_dataset", tr("C&lean dataset…"), lambda: self._use(lambda w: w.cleaning.open()))
+        self._add("make_benchmark", tr("Make &benchmark…"), lambda: self._use(lambda w: w.make_benchmark()))
+        self._add(
+            "score_benchmark",
+            tr("Sc&ore benchmark…"),
+            self._score_benchmark,
+            in_toolbar=False,
+        )
         self._menu.addSeparator()
         self._add("settings", tr("&Settings…"), self.show_settings, in_toolbar=False)
         self._add("help", tr("&Help"), self._show_help, in_toolbar=False)
@@ -206,6 +213,9 @@ class TerrAInavPlugin:
 
     def _toggle_preview(self, on: bool) -> None:
         self._use(lambda session: session.set_preview(on))
+
+    def _score_benchmark(self) -> None:
+        self._use(lambda session: session.benchmarks.score())
 
     def _show_help(self) -> None:
         from .help import show_help

@@ -36,6 +36,7 @@ from .paths import folder_of, open_in_system
 from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
+from .processing.windows import BenchmarkWindows
 from .results.viewing import Viewing
 from .settings import Settings
 from .widgets import free_of_menus
@@ -94,6 +95,7 @@ class Session(QObject):
         )
         self.viewing = Viewing(self.project, iface, messages)
         self.cleaning = Cleaning(iface, messages, self._datasets)
+        self.benchmarks = BenchmarkWindows(iface, messages)
         self.source_list = SourceList(self.project, form.imagery, messages, window)
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
@@ -152,6 +154,13 @@ class Session(QObject):
                 lambda planned: self.runs.start(planned, folder, only_failed), tr("Nothing to capture yet.")
             )
 
+    def make_benchmark(self) -> None:
+        """Ask for the rest of a benchmark whose queries are the views of the mission that is entered."""
+        self.dock.setUserVisible(True)
+        self.planning.with_plan(
+            lambda planned: self.benchmarks.make(planned.mission), tr("No benchmark yet.")
+        )
+
     def show_on_map(self) -> None:
         """Add the source as background and zoom to the area."""
         self.source_on_map.show()
@@ -189,6 +198,7 @@ class Session(QObject):
             self.missions,
             self.viewing,
             self.cleaning,
+            self.benchmarks,
             self.source_on_map,
             self.planning,
         ):

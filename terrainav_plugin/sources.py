@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..core.mission.estimate import Costs
     from ..core.mission.mission import Mission
     from ..core.mission.plan import Plan
+    from ..core.mission.relief import Heights
     from .network.transport import QgisTransport
 
 WORLD = "world"
@@ -93,14 +94,26 @@ def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
     InvalidInput, SourceError
         As `plan` does, and where its heights cannot be had.
     """
-    from ..core.imagery.opening import SourceOptions
     from ..core.mission.plan import plan
-    from ..core.picture.heights import heights_of
 
     grid = find_grid()
+    return plan(mission, grid, heights_for(mission))
+
+
+def heights_for(mission: Mission) -> Heights | None:
+    """Heights of a mission's relief, on any thread; None where it has none.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        Where they cannot be had.
+    """
     sources = (*mission.terrain.elevation, *mission.terrain.surface)
     if not sources:
-        return plan(mission, grid)
+        return None
+    from ..core.imagery.opening import SourceOptions
+    from ..core.picture.heights import heights_of
+
     is_fetched = any("://" in text or text == TERRARIUM for text in sources)
     options = SourceOptions(
         seed=mission.imagery.seed,
@@ -109,7 +122,7 @@ def worked_out(mission: Mission, find_grid: Callable[[], PixelGrid]) -> Plan:
         transport=transport_for("") if is_fetched else None,
         cache=Settings().tile_cache(),
     )
-    return plan(mission, grid, heights_of(mission, options))
+    return heights_of(mission, options)
 
 
 def costs_of(name: str) -> Costs:

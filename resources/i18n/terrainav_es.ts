@@ -1025,6 +1025,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/cleaning/charts.py"/>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images</source>
         <translation>Imágenes</translation>
@@ -1243,6 +1244,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <location filename="../../terrainav_plugin/processing/windows.py"/>
         <source>{count} images could not be made.</source>
         <translation>{count} imágenes no se pudieron hacer.</translation>
     </message>
@@ -1393,6 +1395,83 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/placing.py"/>
         <source>yaw, tilt, roll: {angles}</source>
         <translation>guiñada, inclinación, alabeo: {angles}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>1 to 3 m</source>
+        <translation>1 a 3 m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>10 to 20 m</source>
+        <translation>10 a 20 m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>3 to 5 m</source>
+        <translation>3 a 5 m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>5 to 10 m</source>
+        <translation>5 a 10 m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>Error (m)</source>
+        <translation>Error (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>Error of the attitude (degrees)</source>
+        <translation>Error de la actitud (grados)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Imagery</source>
+        <translation>Fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>Latitude of the answer</source>
+        <translation>Latitud de la respuesta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>Longitude of the answer</source>
+        <translation>Longitud de la respuesta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>Query</source>
+        <translation>Consulta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>Rank of the first right tile</source>
+        <translation>Puesto de la primera tesela correcta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>error: {error}</source>
+        <translation>error: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>more than 20 m</source>
+        <translation>más de 20 m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>not answered</source>
+        <translation>sin respuesta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/scores.py"/>
+        <source>up to 1 m</source>
+        <translation>hasta 1 m</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -2181,12 +2260,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Ground per px</source>
         <translation>Terreno por px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <source>Imagery</source>
-        <translation>Fuente de imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3113,6 +3186,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Requests</source>
         <translation>Peticiones</translation>
@@ -3254,6 +3328,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Make &amp;benchmark…</source>
+        <translation>Crear &amp;banco de pruebas…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
         <source>Mission &amp;panel</source>
         <translation>&amp;Panel de misión</translation>
     </message>
@@ -3261,6 +3340,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>Preview &amp;footprints</source>
         <translation>Vista previa de &amp;huellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Sc&amp;ore benchmark…</source>
+        <translation>Puntuar banc&amp;o de pruebas…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
@@ -3358,6 +3442,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Benchmarks</source>
+        <translation>Bancos de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Dataset folder</source>
@@ -3409,14 +3498,417 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>campos de inclinaciones y de cabeceos del gimbal a la vez: se necesita uno de los dos</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>A new folder, or one that holds this mission, to go on with it.</source>
-        <translation>Una carpeta nueva, o una que contiene esta misión, para continuarla.</translation>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>A file of predictions is a CSV with the column query, and references (the best tile first, with spaces between them) or lat_deg and lon_deg.</source>
+        <translation>Un archivo de predicciones es un CSV con la columna query, y references (primero la mejor tesela, separadas por espacios) o lat_deg y lon_deg.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>A new folder, or one that holds this benchmark, to go on with it.</source>
+        <translation>Una carpeta nueva, o una que contenga este banco de pruebas, para continuarlo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Add the results to the project</source>
         <translation>Añadir los resultados al proyecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>As “Make a benchmark” leaves it.</source>
+        <translation>Como la deja «Crear un banco de pruebas».</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Average precision</source>
+        <translation>Precisión media</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Baseline</source>
+        <translation>Método de referencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Benchmark folder</source>
+        <translation>Carpeta del banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Captures queries, the views of the mission, and the reference that they are to be found in: one mosaic, and tiles of it. Tables say where each query was taken and which tiles are right.</source>
+        <translation>Captura consultas, que son las vistas de la misión, y la referencia en la que hay que encontrarlas: un mosaico y sus teselas. Las tablas dicen dónde se tomó cada consulta y qué teselas son correctas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Errors of the queries</source>
+        <translation>Errores de las consultas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Errors of {name}</source>
+        <translation>Errores de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Every query is taken of each of them. They are named as their layers are.</source>
+        <translation>Cada consulta se toma de cada uno de ellos. Se llaman como sus capas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Folder of the scores</source>
+        <translation>Carpeta de las puntuaciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Found within 1 m (share)</source>
+        <translation>Encontradas a menos de 1 m (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Found within 10 m (share)</source>
+        <translation>Encontradas a menos de 10 m (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Found within 20 m (share)</source>
+        <translation>Encontradas a menos de 20 m (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Found within 3 m (share)</source>
+        <translation>Encontradas a menos de 3 m (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Found within 5 m (share)</source>
+        <translation>Encontradas a menos de 5 m (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>From which a tile is nearly right.</source>
+        <translation>A partir de la cual una tesela es casi correcta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>From which a tile is right: ground that tile and query share, over ground of both.</source>
+        <translation>A partir de la cual una tesela es correcta: terreno que comparten tesela y consulta, entre el terreno de ambas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Ground around that of the queries. If empty, as much as the widest tile is wide.</source>
+        <translation>Terreno alrededor del de las consultas. Si está vacío, tanto como el ancho de la tesela más ancha.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>If empty, one in the benchmark's, named as the baseline or the file of predictions.</source>
+        <translation>Si está vacía, una dentro de la del banco de pruebas, con el nombre del método de referencia o del archivo de predicciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Images that could not be made</source>
+        <translation>Imágenes que no se pudieron hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Intersection over union of nearly right tiles</source>
+        <translation>Intersección sobre unión de las teselas casi correctas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Intersection over union of right tiles</source>
+        <translation>Intersección sobre unión de las teselas correctas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Its answers are judged where no file of predictions is given. sift and orb need OpenCV.</source>
+        <translation>Se evalúan sus respuestas si no se indica un archivo de predicciones. sift y orb necesitan OpenCV.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Judged instead of the baseline's answers.</source>
+        <translation>Se evalúan en lugar de las respuestas del método de referencia.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Judges answers to the queries of a benchmark: those of a baseline, which it runs, or those in a file. Writes a page, the figures, and the error of every query.</source>
+        <translation>Evalúa respuestas a las consultas de un banco de pruebas: las de un método de referencia, que ejecuta, o las de un archivo. Escribe una página, las cifras y el error de cada consulta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Make a benchmark</source>
+        <translation>Crear un banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Margin of the reference (m)</source>
+        <translation>Margen de la referencia (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Median error (metres)</source>
+        <translation>Error mediano (metros)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap.</source>
+        <translation>NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:roadmap.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>One a line, beside the rasters: {form} If neither is given, that of the mission.</source>
+        <translation>Uno por línea, además de los ráster: {form} Si no se indica nada, las imágenes de la misión.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Only count</source>
+        <translation>Solo contar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Only the queries of one part, found among its tiles. If empty, all.</source>
+        <translation>Solo las consultas de una parte, buscadas entre sus teselas. Si está vacío, todas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Overlap of tiles</source>
+        <translation>Solape de las teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>PDM@1</source>
+        <translation>PDM@1</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Part</source>
+        <translation>Parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Parts</source>
+        <translation>Partes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Predictions</source>
+        <translation>Predicciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries</source>
+        <translation>Consultas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries for the test</source>
+        <translation>Consultas de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries for training</source>
+        <translation>Consultas de entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries for validation</source>
+        <translation>Consultas de validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries in no part</source>
+        <translation>Consultas en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries of one imagery that are to be found in another, with exact labels.</source>
+        <translation>Consultas de unas imágenes que hay que encontrar en otras, con etiquetas exactas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries of {name}</source>
+        <translation>Consultas de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries without a right tile</source>
+        <translation>Consultas sin tesela correcta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries: imagery by name</source>
+        <translation>Consultas: imágenes por nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries: rasters</source>
+        <translation>Consultas: ráster</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Recall@1 (share)</source>
+        <translation>Recall@1 (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Recall@10 (share)</source>
+        <translation>Recall@10 (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Recall@5 (share)</source>
+        <translation>Recall@5 (proporción)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Reference</source>
+        <translation>Referencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Reference: imagery by name</source>
+        <translation>Referencia: imágenes por nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Reference: raster</source>
+        <translation>Referencia: ráster</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Runs a baseline or reads predictions, judges them, and shows the errors on the map.</source>
+        <translation>Ejecuta un método de referencia o lee predicciones, las evalúa y muestra los errores en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>SDM@1 per metre</source>
+        <translation>SDM@1 por metro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Score a benchmark</source>
+        <translation>Puntuar un banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Scores</source>
+        <translation>Puntuaciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Share of a tile that its neighbour shows again.</source>
+        <translation>Proporción de una tesela que su vecina vuelve a mostrar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Take the queries and the reference from imagery of different dates, sources or kinds, as rasters or by name: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap, such as 2014=esri-wayback@2014-02-20. world is the embedded landscape. If no imagery of the queries is given, it is that of the mission.</source>
+        <translation>Tome las consultas y la referencia de imágenes de fechas, fuentes o tipos distintos, como ráster o por nombre: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:roadmap, por ejemplo 2014=esri-wayback@2014-02-20. world es el paisaje incorporado. Si no se indican imágenes de las consultas, son las de la misión.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>The answers have no positions: there are no errors to show on the map.</source>
+        <translation>Las respuestas no tienen posiciones: no hay errores que mostrar en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>The errors and the reference, where the algorithm runs in a project.</source>
+        <translation>Los errores y la referencia, si el algoritmo se ejecuta en un proyecto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>The log says what would be captured; nothing is.</source>
+        <translation>El registro dice qué se capturaría; no se captura nada.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>The map shows where each query was taken in the colour of its error, with a line to where the answer puts it. To show scores again, choose their file of predictions.</source>
+        <translation>El mapa muestra dónde se tomó cada consulta, en el color de su error, con una línea hasta donde la sitúa la respuesta. Para mostrar de nuevo unas puntuaciones, elija su archivo de predicciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>The page has no diagrams: QGIS's Python lacks the package matplotlib.</source>
+        <translation>La página no tiene gráficos: al Python de QGIS le falta el paquete matplotlib.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>The reference and the footprints of the queries, where the algorithm runs in a project.</source>
+        <translation>La referencia y las huellas de las consultas, si el algoritmo se ejecuta en un proyecto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Tiles of the reference</source>
+        <translation>Teselas de la referencia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>What the queries are to be found in; needed is this, or an imagery by name.</source>
+        <translation>Aquello en lo que hay que encontrar las consultas; hace falta esto, o unas imágenes por nombre.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Widths of tiles (m)</source>
+        <translation>Anchos de las teselas (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>With cross-area only: minimum distance between the ground of two parts.</source>
+        <translation>Solo con cross-area: distancia mínima entre el terreno de dos partes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>With spaces between them. If empty, that of a square as large as what a query shows.</source>
+        <translation>Separados por espacios. Si está vacío, el de un cuadrado tan grande como lo que muestra una consulta.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>benchmark,localization,geolocalization,retrieval,query,reference,dataset,navigation,gnss</source>
+        <translation>banco de pruebas,benchmark,localización,geolocalización,recuperación,consulta,referencia,conjunto de datos,navegación,gnss</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>benchmark,score,judge,recall,localization,error,predictions,baseline,sift,correlation</source>
+        <translation>banco de pruebas,benchmark,puntuar,evaluar,recall,localización,error,predicciones,sift,correlación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>cross-area: no ground is in two parts, training, validation and test; same-area: queries are shared out over one reference; none: no parts.</source>
+        <translation>cross-area: ningún terreno está en dos partes (entrenamiento, validación y prueba); same-area: las consultas se reparten sobre una misma referencia; none: sin partes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>ncc correlates the query, seen straight from above, with every place of the reference. sift and orb match features; they need OpenCV (the Python package opencv-python-headless). middle always says the middle of the reference: what every method has to beat.</source>
+        <translation>ncc correlaciona la consulta, vista desde arriba, con cada lugar de la referencia. sift y orb emparejan rasgos; necesitan OpenCV (el paquete de Python opencv-python-headless). middle responde siempre el centro de la referencia: lo que todo método tiene que superar.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>nothing was written</source>
+        <translation>no se ha escrito nada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>widths of tiles {text!r}: must be numbers, such as 200 400</source>
+        <translation>anchos de teselas {text!r}: deben ser números, como 200 400</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>{count} references given: needs one, a raster or an imagery by name</source>
+        <translation>se han indicado {count} referencias: hace falta una, un ráster o unas imágenes por nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>{folder}: {imagery}; images: {images}, {width} x {height} px; requests: {requests}</source>
+        <translation>{folder}: {imagery}; imágenes: {images}, {width} x {height} px; peticiones: {requests}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>“Only count” says how many images and requests it takes. Run it again into the same folder to go on with an interrupted run. “Score a benchmark” then runs a baseline, or judges your own answers.</source>
+        <translation>«Solo contar» dice cuántas imágenes y peticiones hacen falta. Ejecútelo de nuevo en la misma carpeta para continuar una ejecución interrumpida. «Puntuar un banco de pruebas» ejecuta después un método de referencia, o evalúa sus propias respuestas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>A new folder, or one that holds this mission, to go on with it.</source>
+        <translation>Una carpeta nueva, o una que contiene esta misión, para continuarla.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -3460,11 +3952,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Images that could not be made</source>
-        <translation>Imágenes que no se pudieron hacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Images that were there</source>
         <translation>Imágenes que ya estaban</translation>
     </message>
@@ -3500,11 +3987,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for many places. Images that show one are captured again. Those of TerrAInav's options count as well.</source>
-        <translation>SHA-256 de las teselas que no muestran imágenes, separados por espacios; el registro nombra las teselas que llegaron para muchos lugares. Las imágenes que muestran una se capturan de nuevo. También cuentan las de las opciones de TerrAInav.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Stopped: what is finished is kept; run it again to go on.</source>
         <translation>Detenido: lo terminado se conserva; ejecutarlo de nuevo para continuar.</translation>
     </message>
@@ -3517,11 +3999,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>The mission is that of the parameters or, in advanced parameters, of a file that the plan has written.</source>
         <translation>La misión es la de los parámetros o, en los parámetros avanzados, la de un archivo escrito por el plan.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Tiles to treat as missing</source>
-        <translation>Teselas que tratar como ausentes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -3652,11 +4129,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them.</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Only count</source>
-        <translation>Solo contar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -3840,8 +4312,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/imagery.py"/>
+        <source>SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for many places. Images that show one are captured again. Those of TerrAInav's options count as well.</source>
+        <translation>SHA-256 de las teselas que no muestran imágenes, separados por espacios; el registro nombra las teselas que llegaron para muchos lugares. Las imágenes que muestran una se capturan de nuevo. También cuentan las de las opciones de TerrAInav.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/imagery.py"/>
         <source>Sources that ask for consent refuse larger missions without it.</source>
         <translation>Las fuentes que piden conformidad rechazan sin ella las misiones mayores.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/imagery.py"/>
+        <source>Tiles to treat as missing</source>
+        <translation>Teselas que tratar como ausentes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/line.py"/>
@@ -4234,6 +4716,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>el informe no está terminado</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/windows.py"/>
+        <source>Benchmarks need QGIS's own plugin Processing and its provider TerrAInav; one is not enabled.</source>
+        <translation>Los bancos de pruebas necesitan el complemento Processing del propio QGIS y su proveedor TerrAInav; uno de ellos no está activado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/windows.py"/>
+        <source>Score</source>
+        <translation>Puntuar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/windows.py"/>
+        <source>{name}: {queries} queries, and {tiles} tiles of the reference.</source>
+        <translation>{name}: {queries} consultas y {tiles} teselas de la referencia.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
         <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
         <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
@@ -4521,6 +5018,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
+        <source>No benchmark yet.</source>
+        <translation>Aún no hay banco de pruebas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/session.py"/>
         <source>No preview yet.</source>
         <translation>Aún no hay vista previa.</translation>
     </message>
@@ -4704,15 +5206,15 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <source>go on{0}</source>
+        <translation>continúelo{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/ground.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/folder.py"/>
-        <source>make it with --resume</source>
-        <translation>termínela con --resume</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>

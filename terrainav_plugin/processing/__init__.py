@@ -1,4 +1,4 @@
-"""The algorithms of Processing: missions planned, captured and measured, datasets cleaned and split.
+"""The algorithms of Processing: missions planned, captured and measured, datasets cleaned and split, benchmarks.
 
 provider            what QGIS lists in its toolbox
 algorithm           what all algorithms have in common; their work is kept off the main thread
@@ -9,5 +9,7 @@ line                poses along a line that is flown at a speed
 plan                a mission worked out, as layers, numbers and files
 capture             a mission captured into a dataset folder, and what has failed captured again
 datasets            a dataset cleaned of images with too little to see, and divided into parts
+benchmarks          a benchmark made of a mission's views and a reference, and answers to it judged
+windows             Processing's windows for benchmarks, opened with the panel's mission
 report              a mission's error measured against run time
 """

@@ -104,7 +104,8 @@ class Algorithm(QgsProcessingAlgorithm):
 
     def group(self) -> str:
         """Title of the group."""
-        return {"missions": tr("Missions"), "datasets": tr("Datasets")}[self.GROUP]
+        titles = {"missions": tr("Missions"), "datasets": tr("Datasets"), "benchmarks": tr("Benchmarks")}
+        return titles[self.GROUP]
 
     def displayName(self) -> str:
         """Title."""

@@ -12,7 +12,6 @@ from qgis.core import (
     QgsProcessingOutputVectorLayer,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterFolderDestination,
-    QgsProcessingParameterString,
     QgsProject,
 )
 
@@ -46,14 +45,7 @@ class _Capturing(WithImagery):
                 "environment's TERRAINAV_KEY."
             )
         )
-        self.add(
-            QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
-            tr(
-                "SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for "
-                "many places. Images that show one are captured again. Those of TerrAInav's options count as well."
-            ),
-            advanced=True,
-        )
+        self.add_placeholders()
         self.add(
             QgsProcessingParameterBoolean("MAKE_MOSAIC", tr("Make a mosaic"), True),
             tr("One virtual raster a map type, of map frames that are there."),
@@ -78,7 +70,7 @@ class _Capturing(WithImagery):
         )
 
     def _take_run(self, mission: Mission, run: Run) -> None:
-        self.take_imagery(mission, run)
+        self.take_imagery(run, mission)
         self._accepted = run.flag("ACCEPT_TERMS")
         self._with_mosaic = run.flag("MAKE_MOSAIC")
         self._made: list[Mosaic] = []
@@ -105,7 +97,7 @@ class _Capturing(WithImagery):
                     cancelled=watch.cancelled,
                     **options,
                 )
-            _tell(result, watch)
+            tell_result(result, watch)
             return result, self._mosaics(worked_out, result, watch)
 
         result, self._made = off_main_thread(work, run.feedback)
@@ -245,7 +237,8 @@ def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> No
         context.addLayerToLoadOnCompletion(str(path), details)
 
 
-def _tell(result: CaptureResult, watch: Watch) -> None:
+def tell_result(result: CaptureResult, watch: Watch) -> None:
+    """Say what a capture has made, what has failed, and which tiles came for many places."""
     watch.say(
         tr("{written} images written, {skipped} were there, {failed} failed, in {seconds} s.").format(
             written=number_text(result.written),

@@ -233,15 +233,7 @@ class Split(_OfDataset):
             ),
         )
         number = QgsProcessingParameterNumber.Type
-        for name, title, share in zip(
-            _PARTS,
-            (tr("Share of training"), tr("Share of validation"), tr("Share of test")),
-            _SHARES,
-        ):
-            self.add(
-                QgsProcessingParameterNumber(name, title, number.Double, share, False, 0.0, 1.0),
-                tr("The three shares add up to 1."),
-            )
+        add_shares(self)
         self.add(
             QgsProcessingParameterNumber("SEED", tr("Seed"), number.Integer, _SEED, False, 0, _HIGHEST_SEED),
             tr("The same seed gives the same split."),
@@ -252,12 +244,7 @@ class Split(_OfDataset):
             ),
             tr("With blocks only. If empty, a size is found that gives parts close to the shares."),
         )
-        self.add(
-            QgsProcessingParameterNumber(
-                "GAP", tr("Gap between parts (m)"), number.Double, 0.0, False, 0.0, _WIDEST_M
-            ),
-            tr("With blocks only: minimum distance between the ground of two parts."),
-        )
+        add_gap(self, tr("With blocks only: minimum distance between the ground of two parts."))
         self.add(
             QgsProcessingParameterString("FRAME", tr("Frame of the labels"), "utm"),
             tr("utm, mercator, mission, or a projected system in metres such as EPSG:32616."),
@@ -276,7 +263,7 @@ class Split(_OfDataset):
         """Split."""
         from ...core.dataset.split import split
 
-        folder, shares = run.text("DATASET"), [run.number(name) for name in _PARTS]
+        folder, shares = run.text("DATASET"), shares_of(run)
         options = {
             "seed": run.whole("SEED"),
             "how": run.choice("HOW"),
@@ -297,6 +284,40 @@ class Split(_OfDataset):
             "GAP_IMAGES": made.gap + made.unknown,
             "LABELS": json.dumps(json.loads(made.labels.to_json())),
         }
+
+
+def add_shares(algorithm: Algorithm) -> None:
+    """Add the parameters of the shares of training, validation and test."""
+    titles = tr("Share of training"), tr("Share of validation"), tr("Share of test")
+    for name, title, share in zip(_PARTS, titles, _SHARES):
+        algorithm.add(
+            QgsProcessingParameterNumber(
+                name, title, QgsProcessingParameterNumber.Type.Double, share, False, 0.0, 1.0
+            ),
+            tr("The three shares add up to 1."),
+        )
+
+
+def shares_of(run: Run) -> tuple[float, float, float]:
+    """Shares that parameters hold."""
+    training, validation, test = map(run.number, _PARTS)
+    return training, validation, test
+
+
+def add_gap(algorithm: Algorithm, help_text: str) -> None:
+    """Add the parameter of the distance between parts."""
+    algorithm.add(
+        QgsProcessingParameterNumber(
+            "GAP",
+            tr("Gap between parts (m)"),
+            QgsProcessingParameterNumber.Type.Double,
+            0.0,
+            False,
+            0.0,
+            _WIDEST_M,
+        ),
+        help_text,
+    )
 
 
 def _tell_of_split(made: Made, feedback: QgsProcessingFeedback) -> None:

@@ -7,7 +7,11 @@ from contextlib import closing, contextmanager
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsProcessingParameterAuthConfig, QgsProcessingParameterBoolean
+from qgis.core import (
+    QgsProcessingParameterAuthConfig,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterString,
+)
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal, pyqtSlot
 
 from ...core.errors import InvalidInput
@@ -61,6 +65,10 @@ class Imagery:
             if authcfg and not is_key
             else transport_for(mission.imagery.source, self.connections)
         )
+
+    def grid(self) -> PixelGrid:
+        """Pixel grid of the source, on any thread; raises InvalidInput, SourceError or FormError."""
+        return self._grid()
 
     def planned(self) -> Plan:
         """Work the mission out; raises InvalidInput or SourceError."""
@@ -121,7 +129,12 @@ def _keeper() -> _Keeper:
 class WithImagery(Algorithm):
     """An algorithm that fetches, and holds its imagery while it runs."""
 
-    _imagery: Imagery | None = None
+    _taken: tuple[Imagery, ...] = ()
+
+    @property
+    def _imagery(self) -> Imagery:
+        """That of a mission of one source."""
+        return self._taken[0]
 
     def add_access(self, help_text: str) -> None:
         """Add the parameters of what a source asks for: a key or authentication, and consent."""
@@ -130,22 +143,38 @@ class WithImagery(Algorithm):
             help_text,
             advanced=True,
         )
+        self.add_consent()
+
+    def add_consent(self) -> None:
+        """Add the parameter of consent to terms."""
         self.add(
             QgsProcessingParameterBoolean("ACCEPT_TERMS", tr("I agree to the source's terms"), False),
             tr("Sources that ask for consent refuse larger missions without it."),
             advanced=True,
         )
 
-    def take_imagery(self, mission: Mission, run: Run) -> None:
-        """Take a mission's imagery; on the main thread."""
+    def add_placeholders(self) -> None:
+        """Add the parameter of tiles that show no imagery."""
+        self.add(
+            QgsProcessingParameterString("PLACEHOLDERS", tr("Tiles to treat as missing"), optional=True),
+            tr(
+                "SHA-256 of tiles that show no imagery, with spaces between them; the log names tiles that came for "
+                "many places. Images that show one are captured again. Those of TerrAInav's options count as well."
+            ),
+            advanced=True,
+        )
+
+    def take_imagery(self, run: Run, *missions: Mission) -> None:
+        """Take the imagery of missions; on the main thread."""
         placeholders = tuple(run.text("PLACEHOLDERS").replace(",", " ").split())
-        self._imagery = Imagery(mission, run.text("AUTHCFG"), placeholders)
-        _keeper().keep(self._imagery)
+        self._taken = tuple(Imagery(mission, run.text("AUTHCFG"), placeholders) for mission in missions)
+        for imagery in self._taken:
+            _keeper().keep(imagery)
 
     def released(self) -> None:
         """Let go of the imagery."""
-        if self._imagery is not None:
-            key, self._imagery = id(self._imagery), None
+        keys, self._taken = [id(imagery) for imagery in self._taken], ()
+        for key in keys:
             _keeper().done_with(key)
 
 

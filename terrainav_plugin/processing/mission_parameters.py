@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
     QgsProcessing,
+    QgsProcessingAlgorithm,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterEnum,
@@ -45,6 +46,8 @@ _OTHERWISE = ("agl_m", "source", "map_types", "img_size")
 _IF_GIVEN = ("image_px", "start", "date", "crs")
 #: Lists of what may have spaces, with ; between.
 _OF_PATHS = ("elevation", "surface")
+#: The last of a mission's parameters, which stands for all others.
+_FILE = "MISSION"
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 
@@ -67,12 +70,22 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
         field = field_named(Wind, own)
         usual = field.default if own == "speed_m_per_s" else field.starts_with
         algorithm.add(number_of(name, field, usual), sentence_of(field), advanced=True)
-    mission = QgsProcessingParameterFile("MISSION", tr("Mission file"), extension="json", optional=True)
+    mission = QgsProcessingParameterFile(_FILE, tr("Mission file"), extension="json", optional=True)
     algorithm.add(
         mission,
         tr("A mission file written by the plan. All parameters above are then ignored."),
         advanced=True,
     )
+
+
+def leave_mission_to_file(algorithm: QgsProcessingAlgorithm) -> None:
+    """Have an algorithm's window ask for the mission's file, and for nothing that this says; other windows still do."""
+    flags = QgsProcessingParameterDefinition.Flag
+    for parameter in algorithm.parameterDefinitions():
+        if parameter.name() == _FILE:
+            parameter.setFlags(parameter.flags() & ~flags.FlagAdvanced)
+            return
+        parameter.setFlags(parameter.flags() | flags.FlagHidden)
 
 
 def mission_of(run: Run) -> Mission:
@@ -82,7 +95,7 @@ def mission_of(run: Run) -> Mission:
     """
     from ...core.mission.mission import Mission
 
-    path = run.algorithm.parameterAsFile(run.parameters, "MISSION", run.context)
+    path = run.algorithm.parameterAsFile(run.parameters, _FILE, run.context)
     if path:
         return Mission.load(path)
     area, agl_m = _area(run, run.number("AGL"))

@@ -31,11 +31,16 @@ class Provider(QgsProcessingProvider):
 
     def loadAlgorithms(self) -> None:
         """Add the algorithms."""
+        from .benchmarks import MakeBenchmark, ScoreBenchmark
         from .capture import Capture, CaptureFailed
         from .datasets import Clean, Split
         from .line import PosesAlongLine
         from .plan import Plan
         from .report import AccuracyReport
 
-        for algorithm in (Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split, AccuracyReport):
+        kinds = (
+            *(Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split),
+            *(MakeBenchmark, ScoreBenchmark, AccuracyReport),
+        )
+        for algorithm in kinds:
             self.addAlgorithm(algorithm(listed=True))

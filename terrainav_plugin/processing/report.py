@@ -63,7 +63,7 @@ class AccuracyReport(WithImagery):
 
     def prepared(self, run: Run) -> None:
         """Take the mission's imagery."""
-        self.take_imagery(mission_of(run), run)
+        self.take_imagery(run, mission_of(run))
 
     def processed(self, run: Run) -> dict[str, Any]:
         """Measure."""

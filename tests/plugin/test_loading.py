@@ -14,6 +14,7 @@ import pytest
 import qgis.utils
 from qgis.core import QgsApplication, QgsProject
 from qgis.gui import QgsGui, QgsMapCanvasItem
+from qgis.PyQt import sip
 from qgis.PyQt.QtCore import QCoreApplication, QEvent, QMetaMethod, QObject, Qt, QTimer, QUrl, pyqtBoundSignal
 from qgis.PyQt.QtGui import QDesktopServices
 from qgis.PyQt.QtTest import QTest
@@ -270,6 +271,19 @@ def test_nothing_is_left_behind_by_what_was_used(unloaded, iface, qtbot, tmp_pat
     assert differences(before[1], running()) == {}
     assert not any(running().values())
     assert names_of_the_plugin(iface) == []
+
+
+def test_windows_of_processing_close_with_the_plugin(unloaded, qtbot):
+    """Not counted above: those of QGIS's own algorithms, too, leave receivers of the project for a while."""
+    load()
+    registry = QgsApplication.processingRegistry()
+    qtbot.waitUntil(lambda: registry.providerById(PLUGIN) is not None, timeout=PATIENCE_MS)
+    qgis.utils.plugins[PLUGIN].actions["score_benchmark"].trigger()
+    (window,) = qgis.utils.plugins[PLUGIN].session.benchmarks.windows
+    assert window.isVisible()
+    assert qgis.utils.unloadPlugin(PLUGIN)
+    settle()
+    assert sip.isdeleted(window)
 
 
 #: What takes long to load, and is of no use before the plugin is.

@@ -51,7 +51,10 @@ BOX = Box(35.16, -89.90, 35.156, -89.895)
 EXTENT = "-89.90,-89.895,35.156,35.16 [EPSG:4326]"
 #: Far longer than anything here takes.
 NEVER_S = 60.0
-NAMES = {"plan", "capture", "capturefailed", "clean", "split", "accuracyreport", "posesalongline"}
+NAMES = {
+    *("plan", "posesalongline", "capture", "capturefailed", "accuracyreport"),
+    *("clean", "split", "makebenchmark", "scorebenchmark"),
+}
 
 
 @pytest.fixture(autouse=True)

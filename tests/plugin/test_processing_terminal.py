@@ -76,7 +76,16 @@ def results(process):
 
 def test_the_algorithms_are_listed_and_explained(terminal):
     listed = terminal("list").stdout
-    for name in ("plan", "capture", "capturefailed", "clean", "split", "accuracyreport"):
+    for name in (
+        "plan",
+        "capture",
+        "capturefailed",
+        "clean",
+        "split",
+        "makebenchmark",
+        "scorebenchmark",
+        "accuracyreport",
+    ):
         assert f"terrainav:{name}\t" in listed
     told = terminal("help", "terrainav:plan").stdout
     assert "without fetching imagery" in told

@@ -7,7 +7,16 @@ from qgis.PyQt.QtGui import QKeySequence
 from qgis.PyQt.QtWidgets import QToolBar
 from terrainav.terrainav_plugin import plugin as plugin_module
 
-BUTTONS = ["dock", "draw_box", "preview", "test_shot", "capture", "view_images", "clean_dataset"]
+BUTTONS = [
+    "dock",
+    "draw_box",
+    "preview",
+    "test_shot",
+    "capture",
+    "view_images",
+    "clean_dataset",
+    "make_benchmark",
+]
 
 
 def test_toolbar_and_menu_hold_all_actions(plugin, iface):
@@ -16,7 +25,7 @@ def test_toolbar_and_menu_hold_all_actions(plugin, iface):
     (menu,) = (action.menu() for action in iface.rasterMenu().actions() if action.text() == "&TerrAInav")
     entries = [action.objectName() for action in menu.actions() if not action.isSeparator()]
     assert set(entries) == {action.objectName() for action in plugin.actions.values()}
-    assert {f"terrainav_{name}" for name in (*BUTTONS, "settings", "help")} <= set(entries)
+    assert {f"terrainav_{name}" for name in (*BUTTONS, "score_benchmark", "settings", "help")} <= set(entries)
     for action in plugin.actions.values():
         assert not action.icon().isNull()
         assert action.icon().availableSizes() or not action.icon().pixmap(24).isNull()

@@ -1,0 +1,113 @@
+"""Layers of a benchmark in its group: the reference, the footprints of queries, the errors of a method."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import lru_cache
+from pathlib import Path
+
+from qgis.core import (
+    QgsMapLayer,
+    QgsProcessingContext,
+    QgsProcessingFeedback,
+    QgsProcessingLayerPostProcessorInterface,
+    QgsVectorLayer,
+)
+from qgis.PyQt import sip
+
+from ..i18n import tr
+from ..map.mission_group import MissionGroup
+from ..paths import style
+from ..plain import escaped_field
+from .layers import hide_antimeridian
+
+#: Roles in the group, and where they go in it.
+REFERENCE, QUERIES, ERRORS = "reference", "queries", "errors"
+_TOP, _BOTTOM = 0, -1
+
+
+def into_group(folder: Path, role: str, known: Collection[str]) -> QgsProcessingLayerPostProcessorInterface:
+    """What puts a layer, once Processing has loaded it, into the group of a benchmark's folder, in its style.
+
+    Parameters
+    ----------
+    role : str
+        `REFERENCE`, or `QUERIES` or `ERRORS` with ``/`` and a name.
+    known : collection of str
+        Ids of the layers that the project had before: one of the same file is taken instead of a new one.
+    """
+    waiting = _waiting()
+    waiting[:] = [one for one in waiting if not sip.isdeleted(one)]
+    waiting.append(_IntoGroup(folder, role, known))
+    return waiting[-1]
+
+
+@lru_cache(None)
+def _waiting() -> list[_IntoGroup]:
+    """Those that Processing has not done with: it deletes them in the end, but does not keep their Python halves."""
+    return []
+
+
+class _IntoGroup(QgsProcessingLayerPostProcessorInterface):
+    def __init__(self, folder: Path, role: str, known: Collection[str]) -> None:
+        super().__init__()
+        self._folder, self._role, self._known = folder, role, known
+
+    def postProcessLayer(
+        self,
+        layer: QgsMapLayer,
+        context: QgsProcessingContext,
+        feedback: QgsProcessingFeedback,  # noqa: ARG002  QGIS passes it
+    ) -> None:
+        """Move it, on the main thread."""
+        if layer.id() in self._known:
+            # That of an earlier run, or one of the user's own, which stays where it is.
+            layer.reload()
+            layer.triggerRepaint()
+            return
+        kind = self._role.partition("/")[0]
+        if kind != REFERENCE:
+            (_dress_errors if kind == ERRORS else _dress_footprints)(layer)
+        project = context.project()
+        loaded = project.layerTreeRoot().findLayer(layer.id())
+        at = _BOTTOM if kind == REFERENCE else _TOP
+        MissionGroup(project, self._folder).add(layer, self._role, at).setExpanded(kind == ERRORS)
+        if loaded is not None:
+            loaded.parent().removeChildNode(loaded)
+
+
+def _dress_footprints(layer: QgsVectorLayer) -> None:
+    """Show footprints of queries as those of every capture."""
+    layer.loadNamedStyle(style("captured"))
+    hide_antimeridian(layer)
+    layer.setMapTipTemplate(f"<b>{escaped_field('name')}</b>")
+
+
+def _dress_errors(layer: QgsVectorLayer) -> None:
+    """Show the true places of queries in the colour of the error, with lines to the places of the answers."""
+    layer.loadNamedStyle(style("errors"))
+    classes = (
+        tr("up to 1 m"),
+        tr("1 to 3 m"),
+        tr("3 to 5 m"),
+        tr("5 to 10 m"),
+        tr("10 to 20 m"),
+        tr("more than 20 m"),
+        tr("not answered"),
+    )
+    for rule, label in zip(layer.renderer().rootRule().children(), classes):
+        rule.setLabel(label)
+    titles = {
+        "query": tr("Query"),
+        "imagery": tr("Imagery"),
+        "error_m": tr("Error (m)"),
+        "error_deg": tr("Error of the attitude (degrees)"),
+        "rank": tr("Rank of the first right tile"),
+        "predicted_lat_deg": tr("Latitude of the answer"),
+        "predicted_lon_deg": tr("Longitude of the answer"),
+    }
+    for name, title in titles.items():
+        layer.setFieldAlias(layer.fields().indexOf(name), title)
+    error = "[% coalesce(format_number(\"error_m\", 2) || ' m', '–') %]"
+    told = tr("error: {error}").format(error=error)
+    layer.setMapTipTemplate(f"<b>{escaped_field('query')}</b><br/>{told}")

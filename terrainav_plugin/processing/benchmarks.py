@@ -1,0 +1,599 @@
+"""Algorithms: a benchmark made of a mission's views and a reference, and answers to it judged."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import (
+    QgsMapLayer,
+    QgsProcessing,
+    QgsProcessingContext,
+    QgsProcessingOutputHtml,
+    QgsProcessingOutputRasterLayer,
+    QgsProcessingOutputVectorLayer,
+    QgsProcessingParameterBoolean,
+    QgsProcessingParameterEnum,
+    QgsProcessingParameterFile,
+    QgsProcessingParameterFolderDestination,
+    QgsProcessingParameterMultipleLayers,
+    QgsProcessingParameterNumber,
+    QgsProcessingParameterRasterLayer,
+    QgsProcessingParameterString,
+)
+
+from ...core.errors import Cancelled, InvalidInput
+from ..i18n import number_text, tr
+from ..packages import missing_packages
+from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
+from .capture import tell_result
+from .datasets import add_gap, add_shares, shares_of
+from .imagery import WithImagery, check_terms
+from .mission_parameters import add_mission_parameters, mission_of
+
+if TYPE_CHECKING:
+    from ...core.benchmark.folder import Benchmark
+    from ...core.benchmark.making import Making
+    from ...core.benchmark.planning import BenchmarkPlan, BenchmarkSettings
+    from ...core.benchmark.scoring import Figure, Scores
+    from ...core.capture.runner import Progress
+    from ...core.mission.imageries import NamedImagery
+    from ...core.mission.mission import Mission
+
+_GROUP = "benchmarks"
+_SPLITS = ["cross-area", "same-area", "none"]
+_METHODS = ["ncc", "sift", "orb", "middle"]
+_PARTS = ["train", "validation", "test"]
+#: Those of GTA-UAV, and the overlap with which every place is near a tile's middle.
+_POSITIVE, _SEMI_POSITIVE, _TILE_OVERLAP = 0.39, 0.14, 0.5
+#: Overlap from which tiles would never end.
+_MOST_OVERLAP = 0.99
+_WIDEST_M = 1_000_000.0
+#: Share of the progress that answering is; the judge takes the rest.
+_ANSWERS_SHARE = 0.9
+#: Figures of all queries that are outputs, by the names that the core gives them.
+_FIGURES = {
+    "QUERY_COUNT": "queries",
+    "RECALL_1": "recall@1",
+    "RECALL_5": "recall@5",
+    "RECALL_10": "recall@10",
+    "AP": "AP",
+    "SDM_1": "SDM@1 per metre",
+    "PDM_1": "PDM@1",
+    "MEDIAN_M": "position",
+    "WITHIN_1": "within 1 m",
+    "WITHIN_3": "within 3 m",
+    "WITHIN_5": "within 5 m",
+    "WITHIN_10": "within 10 m",
+    "WITHIN_20": "within 20 m",
+}
+
+
+class MakeBenchmark(WithImagery):
+    """Queries, the reference that they are to be found in, and what is true of them."""
+
+    NAME, GROUP = "makebenchmark", _GROUP
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Make a benchmark"),
+            tr("Queries of one imagery that are to be found in another, with exact labels."),
+            tr("benchmark,localization,geolocalization,retrieval,query,reference,dataset,navigation,gnss"),
+            (
+                tr(
+                    "Captures queries, the views of the mission, and the reference that they are to be found in: one "
+                    "mosaic, and tiles of it. Tables say where each query was taken and which tiles are right."
+                ),
+                tr(
+                    "Take the queries and the reference from imagery of different dates, sources or kinds, as rasters "
+                    "or by name: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap, such as "
+                    "2014=esri-wayback@2014-02-20. world is the embedded landscape. If no imagery of the queries is "
+                    "given, it is that of the mission."
+                ),
+                tr(
+                    "“Only count” says how many images and requests it takes. Run it again into the same folder to go "
+                    "on with an interrupted run. “Score a benchmark” then runs a baseline, or judges your own answers."
+                ),
+            ),
+        )
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        add_mission_parameters(self, listed=self._listed)
+        self._add_imagery()
+        self._add_reference()
+        self._add_parts()
+        self.add_placeholders()
+        self.add_consent()
+        self.add(
+            QgsProcessingParameterBoolean("DRY_RUN", tr("Only count"), False),
+            tr("The log says what would be captured; nothing is."),
+        )
+        self.add(
+            QgsProcessingParameterBoolean("LOAD", tr("Add the results to the project"), True),
+            tr("The reference and the footprints of the queries, where the algorithm runs in a project."),
+        )
+        self.add(
+            QgsProcessingParameterFolderDestination("FOLDER", tr("Benchmark folder")),
+            tr("A new folder, or one that holds this benchmark, to go on with it."),
+        )
+        self.addOutput(QgsProcessingOutputRasterLayer("MOSAIC", tr("Reference")))
+        self.add_numbers(
+            {
+                "IMAGES": tr("Images"),
+                "REQUESTS": tr("Requests"),
+                "FAILED": tr("Images that could not be made"),
+                "QUERY_COUNT": tr("Queries"),
+                "TILE_COUNT": tr("Tiles of the reference"),
+                "WITHOUT_TILE": tr("Queries without a right tile"),
+                "TRAIN_QUERIES": tr("Queries for training"),
+                "VALIDATION_QUERIES": tr("Queries for validation"),
+                "TEST_QUERIES": tr("Queries for the test"),
+                "GAP_QUERIES": tr("Queries in no part"),
+            }
+        )
+
+    def _add_imagery(self) -> None:
+        raster = QgsProcessing.SourceType.TypeRaster
+        by_name = tr("NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap.")
+        self.add(
+            QgsProcessingParameterMultipleLayers(
+                "QUERY_LAYERS", tr("Queries: rasters"), raster, optional=True
+            ),
+            tr("Every query is taken of each of them. They are named as their layers are."),
+        )
+        self.add(
+            QgsProcessingParameterString(
+                "QUERIES", tr("Queries: imagery by name"), multiLine=True, optional=True
+            ),
+            tr("One a line, beside the rasters: {form} If neither is given, that of the mission.").format(
+                form=by_name
+            ),
+        )
+        self.add(
+            QgsProcessingParameterRasterLayer("REFERENCE_LAYER", tr("Reference: raster"), optional=True),
+            tr("What the queries are to be found in; needed is this, or an imagery by name."),
+        )
+        self.add(
+            QgsProcessingParameterString("REFERENCE", tr("Reference: imagery by name"), optional=True),
+            by_name,
+        )
+
+    def _add_reference(self) -> None:
+        real = QgsProcessingParameterNumber.Type.Double
+        self.add(
+            QgsProcessingParameterString("TILES", tr("Widths of tiles (m)"), optional=True),
+            tr("With spaces between them. If empty, that of a square as large as what a query shows."),
+        )
+        self.add(
+            QgsProcessingParameterNumber(
+                "TILE_OVERLAP", tr("Overlap of tiles"), real, _TILE_OVERLAP, False, 0.0, _MOST_OVERLAP
+            ),
+            tr("Share of a tile that its neighbour shows again."),
+            advanced=True,
+        )
+        self.add(
+            QgsProcessingParameterNumber(
+                "MARGIN", tr("Margin of the reference (m)"), real, None, True, 0.0, _WIDEST_M
+            ),
+            tr("Ground around that of the queries. If empty, as much as the widest tile is wide."),
+            advanced=True,
+        )
+        for name, title, usual, text in (
+            (
+                "POSITIVE",
+                tr("Intersection over union of right tiles"),
+                _POSITIVE,
+                tr("From which a tile is right: ground that tile and query share, over ground of both."),
+            ),
+            (
+                "SEMI_POSITIVE",
+                tr("Intersection over union of nearly right tiles"),
+                _SEMI_POSITIVE,
+                tr("From which a tile is nearly right."),
+            ),
+        ):
+            self.add(
+                QgsProcessingParameterNumber(name, title, real, usual, False, 0.0, 1.0), text, advanced=True
+            )
+
+    def _add_parts(self) -> None:
+        self.add(
+            QgsProcessingParameterEnum(
+                "SPLIT", tr("Parts"), options=_SPLITS, defaultValue=_SPLITS[0], usesStaticStrings=True
+            ),
+            tr(
+                "cross-area: no ground is in two parts, training, validation and test; same-area: queries are shared "
+                "out over one reference; none: no parts."
+            ),
+        )
+        add_shares(self)
+        add_gap(self, tr("With cross-area only: minimum distance between the ground of two parts."))
+
+    def prepared(self, run: Run) -> None:
+        """Take the imagery of queries and reference."""
+        settings = self._settings = _settings_of(run)
+        self._named = {str(one): one for one in (settings.reference, *settings.imageries)}
+        self._known = _layers_of(run.context)
+        self.take_imagery(run, *(settings.queries.over(one) for one in self._named.values()))
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Count, or capture."""
+        from ...core.benchmark.planning import plan_benchmark
+
+        folder, dry_run, accepted = Path(run.text("FOLDER")), run.flag("DRY_RUN"), run.flag("ACCEPT_TERMS")
+
+        def work(watch: Watch) -> tuple[BenchmarkPlan, Making | None]:
+            from ..sources import heights_for
+
+            grids = {name: imagery.grid() for name, imagery in zip(self._named, self._taken)}
+            worked_out = plan_benchmark(self._settings, grids, heights_for(self._settings.queries))
+            _tell_plan(worked_out, watch)
+            return worked_out, None if dry_run else self._made(worked_out, folder, watch, accepted=accepted)
+
+        worked_out, made = off_main_thread(work, run.feedback)
+        return self._results(run, folder, worked_out, made)
+
+    def _made(self, worked_out: BenchmarkPlan, folder: Path, watch: Watch, *, accepted: bool) -> Making:
+        from ...core.benchmark.making import make_benchmark
+
+        with ExitStack() as open_now:
+            sources = {
+                name: open_now.enter_context(imagery.opened())
+                for name, imagery in zip(self._named, self._taken)
+            }
+            for imagery, plan in worked_out.captures.values():
+                check_terms(plan, sources[str(imagery)], plan.requests, accepted=accepted)
+            made = make_benchmark(
+                worked_out,
+                sources,
+                folder,
+                connections=self._taken[0].connections,
+                resume=True,
+                progress=_progress(worked_out, watch),
+                cancelled=watch.cancelled,
+            )
+        tell_result(made.total, watch)
+        return made
+
+    def _results(
+        self, run: Run, folder: Path, worked_out: BenchmarkPlan, made: Making | None
+    ) -> dict[str, Any]:
+        plans = [plan for _, plan in worked_out.captures.values()]
+        found: dict[str, Any] = {
+            "FOLDER": str(folder),
+            "IMAGES": sum(map(len, plans)),
+            "REQUESTS": sum(plan.requests for plan in plans),
+            "QUERY_COUNT": sum(map(len, worked_out.queries.values())),
+            "TILE_COUNT": sum(map(len, worked_out.tiles.values())),
+        }
+        if made is None:
+            return found
+        found["FAILED"] = len(made.total.failed)
+        benchmark = made.benchmark
+        if benchmark is None:
+            return found
+        parts = benchmark.queries.part
+        found.update(
+            MOSAIC=str(folder / benchmark.mosaic.file),
+            QUERY_COUNT=len(benchmark.queries),
+            TILE_COUNT=len(benchmark.references),
+            WITHOUT_TILE=sum(not len(right) for right in benchmark.positives()),
+            **{f"{part.upper()}_QUERIES": parts.count(part) for part in (*_PARTS, "gap")},
+        )
+        if run.flag("LOAD"):
+            _load(run.context, benchmark, self._known, _query_layers(benchmark))
+        return found
+
+
+class ScoreBenchmark(Algorithm):
+    """Answers of a baseline or of a file, judged."""
+
+    NAME, GROUP = "scorebenchmark", _GROUP
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Score a benchmark"),
+            tr("Runs a baseline or reads predictions, judges them, and shows the errors on the map."),
+            tr("benchmark,score,judge,recall,localization,error,predictions,baseline,sift,correlation"),
+            (
+                tr(
+                    "Judges answers to the queries of a benchmark: those of a baseline, which it runs, or those in a "
+                    "file. Writes a page, the figures, and the error of every query."
+                ),
+                tr(
+                    "ncc correlates the query, seen straight from above, with every place of the reference. sift and "
+                    "orb match features; they need OpenCV (the Python package opencv-python-headless). middle always "
+                    "says the middle of the reference: what every method has to beat."
+                ),
+                tr(
+                    "The map shows where each query was taken in the colour of its error, with a line to where the "
+                    "answer puts it. To show scores again, choose their file of predictions."
+                ),
+                tr(
+                    "A file of predictions is a CSV with the column query, and references (the best tile first, with "
+                    "spaces between them) or lat_deg and lon_deg."
+                ),
+            ),
+        )
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        self.add(
+            QgsProcessingParameterFile(
+                "BENCHMARK", tr("Benchmark folder"), QgsProcessingParameterFile.Behavior.Folder
+            ),
+            tr("As “Make a benchmark” leaves it."),
+        )
+        self.add(
+            QgsProcessingParameterEnum(
+                "METHOD", tr("Baseline"), options=_METHODS, defaultValue=_METHODS[0], usesStaticStrings=True
+            ),
+            tr("Its answers are judged where no file of predictions is given. sift and orb need OpenCV."),
+        )
+        self.add(
+            QgsProcessingParameterFile("PREDICTIONS", tr("Predictions"), extension="csv", optional=True),
+            tr("Judged instead of the baseline's answers."),
+        )
+        self.add(
+            QgsProcessingParameterEnum(
+                "PART", tr("Part"), options=_PARTS, optional=True, usesStaticStrings=True
+            ),
+            tr("Only the queries of one part, found among its tiles. If empty, all."),
+        )
+        self.add(
+            QgsProcessingParameterBoolean("LOAD", tr("Add the results to the project"), True),
+            tr("The errors and the reference, where the algorithm runs in a project."),
+        )
+        self.add(
+            QgsProcessingParameterFile(
+                "FOLDER",
+                tr("Folder of the scores"),
+                QgsProcessingParameterFile.Behavior.Folder,
+                optional=True,
+            ),
+            tr("If empty, one in the benchmark's, named as the baseline or the file of predictions."),
+        )
+        self.addOutput(QgsProcessingOutputHtml("HTML", tr("Scores")))
+        self.addOutput(QgsProcessingOutputVectorLayer("ERRORS", tr("Errors of the queries")))
+        self.add_numbers(
+            {
+                "QUERY_COUNT": tr("Queries"),
+                "RECALL_1": tr("Recall@1 (share)"),
+                "RECALL_5": tr("Recall@5 (share)"),
+                "RECALL_10": tr("Recall@10 (share)"),
+                "AP": tr("Average precision"),
+                "SDM_1": tr("SDM@1 per metre"),
+                "PDM_1": tr("PDM@1"),
+                "MEDIAN_M": tr("Median error (metres)"),
+                "WITHIN_1": tr("Found within 1 m (share)"),
+                "WITHIN_3": tr("Found within 3 m (share)"),
+                "WITHIN_5": tr("Found within 5 m (share)"),
+                "WITHIN_10": tr("Found within 10 m (share)"),
+                "WITHIN_20": tr("Found within 20 m (share)"),
+            }
+        )
+
+    def prepared(self, run: Run) -> None:
+        """Note what the project shows."""
+        self._known = _layers_of(run.context)
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Answer, and judge."""
+        from ...core.benchmark.folder import Benchmark
+        from ...core.benchmark.page import MAP_FILE, rows_of
+        from ...core.benchmark.running import scores_folder
+
+        folder, predictions, part = Path(run.text("BENCHMARK")), run.text("PREDICTIONS"), run.choice("PART")
+        name = Path(predictions).stem if predictions else run.choice("METHOD")
+        target = Path(run.text("FOLDER") or scores_folder(folder, name))
+
+        def work(watch: Watch) -> tuple[Benchmark, Scores, Path]:
+            benchmark = Benchmark.read(folder)
+            return benchmark, *_judged(benchmark, name, predictions, part, target, watch)
+
+        benchmark, scores, page = off_main_thread(work, run.feedback)
+        figures = next(iter(scores.groups.values()))
+        for title, *values, definition in rows_of(scores.groups):
+            told = ", ".join(f"{group} {value}" for group, value in zip(scores.groups, values))
+            run.feedback.pushInfo(f"{title}: {told} ({definition})")
+        results = {"FOLDER": str(target), "HTML": str(page), **_numbers(figures)}
+        if "MEDIAN_M" not in results:
+            run.feedback.pushWarning(
+                tr("The answers have no positions: there are no errors to show on the map.")
+            )
+            return results
+        results["ERRORS"] = str(target / MAP_FILE)
+        if run.flag("LOAD"):
+            _load(run.context, benchmark, self._known, _error_layers(scores, target / MAP_FILE, name))
+        return results
+
+
+def _settings_of(run: Run) -> BenchmarkSettings:
+    from ...core.benchmark.planning import BenchmarkSettings
+
+    mission = mission_of(run)
+    return BenchmarkSettings(
+        mission.with_(imageries=()),
+        _imageries(run, mission),
+        _reference(run),
+        tile_widths_m=_widths(run.text("TILES")),
+        tile_overlap=run.number("TILE_OVERLAP"),
+        margin_m=run.number("MARGIN") if run.is_given("MARGIN") else None,
+        positive_iou=run.number("POSITIVE"),
+        semi_positive_iou=run.number("SEMI_POSITIVE"),
+        split=run.choice("SPLIT"),
+        shares=shares_of(run),
+        gap_m=run.number("GAP"),
+    )
+
+
+def _imageries(run: Run, mission: Mission) -> tuple[NamedImagery, ...]:
+    """What the queries are pictures of: rasters and imagery by name, or else the mission's own."""
+    from ...core.mission.imageries import NamedImagery, named_imageries
+
+    lines = [line.strip() for line in run.text("QUERIES").splitlines() if line.strip()]
+    layers = run.algorithm.parameterAsLayerList(run.parameters, "QUERY_LAYERS", run.context)
+    if not (lines or layers):
+        own = mission.imagery
+        return own.named or tuple(
+            NamedImagery(map_type, own.source, own.date, map_type) for map_type in own.map_types
+        )
+    return named_imageries([*map(_text_of, layers), *lines])
+
+
+def _reference(run: Run) -> NamedImagery:
+    from ...core.mission.imageries import NamedImagery
+
+    layer = run.algorithm.parameterAsRasterLayer(run.parameters, "REFERENCE_LAYER", run.context)
+    given = [text for text in (layer and _text_of(layer), run.text("REFERENCE").strip()) if text]
+    if len(given) != 1:
+        raise InvalidInput(
+            tr("{count} references given: needs one, a raster or an imagery by name").format(count=len(given))
+        )
+    return NamedImagery.of(given[0])
+
+
+def _text_of(layer: QgsMapLayer) -> str:
+    """A raster as named imagery: by its file where it has one, else as a layer of the project."""
+    from ..map.mission_group import file_of
+    from ..qgis_source.snapshot import source_name
+
+    path = file_of(layer)
+    is_file = layer.providerType() == "gdal" and path.is_file()
+    # Names become those of folders.
+    name = re.sub(r"[^A-Za-z0-9_.-]+", "-", layer.name()).strip("-_.")[:64].rstrip(".")
+    return f"{name or layer.providerType()}={path if is_file else source_name(layer)}"
+
+
+def _widths(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in text.replace(",", " ").split())
+    except ValueError as wrong:
+        raise InvalidInput(
+            tr("widths of tiles {text!r}: must be numbers, such as 200 400").format(text=text)
+        ) from wrong
+
+
+def _tell_plan(worked_out: BenchmarkPlan, watch: Watch) -> None:
+    """Say what is captured, folder by folder."""
+    for folder, (imagery, plan) in worked_out.captures.items():
+        watch.say(
+            tr("{folder}: {imagery}; images: {images}, {width} x {height} px; requests: {requests}").format(
+                folder=folder,
+                images=number_text(len(plan)),
+                width=number_text(int(plan.width_px.max())),
+                height=number_text(int(plan.height_px.max())),
+                requests=number_text(plan.requests),
+                imagery=imagery,
+            )
+        )
+
+
+def _progress(worked_out: BenchmarkPlan, watch: Watch) -> Callable[[Progress], object]:
+    """Tell how far all captures together are, each weighing as many requests as it takes."""
+    weights = {folder: max(plan.requests, 1) for folder, (_, plan) in worked_out.captures.items()}
+    shares: dict[str, float] = {}
+
+    def report(progress: Progress) -> None:
+        finished = progress.done + progress.failed + progress.skipped
+        shares[progress.map_type] = finished / max(progress.total, 1)
+        done = sum(weights[folder] * share for folder, share in shares.items())
+        watch.progress(done / sum(weights.values()))
+
+    return report
+
+
+def _judged(
+    benchmark: Benchmark, name: str, predictions: str, part: str, target: Path, watch: Watch
+) -> tuple[Scores, Path]:
+    """Scores of a file of predictions, or of the baseline of a name, and their page."""
+    from ...core.benchmark.answers import Predictions
+    from ...core.benchmark.page import write_scores
+    from ...core.benchmark.running import method_named, prediction_file, run_method
+    from ...core.benchmark.scoring import score
+    from ...core.files import make_folder
+
+    if predictions:
+        answers = Predictions.read(predictions, benchmark)
+    else:
+        found = run_method(
+            benchmark,
+            method_named(name),
+            part,
+            progress=lambda done, total: watch.progress(_ANSWERS_SHARE * done / total),
+            cancelled=watch.cancelled,
+        )
+        if found is None:
+            raise Cancelled(tr("nothing was written"))
+        answers = found
+        make_folder(target)
+        answers.write(prediction_file(target, name), benchmark)
+    scores = score(benchmark, answers, part)
+    diagrams = not missing_packages("matplotlib")
+    if not diagrams:
+        watch.warn(tr("The page has no diagrams: QGIS's Python lacks the package matplotlib."))
+    return scores, write_scores(benchmark, scores, target, name, diagrams=diagrams)
+
+
+def _numbers(figures: tuple[Figure, ...]) -> dict[str, float]:
+    """Values of the numbers; those of which there is nothing to be counted are left out."""
+    values = {one.name: one.value for one in figures}
+    found = {name: values[own] for name, own in _FIGURES.items() if own in values}
+    return {name: value for name, value in found.items() if value == value}
+
+
+def _layers_of(context: QgsProcessingContext) -> frozenset[str]:
+    """Ids of the layers of the project, where there is one; on the main thread."""
+    project = context.project()
+    return frozenset(() if project is None else project.mapLayers())
+
+
+def _query_layers(benchmark: Benchmark) -> dict[str, tuple[str, str]]:
+    """Layers of the footprints of queries: file and title, by their roles."""
+    from ...core.benchmark.folder import QUERIES_FOLDER
+    from ...core.dataset.folder import FOOTPRINTS_FILE
+    from ..dataset.scores import QUERIES
+
+    folder = benchmark.folder / QUERIES_FOLDER
+    return {
+        f"{QUERIES}/{name}": (str(folder / name / FOOTPRINTS_FILE), tr("Queries of {name}").format(name=name))
+        for name in dict.fromkeys(benchmark.queries.imagery)
+    }
+
+
+def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[str, str]]:
+    """Layers of the errors of a method, one for each imagery of the queries, whose places are the same."""
+    from ..dataset.scores import ERRORS
+
+    title = tr("Errors of {name}").format(name=name)
+    imageries = list(dict.fromkeys(scores.errors.imagery))
+    if len(imageries) == 1:
+        return {f"{ERRORS}/{name}": (str(path), title)}
+    return {
+        f"{ERRORS}/{name}/{one}": (f"{path}|subset=\"imagery\" = '{one}'", f"{title}, {one}")
+        for one in imageries
+    }
+
+
+def _load(
+    context: QgsProcessingContext,
+    benchmark: Benchmark,
+    known: frozenset[str],
+    layers: dict[str, tuple[str, str]],
+) -> None:
+    """Have the reference and other layers, by their roles, added to the benchmark's group in the project, if any."""
+    from ..dataset.scores import REFERENCE, into_group
+
+    if context.project() is None:
+        return
+    mosaic = benchmark.folder / benchmark.mosaic.file
+    for role, (path, title) in {REFERENCE: (str(mosaic), tr("Reference")), **layers}.items():
+        details = QgsProcessingContext.LayerDetails(title, context.project(), title)
+        details.setPostProcessor(into_group(benchmark.folder, role, known))
+        context.addLayerToLoadOnCompletion(path, details)
