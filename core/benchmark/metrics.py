@@ -130,8 +130,8 @@ def position_figures(errors_m: Floats, within_m: Sequence[float] = WITHIN_M) -> 
 def pose_figures(
     errors_m: Floats, errors_deg: Floats, within: Sequence[tuple[float, float]] = WITHIN_M_DEG
 ) -> Shares:
-    """Median of the angles and shares of poses (q,) whose position and attitude are both within limits."""
-    both = tuple(float(((errors_m <= m) & (errors_deg <= deg)).mean()) for m, deg in within)
+    """Median of the angles, and shares of poses (q,) whose position and attitude are both below limits (OrthoLoC)."""
+    both = tuple(float(((errors_m < m) & (errors_deg < deg)).mean()) for m, deg in within)
     return Shares(_median(errors_deg), both)
 
 
