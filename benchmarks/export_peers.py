@@ -3,8 +3,8 @@ r"""What COLMAP and evo say of the exports of a dataset of camera frames.
     python -m venv peers && peers/bin/pip install pycolmap evo
     terrainav capture --coords "35.1450_-89.8620_35.1435_-89.8600_100" --frame camera --tilt 10 --yaw 20 \
         --overlap 0.7 --format jpg --data-dir out
-    terrainav export out model --as colmap && terrainav export out tum --as tum
-    peers/bin/python benchmarks/export_peers.py out/satellite model tum
+    terrainav export out model --as colmap && terrainav export out tum --as tum && terrainav export out kitti --as kitti
+    peers/bin/python benchmarks/export_peers.py out/satellite model tum kitti
 
 COLMAP finds and matches features of its own, and triangulates them with the exported poses held fixed. Prints the mean
 reprojection error in px and, over level ground, how far the points are from it.
@@ -49,7 +49,7 @@ def triangulated(images: Path, model: Path, folder: Path) -> pycolmap.Reconstruc
 
 def main() -> None:
     """Print what they say."""
-    images, model, tum = map(Path, sys.argv[1:4])
+    images, model, tum, kitti = map(Path, sys.argv[1:5])
     with tempfile.TemporaryDirectory() as folder:
         found = triangulated(images, model, Path(folder))
     heights = np.array([point.xyz[2] for point in found.points3D.values()])
@@ -61,6 +61,9 @@ def main() -> None:
     )
     trajectory = file_interface.read_tum_trajectory_file(tum / "trajectory.txt")
     print(f"evo: {trajectory.num_poses} poses, {trajectory.path_length:.1f} m")
+    path = file_interface.read_kitti_poses_file(kitti / "poses.txt")
+    off = np.abs(np.array(path.poses_se3) - np.array(trajectory.poses_se3)).max()
+    print(f"evo: {path.num_poses} poses of KITTI, {off:.1g} from those of TUM at most")
 
 
 if __name__ == "__main__":

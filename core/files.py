@@ -141,6 +141,20 @@ def write_whole(
         ) from wrong
 
 
+def link_or_copy(origin: Path, target: Path) -> None:
+    """Give a file one more name, whose folder is made; raises OSError, or OutputError, where that cannot be.
+
+    It is a copy on file systems that have no further names for a file, such as FAT and some network drives.
+    """
+    make_folder(target.parent)
+    try:
+        os.link(origin, target)
+    except FileExistsError:
+        raise
+    except OSError:
+        write_whole(target, origin.read_bytes())
+
+
 @contextlib.contextmanager
 def partial_file(target: Path, ending: str = PARTIAL_ENDING) -> Iterator[Path]:
     """Name beside a file to write it under: it gets its own name at the end, and is removed where that is not reached.

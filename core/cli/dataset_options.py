@@ -28,8 +28,9 @@ _SHARED = (
     *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
-#: Formats of exports, by the names of `exports.formats`.
-EXPORTS = ("colmap", "nerfstudio", "tum")
+#: Formats of exports, by the names of `exports.formats`; and those that take a dataset of any images.
+EXPORTS = ("colmap", "nerfstudio", "tum", "kitti")
+DATASET_EXPORTS = ("parquet", "huggingface", "croissant")
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
@@ -313,18 +314,27 @@ def _add_convert(commands: Any) -> None:
 
 def _add_export(commands: Any) -> None:
     exporting = commands.add_parser(
-        "export", help="write a dataset's camera frames in a format of other programs"
+        "export", help="write a dataset, or its camera frames with their poses, in a format of other programs"
     )
     exporting.add_argument("folder", metavar="OUT", help="the dataset's folder; it is only read")
-    exporting.add_argument("target", metavar="FOLDER", help="folder of the files, not there yet or empty")
+    exporting.add_argument(
+        "target",
+        metavar="FOLDER",
+        help="folder of the files, not there yet or empty; of parquet and croissant also OUT itself",
+    )
     exporting.add_argument(
         "--as",
         dest="format",
         required=True,
-        choices=EXPORTS,
-        help="COLMAP's model, nerfstudio's, or a trajectory",
+        choices=(*EXPORTS, *DATASET_EXPORTS),
+        help="COLMAP's model, nerfstudio's, or a trajectory; tables as Parquet, folders of images for Hugging Face's "
+        "datasets, or a description of the files",
     )
-    exporting.add_argument("--map-type", metavar="TYPE", help="default satellite, or the first of others")
+    exporting.add_argument(
+        "--map-type",
+        metavar="TYPE",
+        help="default satellite, or the first of others; all for parquet, huggingface and croissant",
+    )
 
 
 def _layout(text: str) -> str:

@@ -5,11 +5,14 @@ from __future__ import annotations
 import argparse
 
 from ..text import printable
+from .dataset_options import DATASET_EXPORTS
 from .exits import DONE
 
 
 def run_export(arguments: argparse.Namespace) -> int:
-    """Write the views of a dataset in a format of other programs."""
+    """Write a dataset, or its views, in a format of other programs."""
+    if arguments.format in DATASET_EXPORTS:
+        return _export_dataset(arguments)
     from ..exports.formats import export
     from ..exports.views import Views
 
@@ -18,4 +21,15 @@ def run_export(arguments: argparse.Namespace) -> int:
     print(
         printable(f"{len(views):,} images as {arguments.format} in {path}; the images stay in {views.folder}")
     )
+    return DONE
+
+
+def _export_dataset(arguments: argparse.Namespace) -> int:
+    from ..exports.croissant import write_croissant
+    from ..exports.huggingface import write_huggingface
+    from ..exports.tables import write_parquet
+
+    write = {"parquet": write_parquet, "huggingface": write_huggingface, "croissant": write_croissant}
+    for path in write[arguments.format](arguments.folder, arguments.target, arguments.map_type):
+        print(printable(f"written     {path}"))
     return DONE

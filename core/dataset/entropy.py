@@ -14,7 +14,7 @@ from PIL import Image
 
 from ..errors import Cancelled, InvalidInput
 from .dataset import Dataset, Images, open_image, read_dataset
-from .folder import TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_of
+from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_of
 from .table import Table
 
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
@@ -249,7 +249,10 @@ class _Own:
         self.entropies = np.where(self.there, table.entropies, np.nan)
 
     def measure(self) -> str:
-        """Which entropies the table holds, by some of its images; `GREY` where it holds none."""
+        """Which entropies the table holds, by some of its images; `GREY` of a capture, and where it holds none."""
+        if (self.folder.parent / MISSION_FILE).is_file():
+            # Worked out before the image was a JPEG, whose losses may add half a bit and more to flat colours.
+            return GREY
         stated = np.flatnonzero(np.isfinite(self.entropies))
         some = stated[:: max(-(-len(stated) // _TELLING), 1)]
         off = []

@@ -10,8 +10,9 @@ from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from datetime import datetime, timezone
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,8 @@ _OVER_RELIEF = ("height_m", "facade_share")
 _PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
 #: Column that is not ours alone: why an image is rejected; empty for one that is kept. A table without is not cleaned.
 REJECTED = "rejected"
+#: Kinds of columns.
+WHOLE, NUMBER, TIME, TEXT = "whole", "number", "time", "text"
 #: Rows that are text at a time.
 _ROWS_A_BLOCK = 2000
 #: Faults of a file that one message names.
@@ -163,6 +166,16 @@ class Table:
         """Rows (n,) whose images have been made."""
         return np.array([status != "failed" for status in self.status], np.bool_)
 
+    @property
+    def written(self) -> dict[str, str]:
+        """Headers of the columns that are written, by field; without `other`."""
+        left_out = {
+            *(() if any(self.crs) else _OWN),
+            *(() if any(self.time_utc) else ("time_utc",)),
+            *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
+        }
+        return {name: header for header, name in _FIELD_OF.items() if name not in left_out}
+
     @classmethod
     def of(cls, known: Mapping[str, Any], other: Mapping[str, tuple[str, ...]]) -> Table:
         """Table of some columns, by the names of fields; all others are not known.
@@ -203,13 +216,8 @@ class Table:
 
     def _blocks(self) -> Iterator[str]:
         """Text of the headers and then of some rows at a time, as cells take far more memory than numbers."""
-        left_out = {
-            *(() if any(self.crs) else _OWN),
-            *(() if any(self.time_utc) else ("time_utc",)),
-            *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
-        }
-        written = [name for name in FIELDS if name not in left_out]
-        yield _csv([[*(_HEADERS.get(name, name) for name in written), *self.other]])
+        written = self.written
+        yield _csv([[*written.values(), *self.other]])
         for start in range(0, len(self), _ROWS_A_BLOCK):
             rows = slice(start, start + _ROWS_A_BLOCK)
             own = [_texts(name, getattr(self, name)[rows]) for name in written]
@@ -245,6 +253,54 @@ class Table:
                 raise
         except (OSError, UnicodeDecodeError) as wrong:
             raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
+
+
+class Column(NamedTuple):
+    """A column of a table with the type of its values.
+
+    Attributes
+    ----------
+    header : str
+        As it is written.
+    kind : str
+        `WHOLE`, `NUMBER`, `TIME` (Unix seconds) or `TEXT`.
+    values : array (n,) or tuple of str
+        NaN and empty texts are not known.
+    """
+
+    header: str
+    kind: str
+    values: Floats | Numbers | tuple[str, ...]
+
+
+def columns_of(table: Table) -> list[Column]:
+    """Return all columns that are written; raises InvalidInput for times that are none."""
+    found = []
+    for name, header in table.written.items():
+        values = getattr(table, name)
+        if name == "time_utc":
+            found.append(Column(header, TIME, seconds_of(values)))
+        elif name in _TEXT:
+            found.append(Column(header, TEXT, values))
+        else:
+            known = values[np.isfinite(values)]
+            # Windows in pixels are whole ones in our tables, and may be others in those of others.
+            is_whole = name in (*_WHOLE, *_PIXELS) and bool((known == np.floor(known)).all())
+            found.append(Column(header, WHOLE if is_whole else NUMBER, values))
+    return found + [Column(header, TEXT, cells) for header, cells in table.other.items()]
+
+
+def seconds_of(times_utc: Sequence[str]) -> Floats:
+    """Unix seconds (n,) of times in ISO 8601, NaN for empty ones; raises InvalidInput for what is no time."""
+    found = np.full(len(times_utc), np.nan)
+    for at, text in enumerate(times_utc):
+        if text:
+            try:
+                time = datetime.fromisoformat(text.replace("Z", "+00:00"))
+            except ValueError as wrong:
+                raise InvalidInput("time_utc {0!r}: is no time in ISO 8601", text) from wrong
+            found[at] = (time if time.tzinfo else time.replace(tzinfo=timezone.utc)).timestamp()
+    return found
 
 
 def first_faults(faults: Sequence[str], joint: str = "; ") -> Message:

@@ -3,5 +3,8 @@
 In reading order:
 
 - `views`: camera frames of a dataset with their poses in one local frame
-- `formats`: COLMAP models, nerfstudio's transforms, trajectories as TUM has them
+- `formats`: COLMAP models, nerfstudio's transforms, trajectories as TUM and KITTI have them
+- `tables`: tables of any dataset as Parquet, with footprints
+- `huggingface`: folders of images with a card, for Hugging Face's datasets
+- `croissant`: a description of a dataset's files and records
 """

@@ -41,10 +41,7 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
     """
     if kind not in FORMATS:
         raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(FORMATS))
-    path = Path(folder)
-    make_folder(path)
-    if any(path.iterdir()):
-        raise OutputError("folder {0}: is not empty", folder, remedy="choose another folder")
+    path = new_folder(folder)
     for name, text in FORMATS[kind](views, path).items():
         make_folder((path / name).parent)
         write_whole(path / name, text.encode("utf-8"))
@@ -58,6 +55,15 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
         "unit": "m",
     }
     write_whole(path / ORIGIN_FILE, (json.dumps(origin, indent=1) + "\n").encode("utf-8"))
+    return path
+
+
+def new_folder(folder: str | os.PathLike[str]) -> Path:
+    """Make a folder; raises OutputError where it cannot be made, or is not empty."""
+    path = Path(folder)
+    make_folder(path)
+    if any(path.iterdir()):
+        raise OutputError("folder {0}: is not empty", folder, remedy="choose another folder")
     return path
 
 
@@ -114,18 +120,36 @@ def nerfstudio(views: Views, path: Path) -> dict[str, str]:
 
 
 def tum(views: Views, _: Path) -> dict[str, str]:
-    """A trajectory as TUM has it: number, place, and quaternion (x, y, z, w) camera to world, with OpenCV's axes.
+    """A trajectory as TUM has it: time, place, and quaternion (x, y, z, w) camera to world, with OpenCV's axes.
 
-    The first column is the image's number from 0, in the order of the table.
+    Times are Unix seconds; where the table has none, the image's number from 0, in the order of the table.
     """
     quaternions = quaternions_of(np.swapaxes(views.rotations, 1, 2))
+    first, times = (
+        ("number", np.arange(float(len(views)))) if views.times_s is None else ("timestamp", views.times_s)
+    )
     lines = [
         " ".join(
-            repr(float(one)) for one in (at, *views.centres_m[at], *quaternions[at][1:], quaternions[at][0])
+            repr(float(one))
+            for one in (times[at], *views.centres_m[at], *quaternions[at][1:], quaternions[at][0])
         )
         for at in range(len(views))
     ]
-    return {"trajectory.txt": "# number x y z qx qy qz qw\n" + "\n".join(lines) + "\n"}
+    return {"trajectory.txt": f"# {first} x y z qx qy qz qw\n" + "\n".join(lines) + "\n"}
+
+
+def kitti(views: Views, _: Path) -> dict[str, str]:
+    """A trajectory as KITTI has it: each line is the upper three rows of a pose camera to world, with OpenCV's axes.
+
+    Where the table has times, ``times.txt`` has the seconds since the first.
+    """
+    turned, places = np.swapaxes(views.rotations, 1, 2), views.centres_m[:, :, np.newaxis]
+    rows = np.concatenate([turned, places], axis=2).reshape(-1, 12)
+    files = {"poses.txt": "".join(" ".join(map(repr, row)) + "\n" for row in rows.tolist())}
+    if views.times_s is not None:
+        since = views.times_s - views.times_s[0]
+        files["times.txt"] = "".join(f"{second:.6f}\n" for second in since.tolist())
+    return files
 
 
 #: Formats by their names.
@@ -133,6 +157,7 @@ FORMATS: Mapping[str, Callable[[Views, Path], dict[str, str]]] = {
     "colmap": colmap,
     "nerfstudio": nerfstudio,
     "tum": tum,
+    "kitti": kitti,
 }
 
 

@@ -14,7 +14,7 @@ from ..dataset.dataset import read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.ground import of_camera
 from ..dataset.labels import middle_of
-from ..dataset.table import taken
+from ..dataset.table import seconds_of, taken
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame
@@ -41,6 +41,8 @@ class Views:
         Cameras, above the WGS 84 ellipsoid.
     yaw_deg, tilt_deg, roll_deg : array (n,)
         As `Camera.rays_enu` has them.
+    times_s : array (n,) or None
+        Unix seconds; None where the table does not have the times of all.
     """
 
     folder: Path
@@ -55,6 +57,7 @@ class Views:
     yaw_deg: Floats
     tilt_deg: Floats
     roll_deg: Floats
+    times_s: Floats | None = None
 
     def __len__(self) -> int:
         return len(self.names)
@@ -110,6 +113,7 @@ class Views:
             )
         heights = table.height_m[rows]
         level = table.agl_m[rows] + mission.flight.ground_height_m
+        times = seconds_of([table.time_utc[row] for row in rows.tolist()])
         width, height = (size[rows] for size in (table.image_width_px, table.image_height_px))
         tan_x, tan_y = mission.camera.half_tangents
         return cls(
@@ -125,4 +129,5 @@ class Views:
             table.yaw_deg[rows],
             table.tilt_deg[rows],
             table.roll_deg[rows],
+            times if np.isfinite(times).all() else None,
         )

@@ -148,7 +148,8 @@ def outline(
     view = _View(camera, lat_deg, agl_m, attitude, ground)
     edge = view.frame_points()
     lat, dlon, hit = view.seen(edge)
-    arc = view.limb_points()
+    # Ground that holds all four corners of the image holds all of it, as it is convex there.
+    arc = _NO_ARC if hit.all() else view.limb_points()
     points = np.concatenate([edge[hit], arc.image_xy])
     on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
     if len(points) < 3:
@@ -186,6 +187,9 @@ class _Arc:
     lat_deg: Floats
     dlon_deg: Floats
     image_xy: Floats
+
+
+_NO_ARC = _Arc(np.empty(0), np.empty(0), np.empty((0, 2)))
 
 
 @dataclass(frozen=True)
@@ -230,7 +234,7 @@ class _View:
             start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])
         ]
         if not azimuths:
-            return _Arc(np.empty(0), np.empty(0), np.empty((0, 2)))
+            return _NO_ARC
         lat, dlon, points, _ = self._on_limb(np.concatenate(azimuths))
         return _Arc(lat, dlon, np.clip(points, -1.0, 1.0))
 

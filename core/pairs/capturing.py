@@ -16,7 +16,7 @@ from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, check
 from ..capture.several import capture_each, together
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import Message, OptionName, OutputError
-from ..files import make_folder, open_locked, write_whole
+from ..files import link_or_copy, make_folder, open_locked, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
 from ..text import table_cell
@@ -237,12 +237,7 @@ def _put(target: Path, captured: Path) -> None:
                 captured,
                 remedy="move it away",
             )
-        make_folder(target.parent)
-        try:
-            os.link(captured, target)
-        except OSError:
-            # File systems without further names for a file, such as FAT and some network drives.
-            write_whole(target, captured.read_bytes())
+        link_or_copy(captured, target)
     except OSError as wrong:
         raise OutputError("image {0}: cannot be placed ({1})", target, wrong.strerror) from wrong
 

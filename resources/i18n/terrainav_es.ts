@@ -5244,6 +5244,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/benchmark/folder.py"/>
         <location filename="../../core/dataset/table.py"/>
+        <location filename="../../core/exports/croissant.py"/>
         <source>table {0}: cannot be read ({1})</source>
         <translation>tabla {0}: no se puede leer ({1})</translation>
     </message>
@@ -5576,6 +5577,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/config.py"/>
         <location filename="../../core/dataset/labels.py"/>
+        <location filename="../../core/exports/tables.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: cannot be read ({1})</source>
@@ -6098,6 +6100,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
+        <source>time_utc {0!r}: is no time in ISO 8601</source>
+        <translation>time_utc {0!r}: no es una hora en formato ISO 8601</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
         <source>{0}: has column {1} more than once</source>
         <translation>{0}: tiene la columna {1} más de una vez</translation>
     </message>
@@ -6193,6 +6200,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}, y no ser {6:g}, que en otros archivos significa sin datos</translation>
     </message>
     <message>
+        <location filename="../../core/exports/croissant.py"/>
+        <source>folder {0}: a {1} describes the files beside it</source>
+        <translation>carpeta {0}: {1} describe los archivos que tiene a su lado</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/croissant.py"/>
+        <source>give the dataset's own</source>
+        <translation>indicar la del propio conjunto de datos</translation>
+    </message>
+    <message>
         <location filename="../../core/exports/formats.py"/>
         <source>folder {0}: is not empty</source>
         <translation>carpeta {0}: no está vacía</translation>
@@ -6201,6 +6218,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/formats.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/huggingface.py"/>
+        <source>image {0}: cannot be placed ({1})</source>
+        <translation>imagen {0}: no se puede colocar ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/huggingface.py"/>
+        <source>map type {0!r}: has no image to export</source>
+        <translation>tipo de mapa {0!r}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/tables.py"/>
+        <source>format parquet: pyarrow cannot be imported ({0})</source>
+        <translation>formato parquet: no se puede importar pyarrow ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/tables.py"/>
+        <source>get it with: pip install 'terrainav[parquet]'</source>
+        <translation>se obtiene con: pip install 'terrainav[parquet]'</translation>
     </message>
     <message>
         <location filename="../../core/exports/views.py"/>

@@ -28,6 +28,7 @@ ON_DEMAND = {
     "tensorflow",
     "dask",
     "pandas",
+    "pyarrow",
     "owslib",
 }
 

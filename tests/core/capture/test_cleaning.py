@@ -433,8 +433,9 @@ def test_the_command(dataset, tmp_path, monkeypatch, capsys):
 
 
 def with_entropies(folder, of):
-    """A dataset whose table of the satellite images has other entropies."""
+    """A dataset of somebody's, whose table of the satellite images has other entropies."""
     shutil.rmtree(folder / "roadmap")
+    (folder / "mission.json").unlink()
     path = folder / "satellite" / "meta_data.csv"
     table = Table.load(path)
     values = [
@@ -462,6 +463,14 @@ def test_which_entropies_a_table_holds_is_told(dataset, tmp_path, monkeypatch, c
     assert cleaned.measure == measure
     found = command(tmp_path, monkeypatch, capsys)("clean", str(folder), "--entropy", "1", "--dry-run")
     assert said in found.stdout
+
+
+def test_a_capture_holds_those_of_grey_levels_whatever_its_jpegs_have_lost(dataset):
+    folder, _, _ = dataset
+    for path in folder.glob("*/meta_data.csv"):
+        table = Table.load(path)
+        Table(**{**vars(table), "entropies": table.entropies - 0.5}).save(path)
+    assert {one.measure for one in clean(folder, 1.0, dry_run=True)} == {"grey"}
 
 
 @pytest.mark.parametrize(("threshold", "said"), [(0.0, "rejects nothing"), (8.0, "rejects nearly all")])

@@ -141,6 +141,18 @@ def test_tum(captured, tmp_path):
         check_colours(captured / "satellite" / views.names[at], focal, to_world, row[1:4], origin_of(folder))
 
 
+def test_kitti(captured, tmp_path):
+    views = Views.read(captured)
+    folder = export(views, tmp_path / "kitti", "kitti")
+    rows = np.loadtxt(folder / "poses.txt").reshape(7, 3, 4)
+    assert not (folder / "times.txt").exists()
+    for at, row in enumerate(rows):
+        focal = views.fx_px[at], views.fy_px[at], views.width_px[at] / 2.0, views.height_px[at] / 2.0
+        check_colours(
+            captured / "satellite" / views.names[at], focal, row[:, :3], row[:, 3], origin_of(folder)
+        )
+
+
 def test_quaternions_are_those_of_scipy():
     rotations = Rotation.random(200, random_state=1).as_matrix()
     halves = Rotation.from_euler(
@@ -184,7 +196,7 @@ def test_the_command(captured, tmp_path, monkeypatch, capsys):
 
 def test_bad_requests_are_refused(captured, tmp_path):
     views = Views.read(captured)
-    with pytest.raises(InvalidInput, match="format 'ply': must be one of colmap, nerfstudio, tum"):
+    with pytest.raises(InvalidInput, match="format 'ply': must be one of colmap, nerfstudio, tum, kitti"):
         export(views, tmp_path / "a", "ply")
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(OutputError, match="is not empty; choose another folder"):

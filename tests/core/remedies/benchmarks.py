@@ -11,7 +11,9 @@ from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
 from terrainav.core.cli import benchmarking
 from terrainav.core.errors import PartError
+from terrainav.core.exports.croissant import write_croissant
 from terrainav.core.exports.formats import export
+from terrainav.core.exports.tables import write_parquet
 from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box
@@ -20,6 +22,7 @@ from terrainav.core.mission.mission import Mission
 
 from tests.core.remedies.commands import STOPPED, pressed
 from tests.core.remedies.files import extra_brings
+from tests.support.datasets import write_dataset
 from tests.support.remedies import Case, remedy
 
 WORLD = NamedImagery("air", "world")
@@ -200,6 +203,25 @@ def _not_empty(case: Case) -> None:
     views = Views.read(case.tmp_path / "out" / "queries" / "air")
     case.refused(lambda: export(views, case.tmp_path, "tum"))
     case.follow("choose another folder", lambda: export(views, case.tmp_path / "other", "tum"))
+
+
+@remedy("exports/croissant.py", "folder {}: a {} describes the files beside it; give the dataset's own")
+def _elsewhere(case: Case) -> None:
+    folder = write_dataset(case.tmp_path / "out")
+    case.refused(lambda: write_croissant(folder, case.tmp_path / "other"))
+    case.follow("give the dataset's own", lambda: write_croissant(folder, folder))
+
+
+@remedy(
+    "exports/tables.py",
+    "format parquet: pyarrow cannot be imported ({}); get it with: pip install 'terrainav[parquet]'",
+)
+def _no_pyarrow(case: Case) -> None:
+    folder = write_dataset(case.tmp_path / "out")
+    with case.monkeypatch.context() as without:
+        without.setitem(sys.modules, "pyarrow", None)
+        case.refused(lambda: write_parquet(folder, folder))
+    case.follow("get it with: pip install 'terrainav[parquet]'", lambda: extra_brings("parquet", "pyarrow"))
 
 
 @remedy(

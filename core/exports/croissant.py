@@ -1,0 +1,195 @@
+"""Datasets as MLCommons' Croissant describes them: files, and records of them with typed fields."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+from ..dataset.dataset import Dataset, ImageSet, read_dataset
+from ..dataset.folder import TABLE_FILE
+from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
+from ..errors import InvalidInput
+from ..files import write_whole
+from .huggingface import credit_of
+from .tables import chosen_sets, inside, is_same
+
+CROISSANT_FILE = "croissant.json"
+CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
+#: Types of fields by the kinds of columns; texts otherwise.
+_TYPES = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
+#: What the words of a description mean: the context that Croissant 1.0 prescribes.
+_CONTEXT: dict[str, Any] = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "citeAs": "cr:citeAs",
+    "column": "cr:column",
+    "conformsTo": "dct:conformsTo",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "dct": "http://purl.org/dc/terms/",
+    "equivalentProperty": "cr:equivalentProperty",
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+    "extract": "cr:extract",
+    "field": "cr:field",
+    "fileProperty": "cr:fileProperty",
+    "fileObject": "cr:fileObject",
+    "fileSet": "cr:fileSet",
+    "format": "cr:format",
+    "includes": "cr:includes",
+    "isLiveDataset": "cr:isLiveDataset",
+    "jsonPath": "cr:jsonPath",
+    "key": "cr:key",
+    "md5": "cr:md5",
+    "parentField": "cr:parentField",
+    "path": "cr:path",
+    "recordSet": "cr:recordSet",
+    "references": "cr:references",
+    "regex": "cr:regex",
+    "repeated": "cr:repeated",
+    "replace": "cr:replace",
+    "samplingRate": "cr:samplingRate",
+    "sc": "https://schema.org/",
+    "separator": "cr:separator",
+    "source": "cr:source",
+    "subField": "cr:subField",
+    "transform": "cr:transform",
+}
+#: Media types of images by their endings.
+_MEDIA = {
+    ".tif": "image/tiff",
+    ".tiff": "image/tiff",
+    ".png": "image/png",
+    ".jpg": "image/jpeg",
+    ".jpeg": "image/jpeg",
+}
+_BLOCK_BYTES = 1 << 20
+
+
+def write_croissant(
+    folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
+) -> list[Path]:
+    """Write ``croissant.json`` into a dataset's folder, whose files it describes; returns it.
+
+    Each map type is a record set: its images, and the columns of ``meta_data.csv``. An earlier description is replaced.
+
+    Parameters
+    ----------
+    target : path
+        The dataset's folder once more.
+    map_type : str or None
+        One alone.
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no dataset, has no such map type, or is another than the target.
+    OutputError
+        A folder that cannot be written.
+    """
+    dataset = read_dataset(folder)
+    if not is_same(dataset.folder, target):
+        raise InvalidInput(
+            "folder {0}: a {1} describes the files beside it",
+            target,
+            CROISSANT_FILE,
+            remedy="give the dataset's own",
+        )
+    sets = chosen_sets(dataset, map_type)
+    files: list[dict[str, Any]] = []
+    records = []
+    for name, images in sets.items():
+        headers, sha256 = _headers_and_sum(images.folder / TABLE_FILE)
+        files += _files(dataset, name, images, sha256)
+        records.append(_records(name, images, headers))
+    description = {
+        "@context": _CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": CONFORMS_TO,
+        "name": dataset.folder.resolve().name,
+        "description": "Georeferenced images of the ground with the poses of a virtual UAV's camera.",
+        "license": "Terms of who made the imagery: "
+        + "; ".join(f"{name}: {credit_of(images)}" for name, images in sets.items()),
+        "distribution": files,
+        "recordSet": records,
+    }
+    path = dataset.folder / CROISSANT_FILE
+    write_whole(path, (json.dumps(description, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
+    return [path]
+
+
+def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
+    """The table of a map type, with its checksum, and the set of its images."""
+    place = inside(dataset, images)
+    pictures = images.image_folder.resolve().relative_to(dataset.folder.resolve())
+    endings = dict.fromkeys(Path(one).suffix for one in images.table.img_names)
+    return [
+        {
+            "@type": "cr:FileObject",
+            "@id": f"{name}/table",
+            "name": TABLE_FILE,
+            "contentUrl": (place / TABLE_FILE).as_posix(),
+            "encodingFormat": "text/csv",
+            "sha256": sha256,
+        },
+        {
+            "@type": "cr:FileSet",
+            "@id": f"{name}/files",
+            "name": f"images of {name}",
+            "encodingFormat": [_MEDIA.get(one.lower(), "application/octet-stream") for one in endings],
+            "includes": [(pictures / f"*{one}").as_posix() for one in endings],
+        },
+    ]
+
+
+def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
+    """Record set of a map type: an image and its row of the table."""
+    table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
+    # Tables of others have some of our columns.
+    first, *columns = (one for one in columns_of(images.table) if one.header in headers)
+    names = {
+        **_field(name, "file", "sc:Text"),
+        "source": {"fileSet": files, "extract": {"fileProperty": "filename"}},
+        "references": {"fileObject": table, "extract": {"column": first.header}},
+    }
+    image = {
+        **_field(name, "image", "sc:ImageObject"),
+        "source": {"fileSet": files, "extract": {"fileProperty": "content"}},
+    }
+    fields = [
+        {
+            **_field(name, one.header, _TYPES.get(one.kind, "sc:Text")),
+            "source": {"fileObject": table, "extract": {"column": one.header}},
+        }
+        for one in columns
+    ]
+    return {
+        "@type": "cr:RecordSet",
+        "@id": name,
+        "name": name,
+        "key": {"@id": f"{name}/file"},
+        "field": [names, image, *fields],
+    }
+
+
+def _field(record: str, name: str, kind: str) -> dict[str, Any]:
+    return {"@type": "cr:Field", "@id": f"{record}/{name}", "name": name, "dataType": kind}
+
+
+def _headers_and_sum(path: Path) -> tuple[list[str], str]:
+    """Headers of a table, and the checksum of its file."""
+    digest = hashlib.sha256()
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as text:
+            headers = next(csv.reader(text))
+        with path.open("rb") as file:
+            while block := file.read(_BLOCK_BYTES):
+                digest.update(block)
+    except OSError as wrong:
+        raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
+    return headers, digest.hexdigest()

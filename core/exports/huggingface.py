@@ -1,0 +1,180 @@
+"""Datasets as the library ``datasets`` of Hugging Face reads them: folders of images with a card."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..dataset.dataset import ImageSet, read_dataset
+from ..dataset.folder import PARTS
+from ..dataset.table import NUMBER, WHOLE, Column, columns_of, part_of, taken
+from ..errors import InvalidInput, OutputError
+from ..files import link_or_copy, write_whole
+from ..map_types import SATELLITE
+from .formats import new_folder
+from .tables import chosen_sets
+
+CARD_FILE, METADATA_FILE = "README.md", "metadata.jsonl"
+#: Types of columns, by their kinds; texts otherwise.
+_TYPES = {WHOLE: "int64", NUMBER: "float64"}
+#: Sizes of datasets as cards have them: fewer images than.
+_SIZES = {10**3: "n<1K", 10**4: "1K<n<10K", 10**5: "10K<n<100K", 10**6: "100K<n<1M", 10**7: "1M<n<10M"}
+
+
+def write_huggingface(
+    folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
+) -> list[Path]:
+    """Write a dataset as a folder that ``datasets.load_dataset`` takes; returns the card and the tables.
+
+    Each map type is a configuration: a folder of the parts ``train``, ``validation`` and ``test`` of a dataset that is
+    split, or of all images. Each of these has a ``metadata.jsonl`` with the columns of ``meta_data.csv`` that hold
+    anything. Images are further names of the dataset's files, or copies where the disk has none; what failed, is
+    rejected or is in the gap between parts is left out.
+
+    Parameters
+    ----------
+    target : path
+        A new or empty folder.
+    map_type : str or None
+        One alone.
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no dataset, has no such map type, or no images for one.
+    OutputError
+        A folder that cannot be written or is not empty.
+    """
+    sets = chosen_sets(read_dataset(folder), map_type)
+    parts = {name: _parts(name, images) for name, images in sets.items()}
+    root = new_folder(target)
+    card, written = root / CARD_FILE, []
+    features = {}
+    for name, images in sets.items():
+        columns = _columns(images, np.concatenate([*parts[name].values()]))
+        features[name] = {one.header: _TYPES.get(one.kind, "string") for one in columns}
+        for part, rows in parts[name].items():
+            place = root / name / part
+            for row in rows.tolist():
+                _put(images.path(row), place / images.table.img_names[row])
+            write_whole(place / METADATA_FILE, _lines(images, columns, rows))
+            written.append(place / METADATA_FILE)
+    write_whole(card, _card(sets, parts, features).encode("utf-8"))
+    return [card, *written]
+
+
+def _parts(name: str, images: ImageSet) -> dict[str, Any]:
+    """Rows of each part that has any; of all images, in the folder itself, where there is no split."""
+    rows, part = np.flatnonzero(taken(images.table)), part_of(images.table)
+    if part is None:
+        found = {"": rows} if len(rows) else {}
+    else:
+        of_part = {
+            one: np.array([row for row in rows.tolist() if part[row] == one], np.int64) for one in PARTS
+        }
+        found = {one: some for one, some in of_part.items() if len(some)}
+    if not found:
+        raise InvalidInput("map type {0!r}: has no image to export", name)
+    return found
+
+
+def _columns(images: ImageSet, rows: Any) -> list[Column]:
+    """Columns that hold anything in some rows, but for the images' names."""
+    _, *columns = columns_of(images.table)
+    found = []
+    for one in columns:
+        # Times as texts, which all versions of the library read alike.
+        values = images.table.time_utc if one.header == "time_utc" else one.values
+        if (
+            any(values[row] for row in rows.tolist())
+            if isinstance(values, tuple)
+            else np.isfinite(values[rows]).any()
+        ):
+            found.append(one._replace(values=values))
+    return found
+
+
+def _lines(images: ImageSet, columns: list[Column], rows: Any) -> Iterator[bytes]:
+    for row in rows.tolist():
+        cells = {one.header: _value(one, row) for one in columns}
+        line = json.dumps({"file_name": images.table.img_names[row], **cells}, ensure_ascii=False)
+        yield f"{line}\n".encode()
+
+
+def _value(column: Column, row: int) -> str | int | float | None:
+    value = column.values[row]
+    if isinstance(value, str):
+        return value or None
+    if not np.isfinite(value):
+        return None
+    return int(value) if column.kind == WHOLE else float(value)
+
+
+def _put(origin: Path, target: Path) -> None:
+    try:
+        link_or_copy(origin, target)
+    except OSError as wrong:
+        raise OutputError("image {0}: cannot be placed ({1})", target, wrong.strerror) from wrong
+
+
+def _card(
+    sets: Mapping[str, ImageSet],
+    parts: Mapping[str, Mapping[str, Any]],
+    features: Mapping[str, Mapping[str, str]],
+) -> str:
+    """Card: YAML for programs, then Markdown for people."""
+    count = sum(len(rows) for one in parts.values() for rows in one.values())
+    size = next((text for most, text in _SIZES.items() if count < most), "n>10M")
+    lines = [
+        "---",
+        "license: other",
+        "license_name: imagery-provider",
+        f"size_categories: [{_quoted(size)}]",
+        "tags: [geospatial, uav, visual-localization]",
+        "configs:",
+    ]
+    default = SATELLITE if SATELLITE in sets else next(iter(sets))
+    for name in sets:
+        lines += [f"- config_name: {_quoted(name)}", f"  data_dir: {_quoted(name)}"]
+        lines += ["  default: true"] if name == default else []
+    lines.append("dataset_info:")
+    for name, types in features.items():
+        lines += [f"- config_name: {_quoted(name)}", "  features:"]
+        for header, kind in {"image": "image", **types}.items():
+            lines += [f"  - name: {_quoted(header)}", f"    dtype: {kind}"]
+    lines += ["---", "", "# Georeferenced images with their poses", "", "| configuration | part | images |"]
+    lines.append("| --- | --- | ---: |")
+    lines += [
+        f"| {name} | {part or 'all'} | {len(rows):,} |"
+        for name, some in parts.items()
+        for part, rows in some.items()
+    ]
+    lines += [
+        "",
+        "`Lat` and `Lon` are the ground in the middle of an image, in degrees (WGS 84); `Alt` is the zoom.",
+        "`pose_lat_deg`, `pose_lon_deg` and `agl_m` are the camera's place and its height above the ground, `yaw_deg`,",
+        "`tilt_deg` (0 looks straight down) and `roll_deg` its attitude.",
+        "",
+        "The terms are those of who made the imagery:",
+        "",
+    ]
+    return "\n".join([*lines, *(f"- {name}: {credit_of(images)}" for name, images in sets.items()), ""])
+
+
+def credit_of(images: ImageSet) -> str:
+    """Who made the imagery of a map type: its sources with their attributions."""
+    table = images.table
+    found = dict.fromkeys(
+        ", ".join(text for text in pair if text) for pair in zip(table.source, table.attribution)
+    )
+    return "; ".join(text for text in found if text) or "not known"
+
+
+def _quoted(text: str) -> str:
+    """Text of YAML, of which JSON's are."""
+    return json.dumps(text, ensure_ascii=False)
