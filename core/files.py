@@ -152,7 +152,11 @@ def link_or_copy(origin: Path, target: Path) -> None:
     except FileExistsError:
         raise
     except OSError:
-        write_whole(target, origin.read_bytes())
+        try:
+            data = origin.read_bytes()
+        except OSError as wrong:
+            raise OutputError("image {0}: cannot be read ({1})", origin, wrong.strerror) from wrong
+        write_whole(target, data)
 
 
 @contextlib.contextmanager

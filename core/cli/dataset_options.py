@@ -28,9 +28,11 @@ _SHARED = (
     *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
-#: Formats of exports, by the names of `exports.formats`; and those that take a dataset of any images.
+#: Formats of exports, by the names of `exports.formats`; those that take a dataset of any images; and the layouts of
+#: `exports.localisers`, which take a benchmark.
 EXPORTS = ("colmap", "nerfstudio", "tum", "kitti")
 DATASET_EXPORTS = ("parquet", "huggingface", "croissant")
+BENCHMARK_EXPORTS = ("university-1652", "denseuav", "uav-visloc", "gta-uav", "ortholoc", "anyvisloc")
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
@@ -314,9 +316,12 @@ def _add_convert(commands: Any) -> None:
 
 def _add_export(commands: Any) -> None:
     exporting = commands.add_parser(
-        "export", help="write a dataset, or its camera frames with their poses, in a format of other programs"
+        "export",
+        help="write a dataset, its camera frames with their poses, or a benchmark for other programs",
     )
-    exporting.add_argument("folder", metavar="OUT", help="the dataset's folder; it is only read")
+    exporting.add_argument(
+        "folder", metavar="OUT", help="the folder of the dataset or benchmark; it is only read"
+    )
     exporting.add_argument(
         "target",
         metavar="FOLDER",
@@ -326,9 +331,10 @@ def _add_export(commands: Any) -> None:
         "--as",
         dest="format",
         required=True,
-        choices=(*EXPORTS, *DATASET_EXPORTS),
-        help="COLMAP's model, nerfstudio's, or a trajectory; tables as Parquet, folders of images for Hugging Face's "
-        "datasets, or a description of the files",
+        choices=(*EXPORTS, *DATASET_EXPORTS, *BENCHMARK_EXPORTS),
+        help="of camera frames: COLMAP's model, nerfstudio's, or a trajectory; of a dataset: tables as Parquet, "
+        "folders of images for Hugging Face's datasets, or a description of the files; of a benchmark: the layout of "
+        "a set that localisers are judged on",
     )
     exporting.add_argument(
         "--map-type",

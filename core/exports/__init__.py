@@ -1,4 +1,4 @@
-"""Datasets in the formats that other programs read.
+"""Datasets and benchmarks in the formats that other programs read.
 
 In reading order:
 
@@ -7,4 +7,6 @@ In reading order:
 - `tables`: tables of any dataset as Parquet, with footprints
 - `huggingface`: folders of images with a card, for Hugging Face's datasets
 - `croissant`: a description of a dataset's files and records
+- `scenes`: the ground of a benchmark in metres, as its queries see it and as its reference shows it
+- `localisers`: benchmarks in the layouts of the sets that localisers are judged on
 """

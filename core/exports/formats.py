@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, OutputError
 from ..files import make_folder, write_whole
-from .views import Views
+from .views import ORIGIN_FILE, Views, origin_of
 
 Floats = NDArray[np.float64]
 
-ORIGIN_FILE = "origin.json"
 #: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).
 _OPENGL = np.diag([1.0, -1.0, -1.0])
 
@@ -45,16 +44,8 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
     for name, text in FORMATS[kind](views, path).items():
         make_folder((path / name).parent)
         write_whole(path / name, text.encode("utf-8"))
-    frame = views.frame
-    origin = {
-        "lat_deg": frame.lat_deg,
-        "lon_deg": frame.lon_deg,
-        "height_m": frame.height_m,
-        "datum": "WGS 84 ellipsoid",
-        "axes": ["east", "north", "up"],
-        "unit": "m",
-    }
-    write_whole(path / ORIGIN_FILE, (json.dumps(origin, indent=1) + "\n").encode("utf-8"))
+    origin = json.dumps(origin_of(views.frame), indent=1) + "\n"
+    write_whole(path / ORIGIN_FILE, origin.encode("utf-8"))
     return path
 
 

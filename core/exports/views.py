@@ -23,6 +23,8 @@ from ..mission.mission import Mission
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
+ORIGIN_FILE = "origin.json"
+
 
 @dataclass(frozen=True, eq=False)
 class Views:
@@ -76,14 +78,8 @@ class Views:
     @cached_property
     def rotations(self) -> Floats:
         """Rotations (n, 3, 3) that take vectors of the frame to a camera's right, down and view (OpenCV's axes)."""
-        right, image_up, axis = image_axes(self.yaw_deg, self.tilt_deg, self.roll_deg)
-        own = np.stack([right, -image_up, axis], axis=1)
-        # Attitudes count from the north and the up of where the camera is.
-        turns = [
-            self.frame.turn_to(lat, lon) for lat, lon in zip(self.lat_deg.tolist(), self.lon_deg.tolist())
-        ]
-        found: Floats = own @ np.array(turns).reshape(-1, 3, 3)
-        return found
+        attitude = self.yaw_deg, self.tilt_deg, self.roll_deg
+        return rotations_of(self.frame, self.lat_deg, self.lon_deg, *attitude)
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str], map_type: str | None = None) -> Views:
@@ -131,3 +127,27 @@ class Views:
             table.roll_deg[rows],
             times if np.isfinite(times).all() else None,
         )
+
+
+def rotations_of(
+    frame: LocalFrame, lat_deg: Floats, lon_deg: Floats, yaw_deg: Floats, tilt_deg: Floats, roll_deg: Floats
+) -> Floats:
+    """Rotations (n, 3, 3) from a frame's east, north and up to cameras' right, down and view, of arrays (n,)."""
+    right, image_up, axis = image_axes(yaw_deg, tilt_deg, roll_deg)
+    own = np.stack([right, -image_up, axis], axis=1)
+    # Attitudes count from the north and the up of where the camera is.
+    turns = [frame.turn_to(lat, lon) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist())]
+    found: Floats = own @ np.array(turns).reshape(-1, 3, 3)
+    return found
+
+
+def origin_of(frame: LocalFrame) -> dict[str, object]:
+    """What `ORIGIN_FILE` says of a frame, JSON-ready."""
+    return {
+        "lat_deg": frame.lat_deg,
+        "lon_deg": frame.lon_deg,
+        "height_m": frame.height_m,
+        "datum": "WGS 84 ellipsoid",
+        "axes": ["east", "north", "up"],
+        "unit": "m",
+    }

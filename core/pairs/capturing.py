@@ -7,7 +7,7 @@ import filecmp
 import io
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -25,6 +25,16 @@ from .planning import DRONE, SATELLITE, PairPlan
 
 SETTINGS_FILE, TABLE_FILE = "pairs.json", "pairs.csv"
 CAPTURES_FOLDER = "captures"
+README_FILE = "README.txt"
+#: Views of University-1652 that no drone takes, but that its baseline opens (the second one to train): the most oblique
+#: drone view stands in.
+STAND_INS = ("street", "google")
+_README = """Cross-view pairs in the layout of University-1652, made with TerrAInav.
+
+The folders `street`, `google`, `query_street` and `gallery_street` hold no photographs from the ground. They are
+stand-ins, there so that programs which open them start: of each place, the most oblique view of the drone, under the
+name that it has in `drone`. No figure that is worked out with them says anything about street views.
+"""
 #: Held while a run is at work in a folder.
 _LOCK_FILE = "run.lock"
 COLUMNS = (
@@ -74,8 +84,8 @@ def capture_pairs(
     The captures are datasets like any other, in ``captures/satellite`` and ``captures/drone`` (one for each tilt where
     there are several). Their images are placed in ``train/<view>/<id>``, ``test/query_<view>/<id>`` and
     ``test/gallery_<view>/<id>`` as further names of the same files (hard links), or as copies where the disk has no
-    such. A place without a satellite view, or without any view of the drone, is left out of all of them. The same
-    settings leave the same bytes, in one go or in several.
+    such. The views of `STAND_INS` are the most oblique one of the drone. A place without a satellite view, or without
+    any view of the drone, is left out of all of them. The same settings leave the same bytes, in one go or in several.
 
     Parameters
     ----------
@@ -175,6 +185,18 @@ def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
         complete = made[0] and any(made[1:])
         if not complete:
             left_out.append(one)
+        oblique = _most_oblique(worked_out, made[1:])
+        for view in STAND_INS if worked_out.parts[place] == TRAIN else STAND_INS[:1]:
+            for at, image in enumerate(images[1 : 1 + len(worked_out.settings.views)]):
+                stand_in = replace(image, view=view)
+                if at == oblique:
+                    images.append(stand_in)
+                    found.append(found[1 + at])
+                    made.append(made[1 + at])
+                else:
+                    # One that stood in while a more oblique view was missing.
+                    for file in _files(worked_out.parts[place], one, stand_in):
+                        _withdraw(path / file)
         for image, outcome, there in zip(images, found, made):
             captured = _captured(path, worked_out, image) if there else None
             files = _files(worked_out.parts[place], one, image)
@@ -193,7 +215,15 @@ def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
     table.writeheader()
     table.writerows(rows)
     write_whole(path / TABLE_FILE, text.getvalue().encode("utf-8"))
+    write_whole(path / README_FILE, _README.encode("utf-8"))
     return tuple(left_out)
+
+
+def _most_oblique(worked_out: PairPlan, made: Sequence[bool]) -> int:
+    """Which of a place's drone views is most oblique, and of several the lowest one: of those made, if any is."""
+    views = worked_out.settings.views
+    among = [at for at, there in enumerate(made) if there] or list(range(len(views)))
+    return max(among, key=lambda at: (views[at].tilt_deg, -views[at].agl_m, -at))
 
 
 def _images(worked_out: PairPlan, place: int) -> Iterator[_Image]:
@@ -211,7 +241,8 @@ def _picture(worked_out: PairPlan, image: _Image) -> str:
 
 def _captured(path: Path, worked_out: PairPlan, image: _Image) -> Path:
     """File of a captured picture; cleaning may have moved it."""
-    folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.imagery_of(image.view).map_type
+    view = SATELLITE if image.mission == SATELLITE else DRONE
+    folder = path / CAPTURES_FOLDER / image.mission / worked_out.settings.imagery_of(view).map_type
     name = f"{_picture(worked_out, image)}.jpg"
     moved = folder / REJECTED_FOLDER / name
     return moved if moved.exists() and not (folder / name).exists() else folder / name

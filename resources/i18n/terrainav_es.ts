@@ -5213,6 +5213,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/folder.py"/>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/ground.py"/>
+        <location filename="../../core/exports/scenes.py"/>
+        <location filename="../../core/files.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
@@ -6216,6 +6218,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/formats.py"/>
+        <location filename="../../core/exports/localisers.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
     </message>
@@ -6228,6 +6231,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/huggingface.py"/>
         <source>map type {0!r}: has no image to export</source>
         <translation>tipo de mapa {0!r}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/localisers.py"/>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: cannot be made ({1})</source>
+        <translation>carpeta {0}: no se puede crear ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/localisers.py"/>
+        <source>folder {0}: is left of an export that was stopped</source>
+        <translation>carpeta {0}: quedó de una exportación que se detuvo</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/localisers.py"/>
+        <source>remove it</source>
+        <translation>elimínela</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/localisers.py"/>
+        <source>{0:,} scenes: AnyVisLoc's names have room for {1}</source>
+        <translation>{0:,} escenas: en los nombres de AnyVisLoc caben {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/scenes.py"/>
+        <source>benchmark {0}: does not say how its queries were taken</source>
+        <translation>banco de pruebas {0}: no dice cómo se tomaron sus consultas</translation>
     </message>
     <message>
         <location filename="../../core/exports/tables.py"/>
@@ -6358,11 +6387,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>folder {0}: another run is at work in it</source>
         <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>folder {0}: cannot be made ({1})</source>
-        <translation>carpeta {0}: no se puede crear ({1})</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>

@@ -63,7 +63,7 @@ ARROWS = {
     "report": {"core", "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
     "benchmark": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
-    "exports": {"core", "geodesy", "mission", "dataset"},
+    "exports": {"core", "geodesy", "mission", "dataset", "picture", "benchmark"},
     "poses": {"core", "geodesy", "mission", "imagery", "dataset"},
     "cli": {"core", *ROOMS},
 }

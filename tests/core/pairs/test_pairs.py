@@ -117,8 +117,17 @@ def test_the_baseline_finds_the_same_ids_in_all_views(pairs):
     assert [label for _, label in drone] == [0] * 6 + [1] * 6
     assert [path.name for path, _ in drone[:6]] == [f"image-{at:02d}.jpeg" for at in range(1, 7)]
     assert [path.name for path, _ in satellite] == [f"{name}.jpg" for name in names]
+    # Of views that tilt alike, the lowest stands in for what no drone takes, and the first of those.
+    for view in ("street", "google"):
+        stand_ins, again = image_folder(folder / "train" / view)
+        assert again == names
+        assert [path.name for path, _ in stand_ins] == ["image-01.jpeg"] * 2
+        assert all(
+            path.samefile(folder / "train" / "drone" / path.parent.name / path.name) for path, _ in stand_ins
+        )
+    assert "hold no photographs from the ground" in (folder / "README.txt").read_text(encoding="utf-8")
 
-    for view, count in (("drone", 6), ("satellite", 1)):
+    for view, count in (("drone", 6), ("satellite", 1), ("street", 1)):
         query, asked = image_folder(folder / "test" / f"query_{view}")
         gallery, found = image_folder(folder / "test" / f"gallery_{view}")
         assert asked == classes[TEST]
@@ -153,7 +162,8 @@ def test_the_place_is_in_the_middle_of_every_image(pairs):
 def test_the_table_names_every_image_with_its_pose(pairs):
     folder, source, worked_out, _ = pairs
     rows = rows_of(folder)
-    assert len(rows) == worked_out.images
+    assert [row["view"] for row in rows if row["id"] == "0003"] == ["satellite"] + 6 * ["drone"] + ["street"]
+    assert len([row for row in rows if row["view"] in ("satellite", "drone")]) == worked_out.images
     listed = {row["file"] for row in rows} | {row["query_file"] for row in rows} - {""}
     there = {
         path.relative_to(folder).as_posix()

@@ -13,6 +13,7 @@ from terrainav.core.cli import benchmarking
 from terrainav.core.errors import PartError
 from terrainav.core.exports.croissant import write_croissant
 from terrainav.core.exports.formats import export
+from terrainav.core.exports.localisers import export_benchmark
 from terrainav.core.exports.tables import write_parquet
 from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
@@ -222,6 +223,15 @@ def _no_pyarrow(case: Case) -> None:
         without.setitem(sys.modules, "pyarrow", None)
         case.refused(lambda: write_parquet(folder, folder))
     case.follow("get it with: pip install 'terrainav[parquet]'", lambda: extra_brings("parquet", "pyarrow"))
+
+
+@remedy("exports/localisers.py", "folder {}: is left of an export that was stopped; remove it")
+def _left_of_an_export(case: Case) -> None:
+    benchmark = made(case.tmp_path / "out").benchmark
+    (case.tmp_path / "other.part").mkdir()
+    case.refused(lambda: export_benchmark(benchmark, case.tmp_path / "other", "denseuav"))
+    (case.tmp_path / "other.part").rmdir()
+    case.follow("remove it", lambda: export_benchmark(benchmark, case.tmp_path / "other", "denseuav"))
 
 
 @remedy(

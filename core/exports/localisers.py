@@ -1,0 +1,590 @@
+"""Benchmarks in the layouts of the sets that localisers are judged on, as the readers of those open them.
+
+Files and names are what University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, UAV-VisLoc), OrthoLoC and AnyVisLoc read.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import shutil
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, write_columns
+from ..benchmark.planning import CROSS_AREA
+from ..dataset.dataset import open_image
+from ..dataset.folder import TEST, TRAIN, VALIDATION
+from ..errors import InvalidInput, OutputError
+from ..files import PARTIAL_ENDING, link_or_copy, make_folder, write_whole
+from ..geodesy.local import LocalFrame
+from ..geodesy.mercator import wrap_lon_deg
+from ..picture.resampling import sample
+from .formats import new_folder
+from .scenes import Grid, Ground, Ortho, frame_about
+from .views import ORIGIN_FILE, origin_of
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+README_FILE = "README.txt"
+#: Pillow's formats by the endings of files that are such.
+_FORMATS = {".jpg": "JPEG", ".jpeg": "JPEG", ".png": "PNG"}
+_QUALITY = 95
+#: Queries whose middles are the same to so many decimals of a degree, 0.1 m, show one place.
+_PLACE_DECIMALS = 6
+#: GTA-UAV's map is so many pixels of so many metres wide, cut into 2^zoom tiles along a side, whose names are
+#: zoom, offset, column and row. With zoom 20 columns are 1.05 cm wide, and names tell middles within 8 mm.
+_GTA_PX, _GTA_PIXEL_M, _GTA_ZOOM = 24576, 0.45, 20
+#: OrthoLoC's references are squares of so many pixels, and reach beyond what a query shows by this share.
+_ORTHOLOC_PX, _ORTHOLOC_MARGIN = 1024, 0.1
+#: Points along each side of OrthoLoC's keypoints, of which there are few, and of its mesh.
+_KEYPOINTS, _MESH = 16, 33
+#: AnyVisLoc's names have room for so many scenes and samples of one.
+_SCENES, _SAMPLES = 99, 9999
+
+_CREDIT = "The imagery: {0}."
+_STREET = (
+    "`street` and `google` hold no photographs from the ground, but stand-ins, so that programs which open them start: "
+    "of each place, the most oblique query. No figure that is worked out with them says anything about street views."
+)
+
+
+@dataclass
+class _Export:
+    """An export under way: what is exported, where to, and which file each query has become."""
+
+    benchmark: Benchmark
+    folder: Path
+    files: dict[int, str] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    def rows(self, *parts: str) -> list[int]:
+        """Queries of parts; those of a benchmark without parts are all for tests."""
+        return [at for at, part in enumerate(self.benchmark.queries.part) if (part or TEST) in parts]
+
+    def scenes(self) -> list[tuple[str, list[int]]]:
+        """Queries of one imagery and part each, and what they are called; without those near to another part."""
+        queries = self.benchmark.queries
+        found = []
+        for name in dict.fromkeys(queries.imagery):
+            for part in (TRAIN, VALIDATION, TEST):
+                rows = [at for at in self.rows(part) if queries.imagery[at] == name]
+                if rows:
+                    found.append((f"{name}, {part}", rows))
+        return found
+
+    def picture(self, row: int, file: str) -> None:
+        """Give a query's image a name in the export."""
+        self.image(self.benchmark.queries.file[row], file)
+        self.files.setdefault(row, file)
+
+    def image(self, stored: str, file: str) -> None:
+        """Give an image of the benchmark a name in the export, in the format of its ending."""
+        target, source = self.folder / file, self.benchmark.folder / stored
+        wanted = _FORMATS[target.suffix.lower()]
+        make_folder(target.parent)
+        if _FORMATS.get(source.suffix.lower()) == wanted:
+            link_or_copy(source, target)
+        else:
+            write_whole(target, _encoded(open_image(source, as_shown=True), wanted))
+
+    def write(self, file: str, data: bytes) -> None:
+        """Write a file of the export."""
+        make_folder((self.folder / file).parent)
+        write_whole(self.folder / file, data)
+
+    def finish(self) -> None:
+        """Write which file each query has become, and what a reader has to know."""
+        rows = sorted(self.files)
+        queries = self.benchmark.queries
+        columns = {"query": queries.id, "part": queries.part}
+        told = {name: [values[at] for at in rows] for name, values in columns.items()}
+        write_columns(self.folder / QUERIES_FILE, {**told, "file": [self.files[at] for at in rows]})
+        made_of = self.benchmark.about.get("imagery")
+        told_of = made_of.values() if isinstance(made_of, dict) else ()
+        named = dict.fromkeys(str(one.get("attribution") or one.get("source")) for one in told_of)
+        lines = [
+            "Made with TerrAInav from a benchmark; queries.csv says which query became which file.",
+            *self.notes,
+        ]
+        if named:
+            lines.append(_CREDIT.format("; ".join(named)))
+        self.write(README_FILE, ("\n\n".join(lines) + "\n").encode("utf-8"))
+
+
+def export_benchmark(benchmark: Benchmark, folder: str | os.PathLike[str], kind: str) -> int:
+    """Write a benchmark in the layout of another set; returns the number of queries in it.
+
+    The folder gets its name when all is written: until then it is called with ``.part`` at its end. Images are hard
+    links or copies where they are of the format that the layout has, and are encoded anew where not. The same benchmark
+    leaves the same bytes.
+
+    Parameters
+    ----------
+    kind : str
+        One of `LAYOUTS`.
+
+    Raises
+    ------
+    InvalidInput
+        Another layout, an image that cannot be read, or more scenes than the layout has names for; heights that the
+        benchmark was made with and that cannot be opened.
+    OutputError
+        A folder that cannot be written, or is not empty.
+    """
+    if kind not in LAYOUTS:
+        raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(LAYOUTS))
+    path = new_folder(folder).resolve()
+    partial = path.with_name(path.name + PARTIAL_ENDING)
+    if partial.exists():
+        raise OutputError("folder {0}: is left of an export that was stopped", partial, remedy="remove it")
+    under_way = _Export(benchmark, partial)
+    try:
+        make_folder(partial)
+        LAYOUTS[kind](under_way)
+        under_way.finish()
+        try:
+            path.rmdir()
+            os.replace(partial, path)
+        except OSError as wrong:
+            raise OutputError("folder {0}: cannot be made ({1})", folder, wrong.strerror) from wrong
+    except BaseException:
+        shutil.rmtree(partial, ignore_errors=True)
+        raise
+    return len(under_way.files)
+
+
+# --- Places: folders of images whose names are labels
+
+
+class _Place(NamedTuple):
+    """Queries that show one place."""
+
+    part: str
+    rows: list[int]
+
+
+def _places(under_way: _Export) -> list[_Place]:
+    """Places in the order of their first query."""
+    queries = under_way.benchmark.queries
+    found: dict[tuple[str, float, float], list[int]] = {}
+    for at in under_way.rows(TRAIN, VALIDATION, TEST):
+        lat, lon = (float(angle[at]) for angle in (queries.centre_lat_deg, queries.centre_lon_deg))
+        key = queries.part[at] or TEST, round(lat, _PLACE_DECIMALS), round(lon, _PLACE_DECIMALS)
+        found.setdefault(key, []).append(at)
+    return [_Place(key[0], rows) for key, rows in found.items()]
+
+
+def _folders(part: str, view: str, label: str) -> list[str]:
+    """Folders of a place's images: those that are searched for are in the gallery as well."""
+    if part == TRAIN:
+        return [f"{TRAIN}/{view}/{label}"]
+    return [f"{part}/{kind}_{view}/{label}" for kind in ("query", "gallery")]
+
+
+def _from_above(ground: Ground, row: int) -> Image.Image:
+    """The reference about the middle of a query, as wide as the benchmark's tiles; black where it ends."""
+    benchmark = ground.benchmark
+    mosaic, queries, tiles = benchmark.mosaic, benchmark.queries, benchmark.references
+    side = round(float(tiles.east[0] - tiles.west[0]) / mosaic.pixel_width)
+    column, line = mosaic.px(queries.centre_lat_deg[row : row + 1], queries.centre_lon_deg[row : row + 1])
+    left, top = (round(float(at[0]) - side / 2.0) for at in (column, line))
+    return Image.fromarray(ground.mosaic).crop((left, top, left + side, top + side))
+
+
+def _university(under_way: _Export) -> None:
+    """University-1652: a folder for each place, with its satellite view and the drone's."""
+    ground, queries = Ground(under_way.benchmark, None), under_way.benchmark.queries
+    for number, place in enumerate(_places(under_way)):
+        label = f"{number:04d}"
+        above = _encoded(_from_above(ground, place.rows[0]), "JPEG")
+        for inside in _folders(place.part, "satellite", label):
+            under_way.write(f"{inside}/{label}.jpg", above)
+        names = {row: f"image-{at:02d}.jpeg" for at, row in enumerate(place.rows, 1)}
+        for row, name in names.items():
+            for inside in _folders(place.part, "drone", label):
+                under_way.picture(row, f"{inside}/{name}")
+        oblique = max(place.rows, key=lambda row: (_off_nadir(queries, row), -row))
+        for view in ("street", "google") if place.part == TRAIN else ("street",):
+            for inside in _folders(place.part, view, label):
+                under_way.picture(oblique, f"{inside}/{names[oblique]}")
+    under_way.notes.append(_STREET)
+
+
+def _off_nadir(queries: Any, row: int) -> float:
+    """How far a query looks from straight down, degrees."""
+    tilt, roll = (math.radians(float(angle[row])) for angle in (queries.tilt_deg, queries.roll_deg))
+    return math.degrees(math.acos(min(math.cos(tilt) * math.cos(roll), 1.0)))
+
+
+def _denseuav(under_way: _Export) -> None:
+    """DenseUAV: a folder for each place; ``Dense_GPS_….txt`` tells file, longitude, latitude and height."""
+    ground, queries = Ground(under_way.benchmark, None), under_way.benchmark.queries
+    lines: dict[str, list[str]] = {TRAIN: [], VALIDATION: [], TEST: []}
+    for number, place in enumerate(_places(under_way)):
+        label = f"{number:06d}"
+        names = _names_by_height(queries, place.rows)
+        above = _encoded(_from_above(ground, place.rows[0]), "TIFF")
+        for row, name in names.items():
+            for view in ("drone", "satellite"):
+                for inside in _folders(place.part, view, label):
+                    file = f"{inside}/{name}"
+                    if view == "drone":
+                        under_way.picture(row, f"{file}.JPG")
+                    else:
+                        under_way.write(f"{file}.tif", above)
+            first = _folders(place.part, "drone", label)[0]
+            lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
+            height = float(queries.height_m[row] - queries.ground_m[row])
+            lines[place.part].append(f"{first}/{name}.JPG E{lon:.9f} N{lat:.9f} {height:.3f}\n")
+    for ending, parts in (("ALL", tuple(lines)), ("train", (TRAIN,)), ("test", (TEST,))):
+        under_way.write(
+            f"Dense_GPS_{ending}.txt", "".join(line for part in parts for line in lines[part]).encode()
+        )
+
+
+def _names_by_height(queries: Any, rows: list[int]) -> dict[int, str]:
+    """Names of the images of a place: H and the height in metres, and a number where several have one."""
+    found: dict[int, str] = {}
+    for row in rows:
+        name = f"H{float(queries.height_m[row] - queries.ground_m[row]):.0f}"
+        again = sum(one.partition("_")[0] == name for one in found.values())
+        found[row] = f"{name}_{again + 1}" if again else name
+    return found
+
+
+# --- Pairs and flights
+
+
+def _gta(under_way: _Export) -> None:
+    """GTA-UAV: images of the drone, tiles whose names tell their middles, and JSON of which tiles are right."""
+    benchmark = under_way.benchmark
+    queries, tiles, mosaic = benchmark.queries, benchmark.references, benchmark.mosaic
+    corner = mosaic.ground(np.zeros(1), np.zeros(1))
+    frame = LocalFrame(*(round(float(angle[0]), 6) for angle in corner))
+    middles = frame.enu(tiles.lat_deg, tiles.lon_deg, np.zeros(len(tiles)))[:, :2] * (1.0, -1.0)
+    names, places = [], []
+    widths = list(dict.fromkeys(tiles.width_m.tolist()))
+    for middle, width in zip(middles.tolist(), tiles.width_m.tolist()):
+        zoom = _GTA_ZOOM + widths.index(width)
+        step = _GTA_PX / 2**zoom * _GTA_PIXEL_M
+        column, row = (math.floor(at / step) for at in middle)
+        names.append(f"{zoom}_0_{column}_{row}.png")
+        places.append([(column + 0.5) * step, (row + 0.5) * step])
+    for name, file in zip(names, tiles.file):
+        under_way.image(file, f"satellite/{name}")
+    right: dict[int, list[tuple[float, int, bool]]] = {}
+    truth = benchmark.truth
+    for query, tile, kind, iou in zip(truth.query, truth.reference, truth.kind, truth.iou.tolist()):
+        pair = (-iou, benchmark.reference_at[tile], kind == POSITIVE)
+        right.setdefault(benchmark.query_at[query], []).append(pair)
+    area = "cross" if benchmark.about.get("split") == CROSS_AREA else "same"
+    shown = frame.enu(queries.centre_lat_deg, queries.centre_lon_deg, np.zeros(len(queries)))[:, :2] * (
+        1.0,
+        -1.0,
+    )
+    for part in (TRAIN, VALIDATION, TEST):
+        entries = []
+        for row in under_way.rows(part):
+            imagery = list(dict.fromkeys(queries.imagery)).index(queries.imagery[row])
+            height = float(queries.height_m[row] - queries.ground_m[row])
+            name = f"{height:.0f}_{imagery + 1:04d}_{row:010d}.png"
+            under_way.picture(row, f"drone/images/{name}")
+            entry: dict[str, Any] = {
+                "drone_img_dir": "drone/images",
+                "drone_img_name": name,
+                "drone_loc_x_y": shown[row].tolist(),
+                "sate_img_dir": "satellite",
+            }
+            pairs = sorted(right.get(row, []))
+            for key, some in (("pos", [one for one in pairs if one[2]]), ("pos_semipos", pairs)):
+                entry[f"pair_{key}_sate_img_list"] = [names[at] for _, at, _ in some]
+                entry[f"pair_{key}_sate_weight_list"] = [-minus for minus, _, _ in some]
+                entry[f"pair_{key}_sate_loc_x_y_list"] = [places[at] for _, at, _ in some]
+            yaw, tilt, roll = (float(angle[row]) for angle in queries.poses.attitude)
+            # Theirs: roll about the wing, -90 straight down; yaw anticlockwise.
+            turns = {"pitch": roll, "yaw": -yaw}
+            entry["drone_metadata"] = {
+                "height": height,
+                **{f"drone_{axis}": angle for axis, angle in {"roll": tilt, **turns}.items()},
+                **{f"cam_{axis}": angle for axis, angle in {"roll": tilt - 90.0, **turns}.items()},
+            }
+            entries.append(entry)
+        if entries:
+            under_way.write(f"{area}-area-drone2sate-{part}.json", _json(entries))
+    under_way.write(ORIGIN_FILE, _json({**origin_of(frame), "axes": ["east", "south"]}))
+
+
+def _visloc(under_way: _Export) -> None:
+    """UAV-VisLoc: flights with a map each, whose corners are told, linear in latitude and longitude."""
+    benchmark, queries = under_way.benchmark, under_way.benchmark.queries
+    image, (north, west, south, east) = _by_degrees(Ground(benchmark, None))
+    whole = _encoded(Image.fromarray(image), "TIFF")
+    ranges = []
+    first = ""
+    for number, (title, rows) in enumerate(under_way.scenes(), 1):
+        two = f"{number:02d}"
+        name = f"satellite{two}.tif"
+        if first:
+            make_folder(under_way.folder / two)
+            link_or_copy(under_way.folder / first, under_way.folder / two / name)
+        else:
+            first = f"{two}/{name}"
+            under_way.write(first, whole)
+        ranges.append([name, north, west, south, east, title])
+        lines = []
+        for at, row in enumerate(rows, 1):
+            image_name = f"{two}_{at:04d}.JPG"
+            under_way.picture(row, f"{two}/drone/{image_name}")
+            yaw, tilt, roll = (float(angle[row]) for angle in queries.poses.attitude)
+            height = float(queries.height_m[row] - queries.ground_m[row])
+            heading = (yaw + 180.0) % 360.0 - 180.0
+            lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
+            date = _date(benchmark, queries.imagery[row])
+            lines.append([at, image_name, date, lat, lon, height, tilt, roll, heading, heading])
+        header = ["num", "filename", "date", "lat", "lon", "height", "Omega", "Kappa", "Phi1", "Phi2"]
+        under_way.write(f"{two}/{two}.csv", _csv([header, *lines]))
+    header = ["mapname", "LT_lat_map", "LT_lon_map", "RB_lat_map", "RB_lon_map", "region"]
+    under_way.write("satellite_coordinates_range.csv", _csv([header, *ranges]))
+
+
+def _date(benchmark: Benchmark, imagery: str) -> str:
+    """Date of imagery, where it is known."""
+    told = benchmark.about.get("imagery")
+    one = told.get(imagery) if isinstance(told, dict) else None
+    return str(one.get("date") or "") if isinstance(one, dict) else ""
+
+
+def _by_degrees(ground: Ground) -> tuple[Pixels, tuple[float, float, float, float]]:
+    """The reference in pixels of equal degrees each way, and its edges: north, west, south and east."""
+    mosaic = ground.benchmark.mosaic
+    high, wide = ground.mosaic.shape[:2]
+    along, none = np.linspace(0.0, 1.0, 9), np.zeros(9)
+    lat, lon = mosaic.ground(
+        np.concatenate([along, along, none, none + 1.0]) * wide,
+        np.concatenate([none, none + 1.0, along, along]) * high,
+    )
+    # Continuous about the first corner, also where the antimeridian runs through.
+    lon = lon[0] + wrap_lon_deg(lon - lon[0])
+    middle, _ = mosaic.ground(np.full(2, wide / 2.0), high / 2.0 + np.array([-0.5, 0.5]))
+    pixel = abs(float(middle[0] - middle[1]))
+    columns, rows = (math.ceil(float(np.ptp(angle)) / pixel - 1e-6) for angle in (lon, lat))
+    north, west = float(lat.max()), float(lon.min())
+    image = np.zeros((rows, columns, 3), np.uint8)
+    x = west + (np.arange(columns) + 0.5) * pixel
+    for row in range(rows):
+        column, line = mosaic.px(np.full(columns, north - (row + 0.5) * pixel), x)
+        inside = (column >= 0.0) & (column <= wide) & (line >= 0.0) & (line <= high)
+        shown = sample(ground.mosaic, column[inside], line[inside], "bilinear")
+        image[row, inside] = np.clip(np.rint(shown), 0, 255).astype(np.uint8)
+    return image, (north, west, north - rows * pixel, west + columns * pixel)
+
+
+# --- Samples with heights
+
+
+def _ortholoc(under_way: _Export) -> None:
+    """OrthoLoC: a file for each query with its image, the ground of every pixel, and the reference with heights."""
+    benchmark, ground = under_way.benchmark, Ground.of(under_way.benchmark)
+    queries = benchmark.queries
+    own = str(benchmark.about.get("reference", "")).partition("=")[2]
+    alike = {
+        one.partition("=")[0] for one in benchmark.about.get("imageries", []) if one.partition("=")[2] == own
+    }
+    test = "test_outPlace" if benchmark.about.get("split") == CROSS_AREA else "test_inPlace"
+    folders = {TRAIN: "train", VALIDATION: "val", TEST: test}
+    origins = []
+    for row in under_way.rows(*folders):
+        lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
+        frame = frame_about(lat, lon, float(queries.ground_m[row]))
+        name = f"L01_{'R' if queries.imagery[row] in alike else 'xDOP'}{row:04d}"
+        file = f"{folders[queries.part[row] or TEST]}/{name}.npz"
+        under_way.write(file, _npz({"sample_id": np.array(name), **_ortholoc_sample(ground, row, frame)}))
+        under_way.files[row] = file
+        origins.append([name, frame.lat_deg, frame.lon_deg, frame.height_m])
+    under_way.write("origins.csv", _csv([["sample_id", "lat_deg", "lon_deg", "height_m"], *origins]))
+
+
+def _ortholoc_sample(ground: Ground, row: int, frame: LocalFrame) -> dict[str, NDArray[Any]]:
+    """Arrays of a sample, in metres east, north and up of a frame."""
+    points, camera = ground.points(row, frame), ground.camera(row, frame)
+    seen = points[np.isfinite(points[..., 0])]
+    low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+    side = float((high - low).max()) * (1.0 + 2.0 * _ORTHOLOC_MARGIN)
+    count = min(max(math.ceil(side / ground.pixel_m(frame)), 2), _ORTHOLOC_PX)
+    pixel = side / count
+    west, north = (low[0] + high[0] - side + pixel) / 2.0, (low[1] + high[1] + side - pixel) / 2.0
+    above = ground.ortho(frame, Grid(float(west), float(north), pixel, count, count))
+    vertices, faces = _mesh(above)
+    spread = [np.linspace(0, length - 1, min(_KEYPOINTS, length)).astype(int) for length in points.shape[:2]]
+    few = points[np.ix_(*spread)].reshape(-1, 3)
+    pose = np.column_stack([camera.rotation, -camera.rotation @ camera.centre_m]).astype(np.float32)
+    return {
+        "image_query": _query_image(ground.benchmark, row),
+        "point_map": points.astype(np.float32),
+        "image_dop": above.image,
+        "dsm": above.points_m.astype(np.float32),
+        # Rows go south.
+        "scale": np.array([pixel, -pixel]),
+        "extrinsics": pose,
+        "intrinsics": camera.k.astype(np.float32),
+        "keypoints": few[np.isfinite(few[:, 0])].astype(np.float32),
+        "vertices": vertices,
+        "faces": faces,
+        # Theirs make up for what a reconstruction is off; here nothing is.
+        "extrinsics_refined": pose,
+    }
+
+
+def _mesh(above: Ortho) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """Vertices (m, 3) and triangles (l, 3) of the surface, of few of its pixels."""
+    rows, columns = (
+        np.linspace(0, length - 1, min(_MESH, length)).astype(int) for length in above.image.shape[:2]
+    )
+    vertices = above.points_m[np.ix_(rows, columns)].reshape(-1, 3).astype(np.float32)
+    at = np.arange(len(vertices)).reshape(len(rows), len(columns))
+    a, b, c, d = (part.ravel() for part in (at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]))
+    faces = np.concatenate([np.stack([a, c, b], axis=1), np.stack([b, c, d], axis=1)])
+    there = np.isfinite(vertices).all(axis=1)
+    number = np.cumsum(there) - 1
+    return vertices[there], number[faces[there[faces].all(axis=1)]].astype(np.int32)
+
+
+def _anyvisloc(under_way: _Export) -> None:
+    """AnyVisLoc: scenes of samples, with a map and its surface; metres east and south of the map's first pixel."""
+    benchmark, ground = under_way.benchmark, Ground.of(under_way.benchmark)
+    queries, mosaic = benchmark.queries, benchmark.mosaic
+    middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
+    lat, lon = (float(angle[0]) for angle in middle)
+    frame = frame_about(lat, lon, float(np.median(queries.ground_m)))
+    west, south, east, north = ground.bounds_m(frame)
+    pixel = ground.pixel_m(frame)
+    size = (math.ceil((long) / pixel - 1e-6) for long in (east - west, north - south))
+    grid = Grid(west + pixel / 2.0, north - pixel / 2.0, pixel, *size)
+    above = ground.ortho(frame, grid)
+    # Heights count from the mean of the surface.
+    base_m = round(float(np.nanmean(above.points_m[..., 2])), 3)
+    first = np.array([grid.west_m, grid.north_m, base_m])
+    maps = {
+        "satellite_map.png": _encoded(Image.fromarray(above.image), "PNG"),
+        "satellite_dsm.npy": _npy((above.points_m[..., 2] - base_m).astype(np.float32)),
+    }
+    mode = {
+        "map_path": "satellite_map.png",
+        "dsm_path": "satellite_dsm.npy",
+        "map_resolution": [pixel, pixel],
+        "dsm_resolution": [pixel, pixel],
+        "map_origin_local": [0.0, 0.0],
+        "dsm_origin_local": [0.0, 0.0],
+    }
+    for number, (title, rows) in _numbered(under_way):
+        scene = f"Scene_{number:02d}"
+        for name, data in maps.items():
+            under_way.write(f"{scene}/{name}", data)
+        about = {
+            "scene_id": number,
+            "title": title,
+            "modes": {"satellite": mode, "aerial": mode},
+            # Of the frame of pose_w2c: east, north and up of its own origin, from this place of `origin`'s frame.
+            "origin": origin_of(frame),
+            "first_pixel_m": first.tolist(),
+        }
+        under_way.write(f"{scene}/L{number:02d}_reference.json", _json(about))
+        for at, row in enumerate(rows, 1):
+            name = f"L{number:02d}_{at:04d}"
+            camera = ground.camera(row, frame)
+            centre = camera.centre_m - first
+            to_camera, to_world = np.eye(4), np.eye(4)
+            to_camera[:3, :3], to_camera[:3, 3] = camera.rotation, -camera.rotation @ centre
+            to_world[:3, :3], to_world[:3, 3] = camera.rotation.T, centre
+            image = _query_image(benchmark, row)
+            yaw, tilt, roll = (float(angle[row]) for angle in queries.poses.attitude)
+            sample_of = {
+                "sample_id": np.array(name),
+                "scene_id": np.array(number),
+                "image": image,
+                "image_size": np.array(image.shape[:2], np.int32),
+                "original_size": np.array(image.shape[:2], np.int32),
+                "uav_downsample": np.array(1.0),
+                "K": camera.k,
+                "dist": np.zeros(5),
+                "pose_w2c": to_camera,
+                "pose_c2w": to_world,
+                "xyz": centre * (1.0, -1.0, 1.0),
+                "euler_deg": np.array([roll, tilt, (yaw + 180.0) % 360.0 - 180.0]),
+            }
+            under_way.write(f"{scene}/{name}.npz", _npz(sample_of))
+            under_way.files[row] = f"{scene}/{name}.npz"
+
+
+def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]:
+    """Scenes of no more samples than there are names for, from 1."""
+    cut = [
+        (title, rows[start : start + _SAMPLES])
+        for title, rows in under_way.scenes()
+        for start in range(0, len(rows), _SAMPLES)
+    ]
+    if len(cut) > _SCENES:
+        raise InvalidInput("{0:,} scenes: AnyVisLoc's names have room for {1}", len(cut), _SCENES)
+    return iter(enumerate(cut, 1))
+
+
+# --- Bytes
+
+
+def _query_image(benchmark: Benchmark, row: int) -> Pixels:
+    """Image of a query, (h, w, 3)."""
+    image = open_image(benchmark.folder / benchmark.queries.file[row], as_shown=True)
+    return np.asarray(image.convert("RGB"), np.uint8)
+
+
+def _encoded(image: Image.Image, wanted: str) -> bytes:
+    """Bytes of an image in one of Pillow's formats."""
+    buffer = io.BytesIO()
+    options: dict[str, Any] = {"quality": _QUALITY, "subsampling": 0} if wanted == "JPEG" else {}
+    # Readers take three channels for granted.
+    image.convert("RGB").save(buffer, wanted, **options)
+    return buffer.getvalue()
+
+
+def _npz(arrays: Mapping[str, NDArray[Any]]) -> bytes:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, **arrays)
+    return buffer.getvalue()
+
+
+def _npy(array: NDArray[Any]) -> bytes:
+    buffer = io.BytesIO()
+    np.save(buffer, array, allow_pickle=False)
+    return buffer.getvalue()
+
+
+def _json(document: Any) -> bytes:
+    return (json.dumps(document, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def _csv(rows: list[list[Any]]) -> bytes:
+    buffer = io.StringIO()
+    csv.writer(buffer, lineterminator="\n").writerows(rows)
+    return buffer.getvalue().encode("utf-8")
+
+
+#: How benchmarks are laid out, by the names of the sets.
+LAYOUTS: Mapping[str, Callable[[_Export], None]] = {
+    "university-1652": _university,
+    "denseuav": _denseuav,
+    "uav-visloc": _visloc,
+    "gta-uav": _gta,
+    "ortholoc": _ortholoc,
+    "anyvisloc": _anyvisloc,
+}

@@ -1,0 +1,229 @@
+"""The ground of a benchmark in metres: what the pixels of its queries see, and its reference with heights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..benchmark.folder import Benchmark
+from ..dataset.dataset import UNREADABLE, open_image
+from ..errors import InvalidInput
+from ..geodesy.accuracy import Scene
+from ..geodesy.ellipsoid import WGS84
+from ..geodesy.local import LocalFrame
+from ..geodesy.relief import Surface
+from ..geodesy.relief_view import Relief, Tracing
+from ..geodesy.view import ImageRays
+from ..mission.mission import Mission
+from ..picture.heights import heights_of
+from ..picture.resampling import sample
+from .views import rotations_of
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+#: Steps in which the surface is found above or below places of a frame. Each divides what is missing by some thousands:
+#: the frame's up differs from that of the place by a milliradian in 6 km.
+_STEPS = 4
+#: What points over relief may be off by along their rays, in pixels.
+_TOLERANCE_PX = 0.01
+#: What the relief may be lower than its cells say, which are larger than its own where there are many.
+_BELOW_M = 100.0
+#: Rows of a reference that are sampled in one go.
+_ROWS = 256
+
+
+class Camera(NamedTuple):
+    """A query's camera in a frame.
+
+    Attributes
+    ----------
+    k : array (3, 3)
+        Intrinsics; centres of pixels have whole numbers, the first one (0, 0).
+    rotation : array (3, 3)
+        From the frame to the camera's right, down and view (OpenCV's axes).
+    centre_m : array (3,)
+    """
+
+    k: Floats
+    rotation: Floats
+    centre_m: Floats
+
+
+class Ortho(NamedTuple):
+    """A piece of the reference seen straight from above.
+
+    Attributes
+    ----------
+    image : array (h, w, 3) of uint8
+        Black where the reference has nothing.
+    points_m : array (h, w, 3)
+        Of the pixels' centres; the last is NaN where there is no ground or no imagery.
+    """
+
+    image: Pixels
+    points_m: Floats
+
+
+class Grid(NamedTuple):
+    """Pixels of a frame: the first one's centre, rows going south, all of one size."""
+
+    west_m: float
+    north_m: float
+    pixel_m: float
+    width_px: int
+    height_px: int
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """Ground of a benchmark.
+
+    Parameters
+    ----------
+    benchmark : Benchmark
+    relief : Relief or None
+        What cameras see; None where the ground is level.
+    """
+
+    benchmark: Benchmark
+    relief: Relief | None
+
+    @classmethod
+    def of(cls, benchmark: Benchmark) -> Ground:
+        """Ground of a benchmark, whose heights are opened where it was made with some.
+
+        Raises
+        ------
+        InvalidInput, SourceError
+            Heights that cannot be had (again).
+        """
+        asked = benchmark.about.get("queries")
+        if not isinstance(asked, dict):
+            raise InvalidInput("benchmark {0}: does not say how its queries were taken", benchmark.folder)
+        heights = heights_of(Mission.from_dict(asked))
+        return cls(benchmark, None if heights is None else heights.surface)
+
+    @cached_property
+    def mosaic(self) -> Pixels:
+        """The reference as one image, (h, w, 3)."""
+        file = self.benchmark.folder / self.benchmark.mosaic.file
+        try:
+            return np.asarray(open_image(file, as_shown=True).convert("RGB"), np.uint8)
+        except UNREADABLE as wrong:
+            raise InvalidInput("image {0}: cannot be read ({1})", file, wrong) from wrong
+
+    @cached_property
+    def _outline(self) -> tuple[Floats, Floats]:
+        """Latitudes and longitudes of the mosaic's rim."""
+        mosaic = self.benchmark.mosaic
+        along, none = np.linspace(0.0, 1.0, 9), np.zeros(9)
+        x, y = (
+            np.concatenate([along, along, none, none + 1.0]),
+            np.concatenate([none, none + 1.0, along, along]),
+        )
+        return mosaic.ground(x * mosaic.width_px, y * mosaic.height_px)
+
+    @cached_property
+    def lowest_m(self) -> float:
+        """Height of the level ground, or one that no relief in the benchmark is below."""
+        if self.relief is None:
+            return float(self.benchmark.queries.ground_m.min())
+        return float(np.nanmin(self.relief.surface(*self._outline).heights_m)) - _BELOW_M
+
+    def camera(self, index: int, frame: LocalFrame) -> Camera:
+        """Camera of a query."""
+        one = self.benchmark.queries.take(np.array([index]))
+        k = np.array(
+            [
+                [one.fx_px[0], 0.0, one.cx_px[0] - 0.5],
+                [0.0, one.fy_px[0], one.cy_px[0] - 0.5],
+                [0.0, 0.0, 1.0],
+            ]
+        )
+        rotation = rotations_of(frame, one.lat_deg, one.lon_deg, *one.poses.attitude)[0]
+        return Camera(k, rotation, frame.enu(one.lat_deg, one.lon_deg, one.height_m)[0])
+
+    def points(self, index: int, frame: LocalFrame) -> Floats:
+        """Ground that the pixels' centres of a query see, (h, w, 3) in metres; NaN where they see none."""
+        queries = self.benchmark.queries
+        width, height = int(queries.width_px[index]), int(queries.height_px[index])
+        pose, up_m = queries.poses.take(slice(index, index + 1)), float(queries.height_m[index])
+        pose = pose._replace(agl_m=np.array([up_m - self.lowest_m]))
+        scene = Scene(queries.camera(index), width, height, pose, WGS84.raised(self.lowest_m))
+        if self.relief is None:
+            seen = ImageRays.of(scene).ground(*np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5))
+            lat, lon = seen.lat_deg, pose.lon_deg[0] + seen.dlon_deg
+            return _finite(frame.enu(lat, lon, np.full(lat.shape, self.lowest_m)))
+        found = Tracing(scene, up_m, self.relief, self.lowest_m, _TOLERANCE_PX).sighting
+        return _finite(frame.enu(found.lat_deg, found.lon_deg, found.height_m))
+
+    def ortho(self, frame: LocalFrame, grid: Grid) -> Ortho:
+        """The reference on a grid of a frame: each pixel has the colour of the surface right there."""
+        image = np.zeros((grid.height_px, grid.width_px, 3), np.uint8)
+        points = np.empty((grid.height_px, grid.width_px, 3))
+        x = grid.west_m + np.arange(grid.width_px) * grid.pixel_m
+        for start in range(0, grid.height_px, _ROWS):
+            rows = np.arange(start, min(start + _ROWS, grid.height_px))
+            part = np.stack(np.meshgrid(x, grid.north_m - rows * grid.pixel_m), axis=-1)
+            z, lat, lon = self._surface(frame, part)
+            column, row = self.benchmark.mosaic.px(lat, lon)
+            inside = (column >= 0.0) & (column <= self.mosaic.shape[1])
+            inside &= (row >= 0.0) & (row <= self.mosaic.shape[0])
+            shown = sample(self.mosaic, column[inside], row[inside], "bilinear")
+            image[rows[0] : rows[-1] + 1][inside] = np.clip(np.rint(shown), 0, 255).astype(np.uint8)
+            points[rows] = np.dstack([part, np.where(inside, z, np.nan)])
+        return Ortho(image, points)
+
+    def _surface(self, frame: LocalFrame, xy_m: Floats) -> tuple[Floats, Floats, Floats]:
+        """Up of the surface at places (h, w, 2) of a frame, NaN where there is none; its latitude and longitude."""
+        up = np.zeros(xy_m.shape[:2])
+        surface: Surface | None = None
+        for _ in range(_STEPS):
+            lat, lon, height = frame.geodetic(np.dstack([xy_m, up]))
+            if self.relief is None:
+                wanted = np.full(lat.shape, self.lowest_m)
+            else:
+                surface = surface or self.relief.surface(_rim(lat), _rim(lon))
+                column, row = surface.position(lat.ravel(), lon.ravel())
+                wanted = surface.heights(column, row).reshape(lat.shape)
+            there = np.isfinite(wanted)
+            up = np.where(there, up + wanted - height, up)
+        lat, lon, _ = frame.geodetic(np.dstack([xy_m, up]))
+        return np.where(there, up, np.nan), lat, lon
+
+    def pixel_m(self, frame: LocalFrame) -> float:
+        """Size of the mosaic's pixels at a frame's origin."""
+        mosaic = self.benchmark.mosaic
+        column, row = (float(at) for at in mosaic.px(np.array(frame.lat_deg), np.array(frame.lon_deg)))
+        lat, lon = mosaic.ground(np.array([column, column + 1.0, column]), np.array([row, row, row + 1.0]))
+        place = frame.enu(lat, lon, np.full(3, frame.height_m))
+        across, down = (float(np.linalg.norm(place[at] - place[0])) for at in (1, 2))
+        return max(across, down)
+
+    def bounds_m(self, frame: LocalFrame) -> tuple[float, float, float, float]:
+        """West, south, east and north of the mosaic in a frame."""
+        lat, lon = self._outline
+        rim = frame.enu(lat, lon, np.full(lat.shape, frame.height_m))
+        west, south = (float(value) for value in rim[:, :2].min(axis=0))
+        east, north = (float(value) for value in rim[:, :2].max(axis=0))
+        return west, south, east, north
+
+
+def frame_about(lat_deg: float, lon_deg: float, ground_m: float) -> LocalFrame:
+    """Metres east, north and up of a place, to 10 cm of it and 1 mm of its height, so that both are short to write."""
+    return LocalFrame(round(lat_deg, 6), round(lon_deg, 6), round(ground_m, 3))
+
+
+def _rim(values: Floats) -> Floats:
+    """Outermost values of an array (h, w)."""
+    return np.concatenate([values[0], values[-1], values[:, 0], values[:, -1]])
+
+
+def _finite(points_m: Floats) -> Floats:
+    """Points, all NaN where one of their parts is none."""
+    return np.where(np.isfinite(points_m).all(axis=-1, keepdims=True), points_m, np.nan)
