@@ -38,6 +38,9 @@ class Query:
         Of the camera and of the ground below it, above the WGS 84 ellipsoid: what a barometer tells.
     yaw_deg, tilt_deg, roll_deg : float
         As a compass and an inertial unit tell them.
+    prior_lat_deg, prior_lon_deg, prior_agl_m, prior_yaw_deg : float
+        What a GNSS receiver, a barometer and a compass with errors would have measured; NaN where they do not, and in
+        outages.
     """
 
     id: str
@@ -52,6 +55,10 @@ class Query:
     yaw_deg: float
     tilt_deg: float
     roll_deg: float
+    prior_lat_deg: float = math.nan
+    prior_lon_deg: float = math.nan
+    prior_agl_m: float = math.nan
+    prior_yaw_deg: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -90,7 +97,8 @@ def query_of(benchmark: Benchmark, index: int) -> Query:
         queries.id[index],
         benchmark.folder / queries.file[index],
         queries.camera(index),
-        **{name: float(getattr(queries, name)[index]) for name in said},
+        *(float(getattr(queries, name)[index]) for name in said),
+        *benchmark.priors[index].tolist(),
     )
 
 

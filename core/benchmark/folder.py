@@ -28,6 +28,7 @@ from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
+from ..poses.priors import PRIORS_FILE
 from ..safe_json import decoded, parse_json
 
 Floats = NDArray[np.float64]
@@ -191,6 +192,17 @@ class Positives(Columns):
     iou: Floats
 
 
+@dataclass(frozen=True, eq=False)
+class Priors(Columns):
+    """What sensors would have measured of the poses of a folder's images, as `poses.priors` writes it."""
+
+    img_names: tuple[str, ...]
+    prior_lat_deg: Floats
+    prior_lon_deg: Floats
+    prior_agl_m: Floats
+    prior_yaw_deg: Floats
+
+
 @dataclass(frozen=True)
 class Mosaic:
     """The reference as one image: where it lies.
@@ -331,6 +343,25 @@ class Benchmark:
     def reference_at(self) -> dict[str, int]:
         """Rows of tiles by their ids."""
         return {name: index for index, name in enumerate(self.references.id)}
+
+    @cached_property
+    def priors(self) -> Floats:
+        """Priors (q, 4) of queries: latitude, longitude, height above ground, yaw; NaN where nothing is measured.
+
+        Raises InvalidInput where a file of them cannot be read.
+        """
+        found = np.full((len(self.queries), 4), np.nan)
+        at = {file: index for index, file in enumerate(self.queries.file)}
+        for folder in {Path(file).parent for file in at}:
+            if not (self.folder / folder / PRIORS_FILE).is_file():
+                continue
+            priors = Priors.read(self.folder / folder / PRIORS_FILE)
+            columns = priors.prior_lat_deg, priors.prior_lon_deg, priors.prior_agl_m, priors.prior_yaw_deg
+            for name, prior in zip(priors.img_names, np.stack(columns, axis=1)):
+                index = at.get((folder / name).as_posix())
+                if index is not None:
+                    found[index] = prior
+        return found
 
     def positives(self, *, with_semi: bool = False) -> list[Numbers]:
         """Tiles of each query that are right, by their rows."""

@@ -19,6 +19,7 @@ from ..dataset.table import GAP
 from ..errors import Message, OptionName, OutputError
 from ..files import make_folder, open_locked, write_whole
 from ..imagery.source import Source
+from ..poses.priors import PRIORS_FILE, Sensors, write_priors
 from .folder import (
     BENCHMARK_FILE,
     MOSAIC,
@@ -72,9 +73,9 @@ def make_benchmark(
     """Make a benchmark in a folder.
 
     The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; the queries into
-    ``queries/NAME``. All are datasets as any capture leaves them. ``queries.csv``, ``references.csv`` and
-    ``positives.csv`` say what is true of them, ``benchmark.json`` how all was made. The same settings leave the same
-    bytes, in one go or in several.
+    ``queries/NAME``, with noisy priors. All are datasets as any capture leaves them. ``queries.csv``,
+    ``references.csv`` and ``positives.csv`` say what is true of them, ``benchmark.json`` how all was made. The same
+    settings leave the same bytes, in one go or in several.
 
     Parameters
     ----------
@@ -164,6 +165,11 @@ def _write_truth(
     parts, tile_parts = _parts(path, worked_out, shares)
     queries = queries_of(path, worked_out, parts)
     references = references_of(path, worked_out, tile_parts)
+    for name in worked_out.queries:
+        folder = path / QUERIES_FOLDER / name
+        # Those that were made with other figures since are kept.
+        if not any(folder.glob(f"*/{PRIORS_FILE}")):
+            write_priors(folder, Sensors(), worked_out.settings.queries.imagery.seed)
     queries.write(path / QUERIES_FILE)
     references.write(path / REFERENCES_FILE)
     positives_of(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)

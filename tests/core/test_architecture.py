@@ -62,7 +62,7 @@ ARROWS = {
     "capture": {"core", "geodesy", "mission", "imagery", "dataset", "picture"},
     "report": {"core", "geodesy", "mission", "imagery", "world", "dataset", "picture", "capture"},
     "pairs": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
-    "benchmark": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture"},
+    "benchmark": {"core", "geodesy", "mission", "imagery", "dataset", "picture", "capture", "poses"},
     "exports": {"core", "geodesy", "mission", "dataset", "picture", "benchmark"},
     "poses": {"core", "geodesy", "mission", "imagery", "dataset"},
     "cli": {"core", *ROOMS},

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import shutil
 
 import numpy as np
 import pytest
 from pyproj import Geod
 from terrainav.core.benchmark import correlation, features
 from terrainav.core.benchmark.answers import Answer, Query, query_of
+from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings
 from terrainav.core.benchmark.running import method_named, middle, run_method
 from terrainav.core.errors import InvalidInput, OutputError
@@ -86,6 +88,34 @@ def test_one_colour_agrees_with_nothing():
     ).all()
 
 
+def test_queries_come_with_priors_of_the_stated_errors(benchmark):
+    queries = benchmark.queries
+    asked = [query_of(benchmark, at) for at in range(len(queries))]
+    lat, lon, agl, yaw = (
+        np.array([getattr(query, f"prior_{name}") for query in asked])
+        for name in ("lat_deg", "lon_deg", "agl_m", "yaw_deg")
+    )
+    _, _, off_m = Geod(ellps="WGS84").inv(queries.lon_deg, queries.lat_deg, lon, lat)
+    # Of two axes of 1.5 m; beyond five standard deviations in one of a million.
+    assert 0.5 < np.sqrt(np.mean(off_m**2)) < 4.5
+    assert off_m.max() < 5.0 * 1.5 * np.sqrt(2.0)
+    assert 0.1 < np.abs(agl - (queries.height_m - queries.ground_m)).max() < 5.0
+    assert 0.1 < np.abs((yaw - queries.yaw_deg + 180.0) % 360.0 - 180.0).max() < 15.0
+    # One pose has one prior, whatever it is a picture of.
+    same = {}
+    for query, prior in zip(asked, zip(lat, lon, agl, yaw)):
+        assert same.setdefault(query.id.partition("/")[2], prior) == prior
+
+
+def test_queries_without_priors_have_none(benchmark, tmp_path):
+    shutil.copytree(benchmark.folder, tmp_path / "bare")
+    for path in (tmp_path / "bare").rglob("priors.csv"):
+        path.unlink()
+    query = query_of(Benchmark.read(tmp_path / "bare"), 0)
+    assert math.isnan(query.prior_lat_deg)
+    assert math.isnan(query.prior_yaw_deg)
+
+
 def test_a_query_wider_than_the_reference_has_no_answer(benchmark):
     query = query_of(benchmark, 0)
     high = Query(**{**vars(query), "height_m": query.ground_m + 5_000.0})
@@ -134,8 +164,9 @@ def test_the_middle_is_what_others_have_to_beat(benchmark):
 def test_queries_do_not_tell_where_they_were_taken(benchmark):
     query = query_of(benchmark, 0)
     secret = {round(float(angle[0]), 4) for angle in (benchmark.queries.lat_deg, benchmark.queries.lon_deg)}
-    known = {round(value, 4) for value in vars(query).values() if isinstance(value, float)}
-    assert not secret & known
+    told = {name: value for name, value in vars(query).items() if isinstance(value, float)}
+    assert not secret & {round(value, 4) for name, value in told.items() if not name.startswith("prior")}
+    assert query.prior_lat_deg != benchmark.queries.lat_deg[0]
 
 
 def test_methods_of_the_users_are_run(benchmark, tmp_path, monkeypatch):
