@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame, axes_at
+from ..geodesy.projections import through_proj
 from . import metrics
 from .answers import POSE, Predictions
 from .folder import Benchmark, Columns
@@ -335,7 +336,7 @@ def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) ->
     found = np.full(lat.shape, np.nan)
     known = np.isfinite(lat) & np.isfinite(lon) & np.isfinite(other_lat) & np.isfinite(other_lon)
     pairs = (values[known] for values in (lon, lat, other_lon, other_lat))
-    found[known] = Geod(ellps="WGS84").inv(*pairs)[2]
+    found[known] = through_proj(Geod(ellps="WGS84").inv, *pairs)[2]
     return found
 
 

@@ -390,9 +390,10 @@ def _ground(folder: Path, sets: Sequence[ImageSet], places: Mapping[str, list[tu
         own = folder if images.folder == folder else images.folder.parent
         boxes = boxes_of(images, at, own, middle_lon)
         # minimum and maximum pass NaN on: a place of which one image is not known is not known.
-        for lowest in (0, 2):
-            np.minimum.at(edges[lowest], place, boxes[lowest])
-            np.maximum.at(edges[lowest + 1], place, boxes[lowest + 1])
+        with np.errstate(invalid="ignore"):
+            for lowest in (0, 2):
+                np.minimum.at(edges[lowest], place, boxes[lowest])
+                np.maximum.at(edges[lowest + 1], place, boxes[lowest + 1])
     return Boxes(*edges)
 
 

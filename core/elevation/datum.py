@@ -112,16 +112,13 @@ class Datum:
 
     def heights_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Heights of what these count from over the WGS 84 ellipsoid, metres, at positions (any shape)."""
-        lat, lon = np.broadcast_arrays(np.asarray(lat_deg, np.float64), np.asarray(lon_deg, np.float64))
         if not self.code:
-            return np.zeros(lat.shape)
+            return np.zeros(np.broadcast_shapes(np.shape(lat_deg), np.shape(lon_deg)))
         from ..geodesy.mercator import wrap_lon_deg
+        from ..geodesy.projections import through_proj
 
         with _ONE_AT_A_TIME:
-            _, _, height = self._transformer.transform(
-                wrap_lon_deg(lon).ravel(), lat.ravel(), np.zeros(lat.size)
-            )
-        found: Floats = np.asarray(height, np.float64).reshape(lat.shape)
+            _, _, found = through_proj(self._transformer.transform, wrap_lon_deg(lon_deg), lat_deg, 0.0)
         if not np.isfinite(found).all():
             raise InvalidInput("heights over {0}: it does not reach here", self.name)
         return found

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .ellipsoid import sin_cos
+from .projections import through_proj
 
 if TYPE_CHECKING:
     from pyproj import Transformer
@@ -43,14 +44,14 @@ class LocalFrame:
 
     def enu(self, lat_deg: Floats, lon_deg: Floats, height_m: Floats) -> Floats:
         """Places (..., 3) in metres, of positions in degrees and heights above the ellipsoid."""
-        return np.stack(self._transformer.transform(lon_deg, lat_deg, height_m), axis=-1)
+        return np.stack(through_proj(self._transformer.transform, lon_deg, lat_deg, height_m), axis=-1)
 
     def geodetic(self, enu_m: Floats) -> tuple[Floats, Floats, Floats]:
         """Latitude, longitude in degrees and height above the ellipsoid of places (..., 3); the inverse of `enu`."""
-        lon, lat, height = self._transformer.transform(
-            enu_m[..., 0], enu_m[..., 1], enu_m[..., 2], direction="INVERSE"
+        lon, lat, height = through_proj(
+            self._transformer.transform, *np.moveaxis(enu_m, -1, 0), direction="INVERSE"
         )
-        return np.asarray(lat), np.asarray(lon), np.asarray(height)
+        return lat, lon, height
 
     def turn_to(self, lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
         """Rotations (..., 3, 3) that take vectors of this frame to those of the frames at other places."""

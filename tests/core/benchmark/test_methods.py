@@ -119,7 +119,9 @@ def test_queries_without_priors_have_none(benchmark, tmp_path):
 def test_a_query_wider_than_the_reference_has_no_answer(benchmark):
     query = query_of(benchmark, 0)
     high = Query(**{**vars(query), "height_m": query.ground_m + 5_000.0})
-    assert correlation.correlation(benchmark, benchmark.gallery(""))(high) == Answer()
+    answer = correlation.correlation(benchmark, benchmark.gallery(""))(high)
+    # Numbers that are not there are NaN, which equals nothing.
+    assert repr(answer) == repr(Answer())
 
 
 def test_features_tell_the_whole_pose(benchmark):

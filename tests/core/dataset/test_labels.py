@@ -60,7 +60,7 @@ def off_m(lat, lon, frame):
     labels = labels_of(lat, lon, frame)
     back_lat, back_lon = labels.positions(labels.of(lat, lon))
     assert ((back_lon >= -180.0) & (back_lon < 180.0)).all()
-    return np.max(GEOD.inv(lon, lat, back_lon, back_lat)[2])
+    return np.max(GEOD.inv(*(values.tolist() for values in (lon, lat, back_lon, back_lat)))[2])
 
 
 def wrapped(lon):
