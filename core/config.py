@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 from collections.abc import Mapping
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import Any, Callable, Generic, TypeVar
 
 from .errors import InvalidInput, Message, OutputError
-from .files import make_folder, read_limited, write_whole
+from .files import json_bytes, make_folder, read_limited, write_whole
 from .limits import MAX_SETTINGS_BYTES
 from .safe_json import parse_json
 
@@ -113,6 +112,6 @@ def write_named(path: Path, data: Mapping[str, Any]) -> None:
     """
     try:
         make_folder(path.parent)
-        write_whole(path, (json.dumps(data, indent=1, ensure_ascii=False) + "\n").encode())
+        write_whole(path, json_bytes(data))
     except OutputError as wrong:
         raise OutputError("{0}; {1} names another folder", wrong, FOLDER_ENV) from wrong

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import contextlib
+import csv
 import errno
+import io
+import json
 import os
 import stat
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 from .errors import InvalidInput, OutputError
 
@@ -61,6 +64,15 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
         raise OutputError(
             "folder {0}: cannot be made ({1})", folder, wrong.strerror, remedy="choose another folder"
         ) from wrong
+
+
+def new_folder(folder: str | os.PathLike[str]) -> Path:
+    """Make a folder; raises OutputError where it cannot be made, or is not empty."""
+    path = Path(folder)
+    make_folder(path)
+    if any(path.iterdir()):
+        raise OutputError("folder {0}: is not empty", folder, remedy="choose another folder")
+    return path
 
 
 def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
@@ -141,16 +153,33 @@ def write_whole(
         ) from wrong
 
 
+def json_bytes(value: Any) -> bytes:
+    """What a file of JSON holds."""
+    return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def csv_bytes(rows: Iterable[Sequence[object]]) -> bytes:
+    """What a file of CSV holds; None is an empty cell."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().encode("utf-8")
+
+
 def link_or_copy(origin: Path, target: Path) -> None:
-    """Give a file one more name, whose folder is made; raises OSError, or OutputError, where that cannot be.
+    """Give an image one more name, whose folder is made; nothing is overwritten.
 
     It is a copy on file systems that have no further names for a file, such as FAT and some network drives.
+
+    Raises
+    ------
+    OutputError
+        The name is taken, the image cannot be read, or the copy cannot be written.
     """
     make_folder(target.parent)
     try:
         os.link(origin, target)
-    except FileExistsError:
-        raise
+    except FileExistsError as wrong:
+        raise OutputError("image {0}: cannot be placed ({1})", target, wrong.strerror) from wrong
     except OSError:
         try:
             data = origin.read_bytes()

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ..dataset.dataset import UNREADABLE, open_image
 from ..dataset.folder import PARTS
 from ..errors import InvalidInput, Message, OptionName
-from ..files import read_limited, write_whole
+from ..files import csv_bytes, read_limited, write_whole
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.planes import ProjectedPlane
@@ -396,11 +396,7 @@ class Benchmark:
 
 def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:
     """Write columns as CSV, whole or not at all; NaN is an empty cell."""
-    buffer = io.StringIO()
-    writer = csv.writer(buffer, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows(zip(*map(_cells, columns.values())))
-    write_whole(path, buffer.getvalue().encode("utf-8"))
+    write_whole(path, csv_bytes(chain([tuple(columns)], zip(*map(_cells, columns.values())))))
 
 
 def _cells(column: Sequence[str] | Floats) -> Iterable[str]:

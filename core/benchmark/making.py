@@ -17,7 +17,7 @@ from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
 from ..dataset.table import GAP
 from ..errors import Message, OptionName, OutputError
-from ..files import make_folder, open_locked, write_whole
+from ..files import json_bytes, make_folder, open_locked, write_whole
 from ..imagery.source import Source
 from ..poses.priors import PRIORS_FILE, Sensors, write_priors
 from .folder import (
@@ -98,7 +98,7 @@ def make_benchmark(
     shares = checked_shares(worked_out.settings.shares)
     path = Path(folder)
     # As it is read again: JSON has no tuples.
-    about = json.loads(_json(worked_out.settings.to_dict()))
+    about = json.loads(json_bytes(worked_out.settings.to_dict()))
     _claim(path, about, resume=resume)
     with open_locked(path / _LOCK_FILE):
         results = capture_each(
@@ -133,7 +133,7 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
                 BENCHMARK_FILE,
                 remedy="choose another folder",
             )
-        write_whole(mark, _json(about), durable=True)
+        write_whole(mark, json_bytes(about), durable=True)
         return
     if not isinstance(found, dict) or {key: found.get(key) for key in about} != about:
         raise OutputError("folder {0}: holds another benchmark", path, remedy="choose another folder")
@@ -143,10 +143,6 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
             path,
             remedy=Message("resume it{0} or choose another folder", OptionName("resume").in_brackets),
         )
-
-
-def _json(about: Mapping[str, object]) -> bytes:
-    return (json.dumps(about, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
 def _write_truth(
@@ -175,7 +171,7 @@ def _write_truth(
     positives_of(worked_out, mosaic, queries, references).write(path / POSITIVES_FILE)
     # Last, so that a benchmark that says where its mosaic lies is whole.
     write_whole(
-        path / BENCHMARK_FILE, _json({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)})
+        path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)})
     )
 
 

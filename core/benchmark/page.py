@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,7 +15,7 @@ from PIL import Image
 
 from ..dataset.dataset import open_image
 from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, new_figure, png
-from ..files import make_folder, write_whole
+from ..files import json_bytes, make_folder, write_whole
 from ..markup import Markup, document, element, figure, pairs, table
 from .folder import Benchmark
 from .scoring import ALL, Errors, Figure, Scores
@@ -69,9 +68,9 @@ def write_scores(
         drawn[MAP] = _map(benchmark, errors, title)
         drawn[FAILURES] = _failures(benchmark, errors, title)
     make_folder(target)
-    write_whole(target / FIGURES_FILE, _json(document_of(scores, title)))
+    write_whole(target / FIGURES_FILE, json_bytes(document_of(scores, title)))
     errors.write(target / ERRORS_FILE)
-    write_whole(target / MAP_FILE, _json(_geojson(errors)))
+    write_whole(target / MAP_FILE, json_bytes(_geojson(errors)))
     for name, data in drawn.items():
         write_whole(target / name, data)
     text = _page(benchmark, scores, title, set(drawn))
@@ -123,10 +122,6 @@ def rows_of(groups: Mapping[str, Sequence[Figure]]) -> list[tuple[str, ...]]:
         )
         for name, one in names.items()
     ]
-
-
-def _json(value: object) -> bytes:
-    return (json.dumps(value, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
 def _geojson(errors: Errors) -> dict[str, Any]:

@@ -8,7 +8,6 @@ OpenDroneMap looks its images up in it: lines of those that cleaning has moved a
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..files import write_whole
+from ..files import json_bytes, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
 from ..picture.optics import Optics, body_of, optics_of
@@ -48,8 +47,7 @@ def write_odm_files(folder: Path, plan: Plan, at: Numbers) -> None:
     """
     optics = optics_of(plan, at)
     write_whole(folder / GEO_FILE, _geo_blocks(plan, at, optics))
-    cameras = json.dumps(cameras_of(plan, optics), indent=1, ensure_ascii=False) + "\n"
-    write_whole(folder / CAMERAS_FILE, cameras.encode("utf-8"))
+    write_whole(folder / CAMERAS_FILE, json_bytes(cameras_of(plan, optics)))
 
 
 def _geo_blocks(plan: Plan, at: Numbers, optics: Optics) -> Iterator[bytes]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import json
 import os
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
-from ..files import write_whole
+from ..files import json_bytes, write_whole
 from .huggingface import credit_of
 from .tables import chosen_sets, inside, is_same
 
@@ -119,7 +118,7 @@ def write_croissant(
         "recordSet": records,
     }
     path = dataset.folder / CROISSANT_FILE
-    write_whole(path, (json.dumps(description, indent=1, ensure_ascii=False) + "\n").encode("utf-8"))
+    write_whole(path, json_bytes(description))
     return [path]
 
 

@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, OutputError
-from ..files import make_folder, write_whole
+from ..errors import InvalidInput
+from ..files import json_bytes, make_folder, new_folder, write_whole
 from .views import ORIGIN_FILE, Views, origin_of
 
 Floats = NDArray[np.float64]
@@ -44,17 +44,7 @@ def export(views: Views, folder: str | os.PathLike[str], kind: str) -> Path:
     for name, text in FORMATS[kind](views, path).items():
         make_folder((path / name).parent)
         write_whole(path / name, text.encode("utf-8"))
-    origin = json.dumps(origin_of(views.frame), indent=1) + "\n"
-    write_whole(path / ORIGIN_FILE, origin.encode("utf-8"))
-    return path
-
-
-def new_folder(folder: str | os.PathLike[str]) -> Path:
-    """Make a folder; raises OutputError where it cannot be made, or is not empty."""
-    path = Path(folder)
-    make_folder(path)
-    if any(path.iterdir()):
-        raise OutputError("folder {0}: is not empty", folder, remedy="choose another folder")
+    write_whole(path / ORIGIN_FILE, json_bytes(origin_of(views.frame)))
     return path
 
 

@@ -13,10 +13,9 @@ import numpy as np
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import PARTS
 from ..dataset.table import NUMBER, WHOLE, Column, columns_of, part_of, taken
-from ..errors import InvalidInput, OutputError
-from ..files import link_or_copy, write_whole
+from ..errors import InvalidInput
+from ..files import link_or_copy, new_folder, write_whole
 from ..map_types import SATELLITE
-from .formats import new_folder
 from .tables import chosen_sets
 
 CARD_FILE, METADATA_FILE = "README.md", "metadata.jsonl"
@@ -61,7 +60,7 @@ def write_huggingface(
         for part, rows in parts[name].items():
             place = root / name / part
             for row in rows.tolist():
-                _put(images.path(row), place / images.table.img_names[row])
+                link_or_copy(images.path(row), place / images.table.img_names[row])
             write_whole(place / METADATA_FILE, _lines(images, columns, rows))
             written.append(place / METADATA_FILE)
     write_whole(card, _card(sets, parts, features).encode("utf-8"))
@@ -113,13 +112,6 @@ def _value(column: Column, row: int) -> str | int | float | None:
     if not np.isfinite(value):
         return None
     return int(value) if column.kind == WHOLE else float(value)
-
-
-def _put(origin: Path, target: Path) -> None:
-    try:
-        link_or_copy(origin, target)
-    except OSError as wrong:
-        raise OutputError("image {0}: cannot be placed ({1})", target, wrong.strerror) from wrong
 
 
 def _card(

@@ -5,9 +5,7 @@ Files and names are what University1652-Baseline, DenseUAV, Game4Loc (GTA-UAV, U
 
 from __future__ import annotations
 
-import csv
 import io
-import json
 import math
 import os
 import shutil
@@ -25,11 +23,18 @@ from ..benchmark.planning import CROSS_AREA
 from ..dataset.dataset import open_image
 from ..dataset.folder import TEST, TRAIN, VALIDATION
 from ..errors import InvalidInput, OutputError
-from ..files import PARTIAL_ENDING, link_or_copy, make_folder, write_whole
+from ..files import (
+    PARTIAL_ENDING,
+    csv_bytes,
+    json_bytes,
+    link_or_copy,
+    make_folder,
+    new_folder,
+    write_whole,
+)
 from ..geodesy.local import LocalFrame
 from ..geodesy.mercator import wrap_lon_deg
 from ..picture.resampling import sample
-from .formats import new_folder
 from .scenes import Grid, Ground, Ortho, frame_about
 from .views import ORIGIN_FILE, origin_of
 
@@ -321,8 +326,8 @@ def _gta(under_way: _Export) -> None:
             }
             entries.append(entry)
         if entries:
-            under_way.write(f"{area}-area-drone2sate-{part}.json", _json(entries))
-    under_way.write(ORIGIN_FILE, _json({**origin_of(frame), "axes": ["east", "south"]}))
+            under_way.write(f"{area}-area-drone2sate-{part}.json", json_bytes(entries))
+    under_way.write(ORIGIN_FILE, json_bytes({**origin_of(frame), "axes": ["east", "south"]}))
 
 
 def _visloc(under_way: _Export) -> None:
@@ -353,9 +358,9 @@ def _visloc(under_way: _Export) -> None:
             date = _date(benchmark, queries.imagery[row])
             lines.append([at, image_name, date, lat, lon, height, tilt, roll, heading, heading])
         header = ["num", "filename", "date", "lat", "lon", "height", "Omega", "Kappa", "Phi1", "Phi2"]
-        under_way.write(f"{two}/{two}.csv", _csv([header, *lines]))
+        under_way.write(f"{two}/{two}.csv", csv_bytes([header, *lines]))
     header = ["mapname", "LT_lat_map", "LT_lon_map", "RB_lat_map", "RB_lon_map", "region"]
-    under_way.write("satellite_coordinates_range.csv", _csv([header, *ranges]))
+    under_way.write("satellite_coordinates_range.csv", csv_bytes([header, *ranges]))
 
 
 def _date(benchmark: Benchmark, imagery: str) -> str:
@@ -412,7 +417,7 @@ def _ortholoc(under_way: _Export) -> None:
         under_way.write(file, _npz({"sample_id": np.array(name), **_ortholoc_sample(ground, row, frame)}))
         under_way.files[row] = file
         origins.append([name, frame.lat_deg, frame.lon_deg, frame.height_m])
-    under_way.write("origins.csv", _csv([["sample_id", "lat_deg", "lon_deg", "height_m"], *origins]))
+    under_way.write("origins.csv", csv_bytes([["sample_id", "lat_deg", "lon_deg", "height_m"], *origins]))
 
 
 def _ortholoc_sample(ground: Ground, row: int, frame: LocalFrame) -> dict[str, NDArray[Any]]:
@@ -499,7 +504,7 @@ def _anyvisloc(under_way: _Export) -> None:
             "origin": origin_of(frame),
             "first_pixel_m": first.tolist(),
         }
-        under_way.write(f"{scene}/L{number:02d}_reference.json", _json(about))
+        under_way.write(f"{scene}/L{number:02d}_reference.json", json_bytes(about))
         for at, row in enumerate(rows, 1):
             name = f"L{number:02d}_{at:04d}"
             camera = ground.camera(row, frame)
@@ -567,16 +572,6 @@ def _npy(array: NDArray[Any]) -> bytes:
     buffer = io.BytesIO()
     np.save(buffer, array, allow_pickle=False)
     return buffer.getvalue()
-
-
-def _json(document: Any) -> bytes:
-    return (json.dumps(document, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
-
-
-def _csv(rows: list[list[Any]]) -> bytes:
-    buffer = io.StringIO()
-    csv.writer(buffer, lineterminator="\n").writerows(rows)
-    return buffer.getvalue().encode("utf-8")
 
 
 #: How benchmarks are laid out, by the names of the sets.

@@ -15,9 +15,8 @@ from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
 from ..dataset.table import NUMBER, TEXT, TIME, Column, columns_of
 from ..errors import InvalidInput, OutputError
-from ..files import make_folder, write_whole
+from ..files import make_folder, new_folder, write_whole
 from ..safe_json import parse_json
-from .formats import new_folder
 
 #: Beside ``meta_data.csv``, or in a folder of the same name elsewhere.
 PARQUET_FILE = TABLE_FILE.replace(".csv", ".parquet")
@@ -135,7 +134,7 @@ class _Footprints(NamedTuple):
         if not path.is_file():
             return None
         row_of = {Path(name).stem: row for row, name in enumerate(images.table.img_names)}
-        shapes: list[bytes | None] = [None] * len(row_of)
+        shapes: list[bytes | None] = [None] * len(images.table)
         kinds: set[str] = set()
         edges: list[tuple[float, float, float, float]] = []
         try:

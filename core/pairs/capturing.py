@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import filecmp
-import io
-import json
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +13,7 @@ from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, check
 from ..capture.several import capture_each, together
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import Message, OptionName, OutputError
-from ..files import link_or_copy, make_folder, open_locked, write_whole
+from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
 from ..text import table_cell
@@ -113,7 +110,7 @@ def capture_pairs(
     for plan, one in captures.values():
         check_source(plan, one)
     path = Path(folder)
-    wanted = (json.dumps(worked_out.to_dict(), indent=1, ensure_ascii=False) + "\n").encode("utf-8")
+    wanted = json_bytes(worked_out.to_dict())
     _refuse(path, wanted, resume=resume)
     make_folder(path / CAPTURES_FOLDER)
     with open_locked(path / CAPTURES_FOLDER / _LOCK_FILE):
@@ -210,11 +207,8 @@ def _lay_out(path: Path, worked_out: PairPlan) -> tuple[str, ...]:
             rows.append(
                 _row(worked_out, place, image, reason, there, files if there and complete else [], shown)
             )
-    text = io.StringIO()
-    table = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    write_whole(path / TABLE_FILE, text.getvalue().encode("utf-8"))
+    cells = ([row[name] for name in COLUMNS] for row in rows)
+    write_whole(path / TABLE_FILE, csv_bytes([COLUMNS, *cells]))
     write_whole(path / README_FILE, _README.encode("utf-8"))
     return tuple(left_out)
 

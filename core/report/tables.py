@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Union
 
+from ..files import csv_bytes
 from ..mission.estimate import area_text, duration_text, percent, size_text
 from ..mission.plan import Plan
 from ..timing import Seconds
@@ -395,11 +394,7 @@ def _resampling_csv(resampling: Resampling, kernels: Sequence[Kernel]) -> bytes:
 
 
 def _csv(header: Sequence[str], rows: Sequence[Sequence[Cell]]) -> bytes:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(["" if cell is None else cell for cell in row] for row in rows)
-    return text.getvalue().encode("utf-8")
+    return csv_bytes([header, *rows])
 
 
 def _finite(value: float) -> float | None:
