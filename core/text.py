@@ -9,6 +9,7 @@ import html
 import json
 import re
 from collections.abc import Iterable
+from datetime import datetime
 from typing import Callable
 from urllib.parse import quote, quote_plus
 
@@ -27,6 +28,8 @@ _WORDS_CHARACTERS = 200
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 #: Characters beyond those looked at in which a key that begins before them ends.
 _KEY_CHARACTERS = 4096
+#: A day, a time of it, decimals of a second, and a zone.
+_TIME = re.compile(r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|[+-]\d{2}:?\d{2})?")
 _TAG = re.compile(r"<(?:(!--)|/?([a-zA-Z][a-zA-Z0-9]*)|[!?/])")
 #: Tags within a line of text; others stand between lines.
 _INLINE = frozenset("a abbr b big cite code em font i img mark small span strong sub sup tt u".split())
@@ -42,6 +45,23 @@ _SPELLED = re.compile(
 #: Beginning of such a spelling, cut short.
 _PARTLY_SPELLED = re.compile(rb"(?:%[0-9a-f]{0,18}|&#?[0-9a-z]{0,8}|\\u?[0-9a-f]{0,3})\Z", re.IGNORECASE)
 _PARTLY_SPELLED_BYTES = 20
+
+
+def time_s(text: str, where: str) -> float:
+    """Seconds after 1970 of a time of ISO 8601, which Python before 3.11 knows in few of its forms.
+
+    Raises InvalidInput, which begins with ``where``.
+    """
+    found = _TIME.fullmatch(text.strip())
+    try:
+        day, clock, decimals, zone = found.groups() if found else ("", "", "", "")
+        offset = "+00:00" if zone in (None, "Z") else zone if ":" in zone else f"{zone[:3]}:{zone[3:]}"
+        whole = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
+    except ValueError as wrong:
+        raise InvalidInput(
+            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text
+        ) from wrong
+    return whole + float(f"0.{decimals or 0}")
 
 
 def whole_number(text: str) -> int | None:

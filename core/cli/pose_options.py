@@ -8,7 +8,7 @@ from typing import Any
 from ..fields import declared_fields
 from ..mission.options import Option
 from ..mission.parts import Flight
-from ..poses.line_flight import LineFlight
+from ..poses.settings import LineFlight, Sensors
 
 #: Formats in metres of a local frame, and all of them; as `poses.trajectories` has them, which needs numpy.
 LOCAL = ("tum", "kitti", "euroc")
@@ -136,10 +136,14 @@ def _add_priors(actions: Any) -> None:
     )
     measuring.add_argument("folder", metavar="OUT", help="the dataset's folder")
     for name, default, what in (
-        ("gnss", 1.5, "standard deviation of the place, along east and along north, m"),
-        ("barometer", 1.0, "standard deviation of the height, m"),
-        ("compass", 3.0, "standard deviation of the heading, degrees"),
-        ("drift", 60.0, "time constant of the half of each variance that drifts, s; 0 for white noise only"),
+        ("gnss", Sensors.gnss_m, "standard deviation of the place, along east and along north, m"),
+        ("barometer", Sensors.barometer_m, "standard deviation of the height, m"),
+        ("compass", Sensors.compass_deg, "standard deviation of the heading, degrees"),
+        (
+            "drift",
+            Sensors.drift_s,
+            "time constant of the half of each variance that drifts, s; 0 for white noise only",
+        ),
     ):
         measuring.add_argument(
             f"--{name}", type=float, default=default, metavar="X", help=f"{what} (%(default)g)"
@@ -148,9 +152,10 @@ def _add_priors(actions: Any) -> None:
         "--outages",
         nargs=2,
         type=float,
-        default=(0.0, 10.0),
+        default=(Sensors.outage_share, Sensors.outage_s),
         metavar=("SHARE", "S"),
-        help="share of the time without a GNSS fix, and mean length of an outage, s (0 10)",
+        help="share of the time without a GNSS fix, and mean length of an outage, s "
+        f"({Sensors.outage_share:g} {Sensors.outage_s:g})",
     )
     _add_seed(measuring)
 

@@ -27,7 +27,7 @@ def run_poses(arguments: argparse.Namespace) -> int:
 
 
 def _read(arguments: argparse.Namespace) -> int:
-    from ..mission.pose_table import time_s
+    from ..text import time_s
 
     start_s = time_s(arguments.start, "--start") if arguments.start else None
     track = _track(arguments)
@@ -111,9 +111,9 @@ def _random(arguments: argparse.Namespace) -> int:
 
 
 def _line(arguments: argparse.Namespace) -> int:
-    from ..mission.pose_table import time_s
     from ..poses.line import fly, read_lines, turn_radius_m
-    from ..poses.line_flight import LineFlight
+    from ..poses.settings import LineFlight
+    from ..text import time_s
 
     flight = LineFlight(
         arguments.speed, arguments.every_s, arguments.every_m, arguments.bank, arguments.fixed_camera
@@ -154,7 +154,8 @@ def _write(points: Points, path: str) -> None:
 
 
 def _priors(arguments: argparse.Namespace) -> int:
-    from ..poses.priors import PRIORS_FILE, Sensors, write_priors
+    from ..poses.priors import PRIORS_FILE, write_priors
+    from ..poses.settings import Sensors
 
     share, seconds = arguments.outages
     sensors = Sensors(arguments.gnss, arguments.barometer, arguments.compass, arguments.drift, share, seconds)

@@ -10,7 +10,6 @@ from array import array
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
-from ..text import table_cell
+from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
 
 Floats = NDArray[np.float64]
@@ -296,10 +295,9 @@ def seconds_of(times_utc: Sequence[str]) -> Floats:
     for at, text in enumerate(times_utc):
         if text:
             try:
-                time = datetime.fromisoformat(text.replace("Z", "+00:00"))
-            except ValueError as wrong:
+                found[at] = time_s(text, "time_utc")
+            except InvalidInput as wrong:
                 raise InvalidInput("time_utc {0!r}: is no time in ISO 8601", text) from wrong
-            found[at] = (time if time.tzinfo else time.replace(tzinfo=timezone.utc)).timestamp()
     return found
 
 

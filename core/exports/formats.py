@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..files import json_bytes, make_folder, new_folder, write_whole
+from ..geodesy.quaternions import quaternions_of
 from .views import ORIGIN_FILE, Views, origin_of
 
 Floats = NDArray[np.float64]
@@ -140,31 +141,3 @@ FORMATS: Mapping[str, Callable[[Views, Path], dict[str, str]]] = {
     "tum": tum,
     "kitti": kitti,
 }
-
-
-def quaternions_of(rotations: Floats) -> Floats:
-    """Unit quaternions (n, 4), w first and not negative, of rotations (n, 3, 3).
-
-    Each from the largest of its four parts, which keeps all digits (Shepperd, Journal of Guidance and Control 1(3),
-    1978).
-    """
-    r = rotations
-    trace = r[:, 0, 0] + r[:, 1, 1] + r[:, 2, 2]
-    squares = np.stack([trace, r[:, 0, 0], r[:, 1, 1], r[:, 2, 2]], axis=1)
-    # Products of parts: of w with x, y, z; of x with y, z; of y with z.
-    wx, wy, wz = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]
-    xy, xz, yz = r[:, 0, 1] + r[:, 1, 0], r[:, 0, 2] + r[:, 2, 0], r[:, 1, 2] + r[:, 2, 1]
-    own = 1.0 + 2.0 * squares - trace[:, np.newaxis]
-    own[:, 0] = 1.0 + trace
-    rows = np.stack(
-        [
-            np.stack([own[:, 0], wx, wy, wz], axis=1),
-            np.stack([wx, own[:, 1], xy, xz], axis=1),
-            np.stack([wy, xy, own[:, 2], yz], axis=1),
-            np.stack([wz, xz, yz, own[:, 3]], axis=1),
-        ],
-        axis=1,
-    )
-    found = rows[np.arange(len(r)), own.argmax(axis=1)]
-    found /= np.linalg.norm(found, axis=1, keepdims=True)
-    return np.where(found[:, :1] < 0.0, -found, found)

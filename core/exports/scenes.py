@@ -21,7 +21,7 @@ from ..geodesy.view import ImageRays
 from ..mission.mission import Mission
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
-from .views import rotations_of
+from .views import camera_rotations
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -145,7 +145,7 @@ class Ground:
                 [0.0, 0.0, 1.0],
             ]
         )
-        rotation = rotations_of(frame, one.lat_deg, one.lon_deg, *one.poses.attitude)[0]
+        rotation = camera_rotations(frame, one.lat_deg, one.lon_deg, *one.poses.attitude)[0]
         return Camera(k, rotation, frame.enu(one.lat_deg, one.lon_deg, one.height_m)[0])
 
     def points(self, index: int, frame: LocalFrame) -> Floats:

@@ -79,7 +79,7 @@ class Views:
     def rotations(self) -> Floats:
         """Rotations (n, 3, 3) that take vectors of the frame to a camera's right, down and view (OpenCV's axes)."""
         attitude = self.yaw_deg, self.tilt_deg, self.roll_deg
-        return rotations_of(self.frame, self.lat_deg, self.lon_deg, *attitude)
+        return camera_rotations(self.frame, self.lat_deg, self.lon_deg, *attitude)
 
     @classmethod
     def read(cls, folder: str | os.PathLike[str], map_type: str | None = None) -> Views:
@@ -129,7 +129,7 @@ class Views:
         )
 
 
-def rotations_of(
+def camera_rotations(
     frame: LocalFrame, lat_deg: Floats, lon_deg: Floats, yaw_deg: Floats, tilt_deg: Floats, roll_deg: Floats
 ) -> Floats:
     """Rotations (n, 3, 3) from a frame's east, north and up to cameras' right, down and view, of arrays (n,)."""

@@ -10,6 +10,7 @@ In reading order:
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place
 - `local`: metres east, north and up of a place
+- `quaternions`: unit quaternions and rotations
 - `frames`: map frames, rectangles of whole source pixels
 - `rectangles`: the largest rectangles inside what cameras see
 - `accuracy`: what each method may be wrong by, in closed form

@@ -360,18 +360,26 @@ def crossed_and_held(
     One of the two holds where `touching` does. This is for rectangles that lie in no rows.
     """
     edges = sides_of(polygon)
-    crossed, held = np.zeros((2, len(west)), bool)
+    crossed = np.zeros(len(west), bool)
     for some in _parts(len(west), len(edges[0])):
         low, high = south[some, np.newaxis], north[some, np.newaxis]
-        middle = (low + high) / 2.0
         at, edge = np.nonzero(_reach_into(edges, low, high))
         least, greatest = _between(_picked(edges, edge), low[at, 0], high[at, 0])
         meets = (greatest > west[some][at]) & (least < east[some][at])
         crossed[some] = np.bincount(at[meets], minlength=len(low)) > 0
-        at, edge = np.nonzero((edges[1] <= middle) != (edges[3] <= middle))
-        before = _crossing(_picked(edges, edge), middle[at, 0]) < ((west + east) / 2.0)[some][at]
-        held[some] = np.bincount(at[before], minlength=len(low)) % 2 == 1
-    return crossed, held
+    return crossed, holds(polygon, (south + north) / 2.0, (west + east) / 2.0)
+
+
+def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
+    """Which places are inside a polygon, (n,); longitudes go on beyond 180 where the polygon's do."""
+    edges = sides_of(polygon)
+    held = np.zeros(len(lat_deg), bool)
+    for some in _parts(len(lat_deg), len(edges[0])):
+        lat = lat_deg[some, np.newaxis]
+        at, edge = np.nonzero((edges[1] <= lat) != (edges[3] <= lat))
+        before = _crossing(_picked(edges, edge), lat[at, 0]) < lon_deg[some][at]
+        held[some] = np.bincount(at[before], minlength=len(lat)) % 2 == 1
+    return held
 
 
 def _parts(count: int, each: int) -> Iterator[slice]:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import csv
-import re
 from collections.abc import Sequence
-from datetime import datetime
 
 from ..errors import InvalidInput, Message
+from ..text import time_s
 from ..units import LENGTHS_M
 from .area import ANGLES, Points
 
@@ -50,8 +49,6 @@ _OF_DATASET = {
     "time": ("time_utc",),
 }
 _UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
-#: A day, a time of it, decimals of a second, and a zone.
-_TIME = re.compile(r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|[+-]\d{2}:?\d{2})?")
 
 
 def is_header(line: str) -> bool:
@@ -191,23 +188,6 @@ def _value(name: str, cell: str, where: str) -> float:
         if name != "time":
             raise InvalidInput("{0} {1} {2!r}: must be a number", where, name, cell) from wrong
     return time_s(cell, where)
-
-
-def time_s(text: str, where: str) -> float:
-    """Seconds after 1970 of a time of ISO 8601, which Python before 3.11 knows in few of its forms.
-
-    Raises InvalidInput, which begins with ``where``.
-    """
-    found = _TIME.fullmatch(text.strip())
-    try:
-        day, clock, decimals, zone = found.groups() if found else ("", "", "", "")
-        offset = "+00:00" if zone in (None, "Z") else zone if ":" in zone else f"{zone[:3]}:{zone[3:]}"
-        whole = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
-    except ValueError as wrong:
-        raise InvalidInput(
-            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text
-        ) from wrong
-    return whole + float(f"0.{decimals or 0}")
 
 
 def table_text(points: Points) -> str:

@@ -7,6 +7,7 @@ In reading order:
 - `logs`: flight logs of PX4 and ArduPilot
 - `gpx`: tracks of GNSS receivers
 - `random_poses`: random poses inside an area, from stated distributions
-- `line_flight`, `line`: how a line is flown, and the poses along it
+- `settings`: how a line is flown, and how wrong sensors are
+- `line`: the poses along a line that is flown
 - `priors`: what a GNSS receiver, a compass and a barometer would have measured of the poses of a dataset
 """

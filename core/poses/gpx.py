@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..imagery.services.safe_xml import UnreadableXMLError, root_of
-from ..mission.pose_table import time_s
+from ..text import time_s
 from .logs import reader_module
 from .track import Track
 

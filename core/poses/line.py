@@ -26,8 +26,8 @@ from ..mission.area import Points, check_agl, check_lat_lon
 from ..mission.coords import listed
 from ..mission.gusts import GRAVITY_M_PER_S2
 from ..safe_json import parse_json
-from .line_flight import LineFlight
 from .random_poses import MAX_POSES
+from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 Floats = NDArray[np.float64]

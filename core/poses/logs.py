@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
 from ..geodesy.camera import attitude_of
+from ..geodesy.quaternions import quaternions_of_angles, rotations_of
 from .track import Track
-from .trajectories import BODIES, WORLDS, rotations_of
+from .trajectories import BODIES, ROUNDING, WORLDS
 
 Floats = NDArray[np.float64]
 _log = logging.getLogger(__name__)
@@ -50,8 +51,6 @@ _LEAPS = (
     (1_435_708_800.0, 17.0),
     (1_483_228_800.0, 18.0),
 )
-#: How far the length of a quaternion may be from 1.
-_ROUNDING = 1e-3
 
 
 def reader_module(name: str, package: str = "") -> Any:
@@ -160,7 +159,7 @@ def read_dataflash(path: str | os.PathLike[str], *, text: bool = False) -> Track
     attitude = None
     if "ATT" in found:
         turned = found["ATT"]
-        quaternions = _quaternions_of(turned["Yaw"], turned["Pitch"], turned["Roll"])
+        quaternions = quaternions_of_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
         attitude = _attitude_at(clock, turned["TimeUS"] * _S_PER_US, quaternions)
     above_home = next((place[name] for name in ("RelHomeAlt", "RelAlt") if name in place), np.zeros(1))
     ground = float(place["Alt"][0] - above_home[0])
@@ -222,7 +221,7 @@ def _attitude_at(
 
     In between it is the weighted mean of both neighbours, w first; before the first and after the last it is theirs.
     """
-    right = np.abs(np.linalg.norm(quaternions, axis=1) - 1.0) < _ROUNDING
+    right = np.abs(np.linalg.norm(quaternions, axis=1) - 1.0) < ROUNDING
     times_s, quaternions = times_s[right], quaternions[right]
     if not len(times_s):
         return None
@@ -234,18 +233,3 @@ def _attitude_at(
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
     vectors = WORLDS["ned"] @ rotations_of(mean) @ BODIES["frd"].T
     return attitude_of(vectors[..., 0], vectors[..., 1], vectors[..., 2])
-
-
-def _quaternions_of(yaw_deg: Floats, pitch_deg: Floats, roll_deg: Floats) -> Floats:
-    """Quaternions (n, 4), w first, from body to north, east, down of an aircraft's yaw, then pitch, then roll."""
-    (sy, cy), (sp, cp), (sr, cr) = (
-        (np.sin(np.radians(angle) / 2.0), np.cos(np.radians(angle) / 2.0))
-        for angle in (yaw_deg, pitch_deg, roll_deg)
-    )
-    parts = [
-        cy * cp * cr + sy * sp * sr,
-        cy * cp * sr - sy * sp * cr,
-        cy * sp * cr + sy * cp * sr,
-        sy * cp * cr - cy * sp * sr,
-    ]
-    return np.stack(parts, axis=1)

@@ -7,26 +7,24 @@ states: their lengths, and those of the times between them, are exponentially di
 
 from __future__ import annotations
 
-import csv
-import io
-import json
 import math
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
+from ..dataset.table import seconds_of
 from ..errors import InvalidInput
-from ..files import write_whole
+from ..files import csv_bytes, json_bytes, write_whole
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.flight import intervals_s, legs, normal, uniform
 from ..mission.mission import Mission
 from ..mission.parts import Flight
-from ..mission.pose_table import time_s
+from .settings import Sensors
 
 Floats = NDArray[np.float64]
 PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"
@@ -35,43 +33,6 @@ COLUMNS = ("img_names", "prior_lat_deg", "prior_lon_deg", "prior_agl_m", "prior_
 _PLACE_DIGITS, _DIGITS = 8, 3
 #: Errors of a pose: east, north, up and heading.
 _ERRORS = 4
-
-
-@dataclass(frozen=True)
-class Sensors:
-    """How wrong sensors are.
-
-    Parameters
-    ----------
-    gnss_m, barometer_m, compass_deg : float
-        Standard deviations: of the place along east and along north, of the height, of the heading; 0 or more.
-    drift_s : float
-        Time constant of the half of the variance that drifts; 0 has all of it white.
-    outage_share, outage_s : float
-        Share of the time without a fix, from 0 to below 1, and mean length of an outage.
-
-    Raises
-    ------
-    InvalidInput
-        A number outside of its range.
-    """
-
-    gnss_m: float = 1.5
-    barometer_m: float = 1.0
-    compass_deg: float = 3.0
-    drift_s: float = 60.0
-    outage_share: float = 0.0
-    outage_s: float = 10.0
-
-    def __post_init__(self) -> None:
-        for name in ("gnss_m", "barometer_m", "compass_deg", "drift_s"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InvalidInput("{0} {1}: must be 0 or more", name, value)
-        if not 0.0 <= self.outage_share < 1.0:
-            raise InvalidInput("share of outages {0}: must be from 0 to below 1", self.outage_share)
-        if not (math.isfinite(self.outage_s) and self.outage_s > 0.0):
-            raise InvalidInput("mean length of outages {0} s: must be above 0", self.outage_s)
 
 
 def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) -> dict[str, int]:
@@ -105,13 +66,8 @@ def write_priors(folder: str | os.PathLike[str], sensors: Sensors, seed: int) ->
         if not np.isfinite(table.pose_lat_deg).any():
             raise InvalidInput("folder {0}: its table has no poses of a camera", images.folder)
         rows, lost[name] = _rows(images, sensors, seed)
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(COLUMNS)
-        writer.writerows(rows)
-        write_whole(images.folder / PRIORS_FILE, text.getvalue().encode())
-        about = json.dumps({**asdict(sensors), "seed": seed}, indent=1) + "\n"
-        write_whole(images.folder / SETTINGS_FILE, about.encode())
+        write_whole(images.folder / PRIORS_FILE, csv_bytes([COLUMNS, *rows]))
+        write_whole(images.folder / SETTINGS_FILE, json_bytes({**asdict(sensors), "seed": seed}))
     return lost
 
 
@@ -182,8 +138,7 @@ def _times_s(images: ImageSet) -> Floats:
     """Seconds of each row, which do not fall: the table's, or those of the way from row to row at the airspeed."""
     table = images.table
     if all(table.time_utc):
-        times_s = np.array([time_s(text, "time_utc") for text in table.time_utc])
-        return np.maximum.accumulate(times_s)
+        return np.maximum.accumulate(seconds_of(table.time_utc))
     path = images.folder.parent / MISSION_FILE
     airspeed = Mission.load(path).flight.airspeed_m_per_s if path.is_file() else Flight.airspeed_m_per_s
     known = np.isfinite(table.pose_lat_deg)

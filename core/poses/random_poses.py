@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..mission.area import ANGLES, Box, Points, Polygon, check_agl, sides_of
+from ..mission.area import ANGLES, Box, Points, Polygon, check_agl, holds
 from ..mission.flight import normal, uniform
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
@@ -28,8 +28,6 @@ MAX_POSES = 10_000_000
 _TRIES, _LEAST_SHARE = 100_000, 1e-3
 #: Drawn at a time: memory for 8 MB columns.
 _BATCH = 1_000_000
-#: Pairs of places and sides of a polygon that are looked at in one go.
-_PAIRS = 5_000_000
 
 
 @dataclass(frozen=True)
@@ -154,7 +152,6 @@ def _places(area: Box | Polygon, bits: np.random.PCG64, count: int) -> tuple[Flo
     """Latitudes and longitudes (count,), evenly by the ellipsoid's area."""
     box = area.bounds
     south, north = (math.sin(math.radians(angle)) for angle in (box.south_deg, box.north_deg))
-    sides = sides_of(area) if isinstance(area, Polygon) else None
     # Even in the sine of latitude is even by the area of a sphere; the ellipsoid has 1.3 % more for it at the poles
     # than at the equator: the more, the nearer to a pole.
     poleward = np.array(max(box.south_deg, box.north_deg, key=abs))
@@ -166,8 +163,8 @@ def _places(area: Box | Polygon, bits: np.random.PCG64, count: int) -> tuple[Flo
         lat = np.clip(np.round(lat, PLACE_DIGITS), box.south_deg, box.north_deg)
         lon = np.round(box.west_deg + box.span_deg * across, PLACE_DIGITS)
         accepted = chance * most <= WGS84.meridional_radius_m(lat) * WGS84.normal_radius_m(lat)
-        if sides is not None:
-            accepted &= _inside(sides, lat, lon)
+        if isinstance(area, Polygon):
+            accepted &= holds(area, lat, lon)
         return np.column_stack([lat, lon]), accepted
 
     refusal = InvalidInput(
@@ -191,17 +188,3 @@ def _first_accepted(draw: Callable[[int], tuple[Floats, Flags]], count: int, ref
         if tried >= _TRIES and found < _LEAST_SHARE * tried:
             raise refusal
     return np.concatenate(kept)[:count]
-
-
-def _inside(sides: tuple[Floats, Floats, Floats, Floats], lat: Floats, lon: Floats) -> Flags:
-    """Whether places lie in a polygon, whose sides are straight in longitude and latitude, by a ray to the east."""
-    lon0, lat0, lon1, lat1 = sides
-    found = np.empty(len(lat), np.bool_)
-    step = max(_PAIRS // len(lon0), 1)
-    for start in range(0, len(lat), step):
-        y, x = lat[start : start + step, np.newaxis], lon[start : start + step, np.newaxis]
-        crossed = (lat0 > y) != (lat1 > y)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = lon0 + (y - lat0) / (lat1 - lat0) * (lon1 - lon0)
-        found[start : start + step] = (crossed & (at > x)).sum(axis=1) % 2 == 1
-    return found

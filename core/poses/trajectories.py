@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.camera import attitude_of
 from ..geodesy.local import LocalFrame
+from ..geodesy.quaternions import rotations_of
 from .track import Track
 
 Floats = NDArray[np.float64]
@@ -36,7 +37,7 @@ WORLDS: Mapping[str, Floats] = {
     "rdf": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]),
 }
 #: How far rotations and quaternions, which are written with some digits, may be from right ones.
-_ROUNDING = 1e-3
+ROUNDING = 1e-3
 
 
 def read_trajectory(
@@ -89,17 +90,6 @@ def read_trajectory(
     return Track(lat_deg, lon_deg, height_m, height, time_s, attitude)
 
 
-def rotations_of(quaternions: Floats) -> Floats:
-    """Rotations (n, 3, 3) of quaternions (n, 4) of length 1, w first."""
-    w, x, y, z = quaternions.T
-    rows = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
 def _tum(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
     rows = _numbers(text, name, (8,))
     return _times(rows[:, 0], name), rows[:, 1:4], _rotations(rows[:, [7, 4, 5, 6]], name)
@@ -109,7 +99,7 @@ def _kitti(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
     matrices = _numbers(text, name, (12,)).reshape(-1, 3, 4)
     rotations = matrices[:, :, :3]
     off = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max(axis=(1, 2))
-    wrong = np.flatnonzero((off > _ROUNDING) | (np.linalg.det(rotations) < 0.0))
+    wrong = np.flatnonzero((off > ROUNDING) | (np.linalg.det(rotations) < 0.0))
     if len(wrong):
         raise InvalidInput("{0}: pose {1:,} is not a rotation", name, int(wrong[0]) + 1)
     return None, matrices[:, :, 3], rotations
@@ -159,7 +149,7 @@ def _times(time_s: Floats, name: str) -> Floats:
 def _rotations(quaternions: Floats, name: str) -> Floats:
     """Rotations (n, 3, 3) of quaternions (n, 4) as they are written, w first."""
     lengths = np.linalg.norm(quaternions, axis=1)
-    wrong = np.flatnonzero(np.abs(lengths - 1.0) > _ROUNDING)
+    wrong = np.flatnonzero(np.abs(lengths - 1.0) > ROUNDING)
     if len(wrong):
         raise InvalidInput(
             "{0}: the quaternion of pose {1:,} has the length {2:.3g}, and not 1",

@@ -5295,7 +5295,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/making.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
-        <location filename="../../core/exports/formats.py"/>
         <location filename="../../core/files.py"/>
         <source>choose another folder</source>
         <translation>elegir otra carpeta</translation>
@@ -6213,19 +6212,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/formats.py"/>
-        <source>folder {0}: is not empty</source>
-        <translation>carpeta {0}: no está vacía</translation>
-    </message>
-    <message>
-        <location filename="../../core/exports/formats.py"/>
         <location filename="../../core/exports/localisers.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/exports/huggingface.py"/>
-        <source>image {0}: cannot be placed ({1})</source>
-        <translation>imagen {0}: no se puede colocar ({1})</translation>
     </message>
     <message>
         <location filename="../../core/exports/huggingface.py"/>
@@ -6387,6 +6376,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>folder {0}: another run is at work in it</source>
         <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: is not empty</source>
+        <translation>carpeta {0}: no está vacía</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>image {0}: cannot be placed ({1})</source>
+        <translation>imagen {0}: no se puede colocar ({1})</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
@@ -9792,11 +9791,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/pose_table.py"/>
-        <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
-        <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pose_table.py"/>
         <source>{0} {1!r} has {2} cells; its header names {3}</source>
         <translation>{0} {1!r} tiene {2} celdas; su cabecera nombra {3}</translation>
     </message>
@@ -10067,76 +10061,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0:,} poses: deben ser de 1 a {1:,}</translation>
     </message>
     <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>&amp;Bank in turns</source>
-        <translation>Inclinación lateral en los vira&amp;jes</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>&amp;Speed</source>
-        <translation>V&amp;elocidad</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>Camera rolls with the aircr&amp;aft</source>
-        <translation>La cámara alabea con la aero&amp;nave</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>bank in turns</source>
-        <translation>inclinación lateral en los virajes</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>bank in turns; with the speed, it gives their radius</source>
-        <translation>inclinación lateral en los virajes; con la velocidad da su radio</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>camera rolls with the aircraft</source>
-        <translation>la cámara alabea con la aeronave</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>interval in metres</source>
-        <translation>intervalo en metros</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>interval in seconds</source>
-        <translation>intervalo en segundos</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>interval: must be either in seconds or in metres</source>
-        <translation>intervalo: debe indicarse en segundos o en metros, uno de los dos</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>speed</source>
-        <translation>velocidad</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>speed over ground</source>
-        <translation>velocidad sobre el terreno</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>the camera is fixed to the aircraft; without this, a gimbal keeps it level in turns</source>
-        <translation>la cámara va fija a la aeronave; sin esto, un gimbal la mantiene nivelada en los virajes</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>time from one exposure to the next</source>
-        <translation>tiempo de una exposición a la siguiente</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/line_flight.py"/>
-        <source>way flown from one exposure to the next</source>
-        <translation>camino volado de una exposición a la siguiente</translation>
-    </message>
-    <message>
         <location filename="../../core/poses/logs.py"/>
         <source>get it with: pip install 'terrainav[{0}]'</source>
         <translation>se obtiene con: pip install 'terrainav[{0}]'</translation>
@@ -10173,24 +10097,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/priors.py"/>
-        <source>mean length of outages {0} s: must be above 0</source>
-        <translation>duración media de las interrupciones {0} s: debe ser mayor que 0</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/priors.py"/>
         <location filename="../../core/poses/random_poses.py"/>
         <source>seed {0}: must be 0 or more</source>
         <translation>semilla {0}: debe ser 0 o más</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/priors.py"/>
-        <source>share of outages {0}: must be from 0 to below 1</source>
-        <translation>proporción de interrupciones {0}: debe ser de 0 a menos de 1</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/priors.py"/>
-        <source>{0} {1}: must be 0 or more</source>
-        <translation>{0} {1}: debe ser 0 o más</translation>
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
@@ -10241,6 +10150,91 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/random_poses.py"/>
         <source>{0} {1}: hardly any of its numbers is {2}</source>
         <translation>{0} {1}: casi ninguno de sus números es {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Bank in turns</source>
+        <translation>Inclinación lateral en los vira&amp;jes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Speed</source>
+        <translation>V&amp;elocidad</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Camera rolls with the aircr&amp;aft</source>
+        <translation>La cámara alabea con la aero&amp;nave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>bank in turns</source>
+        <translation>inclinación lateral en los virajes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>bank in turns; with the speed, it gives their radius</source>
+        <translation>inclinación lateral en los virajes; con la velocidad da su radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>camera rolls with the aircraft</source>
+        <translation>la cámara alabea con la aeronave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>interval in metres</source>
+        <translation>intervalo en metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>interval in seconds</source>
+        <translation>intervalo en segundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>interval: must be either in seconds or in metres</source>
+        <translation>intervalo: debe indicarse en segundos o en metros, uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>mean length of outages {0} s: must be above 0</source>
+        <translation>duración media de las interrupciones {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>share of outages {0}: must be from 0 to below 1</source>
+        <translation>proporción de interrupciones {0}: debe ser de 0 a menos de 1</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>speed</source>
+        <translation>velocidad</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>speed over ground</source>
+        <translation>velocidad sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>the camera is fixed to the aircraft; without this, a gimbal keeps it level in turns</source>
+        <translation>la cámara va fija a la aeronave; sin esto, un gimbal la mantiene nivelada en los virajes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>time from one exposure to the next</source>
+        <translation>tiempo de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>way flown from one exposure to the next</source>
+        <translation>camino volado de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>{0} {1}: must be 0 or more</source>
+        <translation>{0} {1}: debe ser 0 o más</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
@@ -10386,6 +10380,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/safe_json.py"/>
         <source>{0}: JSON has finite numbers only</source>
         <translation>{0}: JSON solo tiene números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/text.py"/>
+        <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
+        <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
     </message>
     <message>
         <location filename="../../core/unexpected.py"/>

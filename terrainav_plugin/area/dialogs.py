@@ -16,7 +16,7 @@ from qgis.PyQt.QtWidgets import (
 from ...core.fields import field_named
 from ...core.mission.pose_table import usual_names
 from ...core.poses.line import turn_radius_m
-from ...core.poses.line_flight import LineFlight
+from ...core.poses.settings import LineFlight
 from ...core.units import LENGTHS_M
 from ..compat import LINE_LAYERS, POINT_LAYERS, POLYGON_LAYERS
 from ..form.fields import label_of, tip_of

@@ -33,9 +33,9 @@ from ...core.errors import Cancelled, InvalidInput
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon, Position
 from ...core.mission.coords import parse_coords
-from ...core.mission.pose_table import time_s
 from ...core.poses.line import Flown, fly
-from ...core.poses.line_flight import LineFlight
+from ...core.poses.settings import LineFlight
+from ...core.text import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr

@@ -22,7 +22,7 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 
 from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import Flight, utc_time
-from ...core.poses.line_flight import LineFlight
+from ...core.poses.settings import LineFlight
 from ..form.fields import sentence_of, title_of
 from ..i18n import tr
 from .algorithm import Algorithm, Run, Words, off_main_thread

@@ -39,7 +39,7 @@ from terrainav.core.mission.estimate import OFFLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.poses.line import fly
-from terrainav.core.poses.line_flight import LineFlight
+from terrainav.core.poses.settings import LineFlight
 from terrainav.terrainav_plugin import packages
 from terrainav.terrainav_plugin.processing import imagery
 from terrainav.terrainav_plugin.processing.provider import Provider

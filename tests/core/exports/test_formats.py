@@ -15,8 +15,9 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.cli.dataset_options import EXPORTS
 from terrainav.core.dataset.clean import clean
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.exports.formats import FORMATS, ORIGIN_FILE, export, quaternions_of
+from terrainav.core.exports.formats import FORMATS, ORIGIN_FILE, export
 from terrainav.core.exports.views import Views
+from terrainav.core.geodesy.quaternions import quaternions_of
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission

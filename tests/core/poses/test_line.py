@@ -11,7 +11,7 @@ from pyproj import Geod, Transformer
 from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.coords import parse_coords
 from terrainav.core.poses.line import TOLERANCE_M, fly, read_lines, turn_radius_m
-from terrainav.core.poses.line_flight import LineFlight
+from terrainav.core.poses.settings import LineFlight
 
 from tests.support.command import command
 

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 from terrainav.core.poses.line import fly, read_lines
-from terrainav.core.poses.line_flight import LineFlight
+from terrainav.core.poses.settings import LineFlight
 
 from tests.support.remedies import Case, remedy
 

@@ -1,7 +1,8 @@
-"""How a line is flown; apart from the flight, so that forms can show it before anything is computed."""
+"""How a line is flown, and how wrong sensors are: what forms and the command show before numpy is needed."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from ..errors import InvalidInput
@@ -64,3 +65,40 @@ class LineFlight(Part):
         super().__post_init__()
         if (self.every_s is None) == (self.every_m is None):
             raise InvalidInput("interval: must be either in seconds or in metres")
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """How wrong sensors are.
+
+    Parameters
+    ----------
+    gnss_m, barometer_m, compass_deg : float
+        Standard deviations: of the place along east and along north, of the height, of the heading; 0 or more.
+    drift_s : float
+        Time constant of the half of the variance that drifts; 0 has all of it white.
+    outage_share, outage_s : float
+        Share of the time without a fix, from 0 to below 1, and mean length of an outage.
+
+    Raises
+    ------
+    InvalidInput
+        A number outside of its range.
+    """
+
+    gnss_m: float = 1.5
+    barometer_m: float = 1.0
+    compass_deg: float = 3.0
+    drift_s: float = 60.0
+    outage_share: float = 0.0
+    outage_s: float = 10.0
+
+    def __post_init__(self) -> None:
+        for name in ("gnss_m", "barometer_m", "compass_deg", "drift_s"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InvalidInput("{0} {1}: must be 0 or more", name, value)
+        if not 0.0 <= self.outage_share < 1.0:
+            raise InvalidInput("share of outages {0}: must be from 0 to below 1", self.outage_share)
+        if not (math.isfinite(self.outage_s) and self.outage_s > 0.0):
+            raise InvalidInput("mean length of outages {0} s: must be above 0", self.outage_s)
