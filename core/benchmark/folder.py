@@ -20,7 +20,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.dataset import UNREADABLE, open_image
+from ..dataset.dataset import open_image
 from ..dataset.folder import PARTS
 from ..errors import InvalidInput, Message, OptionName
 from ..files import csv_bytes, read_limited, write_whole
@@ -40,6 +40,8 @@ QUERIES_FILE, REFERENCES_FILE, POSITIVES_FILE = "queries.csv", "references.csv",
 QUERIES_FOLDER, REFERENCE_FOLDER, MOSAIC, TILES = "queries", "reference", "mosaic", "tiles"
 SCHEMA = 1
 POSITIVE, SEMI_POSITIVE = "positive", "semi-positive"
+#: Places along each edge of the mosaic, which are curves between degrees.
+_RIM = 9
 
 _Rows = TypeVar("_Rows", bound="Columns")
 
@@ -263,6 +265,15 @@ class Mosaic:
         """Latitude and longitude in degrees of columns and rows (any shape); the inverse of `px`."""
         return self.lat_lon(self.west + column * self.pixel_width, self.north - row * self.pixel_height)
 
+    def rim(self) -> tuple[Floats, Floats]:
+        """Latitudes and longitudes in degrees of places along its edges, its corners among them."""
+        along, first = np.linspace(0.0, 1.0, _RIM), np.zeros(_RIM)
+        column, row = (
+            np.concatenate([along, along, first, first + 1.0]),
+            np.concatenate([first, first + 1.0, along, along]),
+        )
+        return self.ground(column * self.width_px, row * self.height_px)
+
 
 @dataclass(frozen=True, eq=False)
 class Benchmark:
@@ -387,11 +398,11 @@ class Benchmark:
 
     def grey(self, file: str) -> Pixels:
         """Grey image (h, w) of a file of the benchmark; raises InvalidInput where it cannot be read."""
-        try:
-            image = open_image(self.folder / file, as_shown=True)
-        except UNREADABLE as wrong:
-            raise InvalidInput("image {0}: cannot be read ({1})", self.folder / file, wrong) from wrong
-        return np.asarray(image.convert("L"), np.uint8)
+        return np.asarray(open_image(self.folder / file, as_shown=True).convert("L"), np.uint8)
+
+    def colours(self, file: str) -> Pixels:
+        """Image (h, w, 3) of a file of the benchmark; raises InvalidInput where it cannot be read."""
+        return np.asarray(open_image(self.folder / file, as_shown=True).convert("RGB"), np.uint8)
 
 
 def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:

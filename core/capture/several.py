@@ -71,7 +71,9 @@ def capture_imageries(
             progress=progress,
             cancelled=cancelled,
         )
-    return together(path, results)
+    result = together(path, results)
+    # What was asked for, also where the run was stopped before it came to the last imagery.
+    return result if only_failed else replace(result, total=sum(map(len, plans.values())))
 
 
 def capture_each(

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, write_columns
+from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, Queries, write_columns
 from ..benchmark.planning import CROSS_AREA
 from ..dataset.dataset import open_image
 from ..dataset.folder import TEST, TRAIN, VALIDATION
@@ -34,7 +34,6 @@ from ..files import (
 )
 from ..geodesy.local import LocalFrame
 from ..geodesy.mercator import wrap_lon_deg
-from ..picture.resampling import sample
 from .scenes import Grid, Ground, Ortho, frame_about
 from .views import ORIGIN_FILE, origin_of
 
@@ -113,11 +112,11 @@ class _Export:
         rows = sorted(self.files)
         queries = self.benchmark.queries
         columns = {"query": queries.id, "part": queries.part}
-        told = {name: [values[at] for at in rows] for name, values in columns.items()}
-        write_columns(self.folder / QUERIES_FILE, {**told, "file": [self.files[at] for at in rows]})
-        made_of = self.benchmark.about.get("imagery")
-        told_of = made_of.values() if isinstance(made_of, dict) else ()
-        named = dict.fromkeys(str(one.get("attribution") or one.get("source")) for one in told_of)
+        own = {name: [values[at] for at in rows] for name, values in columns.items()}
+        write_columns(self.folder / QUERIES_FILE, {**own, "file": [self.files[at] for at in rows]})
+        imagery = self.benchmark.about.get("imagery")
+        sources = imagery.values() if isinstance(imagery, dict) else ()
+        named = dict.fromkeys(str(one.get("attribution") or one.get("source")) for one in sources)
         lines = [
             "Made with TerrAInav from a benchmark; queries.csv says which query became which file.",
             *self.notes,
@@ -204,7 +203,7 @@ def _from_above(ground: Ground, row: int) -> Image.Image:
     side = round(float(tiles.east[0] - tiles.west[0]) / mosaic.pixel_width)
     column, line = mosaic.px(queries.centre_lat_deg[row : row + 1], queries.centre_lon_deg[row : row + 1])
     left, top = (round(float(at[0]) - side / 2.0) for at in (column, line))
-    return Image.fromarray(ground.mosaic).crop((left, top, left + side, top + side))
+    return Image.fromarray(ground.crop(left, top, side))
 
 
 def _university(under_way: _Export) -> None:
@@ -226,7 +225,7 @@ def _university(under_way: _Export) -> None:
     under_way.notes.append(_STREET)
 
 
-def _off_nadir(queries: Any, row: int) -> float:
+def _off_nadir(queries: Queries, row: int) -> float:
     """How far a query looks from straight down, degrees."""
     tilt, roll = (math.radians(float(angle[row])) for angle in (queries.tilt_deg, queries.roll_deg))
     return math.degrees(math.acos(min(math.cos(tilt) * math.cos(roll), 1.0)))
@@ -235,10 +234,11 @@ def _off_nadir(queries: Any, row: int) -> float:
 def _denseuav(under_way: _Export) -> None:
     """DenseUAV: a folder for each place; ``Dense_GPS_….txt`` tells file, longitude, latitude and height."""
     ground, queries = Ground(under_way.benchmark, None), under_way.benchmark.queries
+    heights_m = queries.poses.agl_m
     lines: dict[str, list[str]] = {TRAIN: [], VALIDATION: [], TEST: []}
     for number, place in enumerate(_places(under_way)):
         label = f"{number:06d}"
-        names = _names_by_height(queries, place.rows)
+        names = _names_by_height(heights_m, place.rows)
         above = _encoded(_from_above(ground, place.rows[0]), "TIFF")
         for row, name in names.items():
             for view in ("drone", "satellite"):
@@ -250,19 +250,18 @@ def _denseuav(under_way: _Export) -> None:
                         under_way.write(f"{file}.tif", above)
             first = _folders(place.part, "drone", label)[0]
             lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
-            height = float(queries.height_m[row] - queries.ground_m[row])
-            lines[place.part].append(f"{first}/{name}.JPG E{lon:.9f} N{lat:.9f} {height:.3f}\n")
+            lines[place.part].append(f"{first}/{name}.JPG E{lon:.9f} N{lat:.9f} {heights_m[row]:.3f}\n")
     for ending, parts in (("ALL", tuple(lines)), ("train", (TRAIN,)), ("test", (TEST,))):
         under_way.write(
             f"Dense_GPS_{ending}.txt", "".join(line for part in parts for line in lines[part]).encode()
         )
 
 
-def _names_by_height(queries: Any, rows: list[int]) -> dict[int, str]:
+def _names_by_height(heights_m: Floats, rows: list[int]) -> dict[int, str]:
     """Names of the images of a place: H and the height in metres, and a number where several have one."""
     found: dict[int, str] = {}
     for row in rows:
-        name = f"H{float(queries.height_m[row] - queries.ground_m[row]):.0f}"
+        name = f"H{heights_m[row]:.0f}"
         again = sum(one.partition("_")[0] == name for one in found.values())
         found[row] = f"{name}_{again + 1}" if again else name
     return found
@@ -294,16 +293,14 @@ def _gta(under_way: _Export) -> None:
         pair = (-iou, benchmark.reference_at[tile], kind == POSITIVE)
         right.setdefault(benchmark.query_at[query], []).append(pair)
     area = "cross" if benchmark.about.get("split") == CROSS_AREA else "same"
-    shown = frame.enu(queries.centre_lat_deg, queries.centre_lon_deg, np.zeros(len(queries)))[:, :2] * (
-        1.0,
-        -1.0,
-    )
+    seen = frame.enu(queries.centre_lat_deg, queries.centre_lon_deg, np.zeros(len(queries)))[:, :2]
+    shown, poses = seen * (1.0, -1.0), queries.poses
+    number_of = {name: number for number, name in enumerate(dict.fromkeys(queries.imagery), 1)}
     for part in (TRAIN, VALIDATION, TEST):
         entries = []
         for row in under_way.rows(part):
-            imagery = list(dict.fromkeys(queries.imagery)).index(queries.imagery[row])
-            height = float(queries.height_m[row] - queries.ground_m[row])
-            name = f"{height:.0f}_{imagery + 1:04d}_{row:010d}.png"
+            height = float(poses.agl_m[row])
+            name = f"{height:.0f}_{number_of[queries.imagery[row]]:04d}_{row:010d}.png"
             under_way.picture(row, f"drone/images/{name}")
             entry: dict[str, Any] = {
                 "drone_img_dir": "drone/images",
@@ -316,7 +313,7 @@ def _gta(under_way: _Export) -> None:
                 entry[f"pair_{key}_sate_img_list"] = [names[at] for _, at, _ in some]
                 entry[f"pair_{key}_sate_weight_list"] = [-minus for minus, _, _ in some]
                 entry[f"pair_{key}_sate_loc_x_y_list"] = [places[at] for _, at, _ in some]
-            yaw, tilt, roll = (float(angle[row]) for angle in queries.poses.attitude)
+            yaw, tilt, roll = (float(angle[row]) for angle in poses.attitude)
             # Theirs: roll about the wing, -90 straight down; yaw anticlockwise.
             turns = {"pitch": roll, "yaw": -yaw}
             entry["drone_metadata"] = {
@@ -331,10 +328,12 @@ def _gta(under_way: _Export) -> None:
 
 
 def _visloc(under_way: _Export) -> None:
-    """UAV-VisLoc: flights with a map each, whose corners are told, linear in latitude and longitude."""
+    """UAV-VisLoc: flights with a map each, in pixels of equal degrees, and a table of the maps' corners."""
     benchmark, queries = under_way.benchmark, under_way.benchmark.queries
     image, (north, west, south, east) = _by_degrees(Ground(benchmark, None))
     whole = _encoded(Image.fromarray(image), "TIFF")
+    poses = queries.poses
+    headings_deg = wrap_lon_deg(poses.yaw_deg)
     ranges = []
     first = ""
     for number, (title, rows) in enumerate(under_way.scenes(), 1):
@@ -351,9 +350,9 @@ def _visloc(under_way: _Export) -> None:
         for at, row in enumerate(rows, 1):
             image_name = f"{two}_{at:04d}.JPG"
             under_way.picture(row, f"{two}/drone/{image_name}")
-            yaw, tilt, roll = (float(angle[row]) for angle in queries.poses.attitude)
-            height = float(queries.height_m[row] - queries.ground_m[row])
-            heading = (yaw + 180.0) % 360.0 - 180.0
+            height, tilt, roll, heading = (
+                float(values[row]) for values in (poses.agl_m, poses.tilt_deg, poses.roll_deg, headings_deg)
+            )
             lat, lon = float(queries.centre_lat_deg[row]), float(queries.centre_lon_deg[row])
             date = _date(benchmark, queries.imagery[row])
             lines.append([at, image_name, date, lat, lon, height, tilt, roll, heading, heading])
@@ -365,8 +364,8 @@ def _visloc(under_way: _Export) -> None:
 
 def _date(benchmark: Benchmark, imagery: str) -> str:
     """Date of imagery, where it is known."""
-    told = benchmark.about.get("imagery")
-    one = told.get(imagery) if isinstance(told, dict) else None
+    imageries = benchmark.about.get("imagery")
+    one = imageries.get(imagery) if isinstance(imageries, dict) else None
     return str(one.get("date") or "") if isinstance(one, dict) else ""
 
 
@@ -374,11 +373,7 @@ def _by_degrees(ground: Ground) -> tuple[Pixels, tuple[float, float, float, floa
     """The reference in pixels of equal degrees each way, and its edges: north, west, south and east."""
     mosaic = ground.benchmark.mosaic
     high, wide = ground.mosaic.shape[:2]
-    along, none = np.linspace(0.0, 1.0, 9), np.zeros(9)
-    lat, lon = mosaic.ground(
-        np.concatenate([along, along, none, none + 1.0]) * wide,
-        np.concatenate([none, none + 1.0, along, along]) * high,
-    )
+    lat, lon = mosaic.rim()
     # Continuous about the first corner, also where the antimeridian runs through.
     lon = lon[0] + wrap_lon_deg(lon - lon[0])
     middle, _ = mosaic.ground(np.full(2, wide / 2.0), high / 2.0 + np.array([-0.5, 0.5]))
@@ -388,10 +383,7 @@ def _by_degrees(ground: Ground) -> tuple[Pixels, tuple[float, float, float, floa
     image = np.zeros((rows, columns, 3), np.uint8)
     x = west + (np.arange(columns) + 0.5) * pixel
     for row in range(rows):
-        column, line = mosaic.px(np.full(columns, north - (row + 0.5) * pixel), x)
-        inside = (column >= 0.0) & (column <= wide) & (line >= 0.0) & (line <= high)
-        shown = sample(ground.mosaic, column[inside], line[inside], "bilinear")
-        image[row, inside] = np.clip(np.rint(shown), 0, 255).astype(np.uint8)
+        image[row], _ = ground.shown_at(np.full(columns, north - (row + 0.5) * pixel), x)
     return image, (north, west, north - rows * pixel, west + columns * pixel)
 
 
@@ -435,7 +427,7 @@ def _ortholoc_sample(ground: Ground, row: int, frame: LocalFrame) -> dict[str, N
     few = points[np.ix_(*spread)].reshape(-1, 3)
     pose = np.column_stack([camera.rotation, -camera.rotation @ camera.centre_m]).astype(np.float32)
     return {
-        "image_query": _query_image(ground.benchmark, row),
+        "image_query": ground.benchmark.colours(ground.benchmark.queries.file[row]),
         "point_map": points.astype(np.float32),
         "image_dop": above.image,
         "dsm": above.points_m.astype(np.float32),
@@ -474,7 +466,7 @@ def _anyvisloc(under_way: _Export) -> None:
     frame = frame_about(lat, lon, float(np.median(queries.ground_m)))
     west, south, east, north = ground.bounds_m(frame)
     pixel = ground.pixel_m(frame)
-    size = (math.ceil((long) / pixel - 1e-6) for long in (east - west, north - south))
+    size = (math.ceil(length / pixel - 1e-6) for length in (east - west, north - south))
     grid = Grid(west + pixel / 2.0, north - pixel / 2.0, pixel, *size)
     above = ground.ortho(frame, grid)
     # Heights count from the mean of the surface.
@@ -492,6 +484,7 @@ def _anyvisloc(under_way: _Export) -> None:
         "map_origin_local": [0.0, 0.0],
         "dsm_origin_local": [0.0, 0.0],
     }
+    headings_deg = wrap_lon_deg(queries.yaw_deg)
     for number, (title, rows) in _numbered(under_way):
         scene = f"Scene_{number:02d}"
         for name, data in maps.items():
@@ -512,8 +505,8 @@ def _anyvisloc(under_way: _Export) -> None:
             to_camera, to_world = np.eye(4), np.eye(4)
             to_camera[:3, :3], to_camera[:3, 3] = camera.rotation, -camera.rotation @ centre
             to_world[:3, :3], to_world[:3, 3] = camera.rotation.T, centre
-            image = _query_image(benchmark, row)
-            yaw, tilt, roll = (float(angle[row]) for angle in queries.poses.attitude)
+            image = benchmark.colours(queries.file[row])
+            tilt, roll = float(queries.tilt_deg[row]), float(queries.roll_deg[row])
             sample_of = {
                 "sample_id": np.array(name),
                 "scene_id": np.array(number),
@@ -526,7 +519,7 @@ def _anyvisloc(under_way: _Export) -> None:
                 "pose_w2c": to_camera,
                 "pose_c2w": to_world,
                 "xyz": centre * (1.0, -1.0, 1.0),
-                "euler_deg": np.array([roll, tilt, (yaw + 180.0) % 360.0 - 180.0]),
+                "euler_deg": np.array([roll, tilt, float(headings_deg[row])]),
             }
             under_way.write(f"{scene}/{name}.npz", _npz(sample_of))
             under_way.files[row] = f"{scene}/{name}.npz"
@@ -545,12 +538,6 @@ def _numbered(under_way: _Export) -> Iterator[tuple[int, tuple[str, list[int]]]]
 
 
 # --- Bytes
-
-
-def _query_image(benchmark: Benchmark, row: int) -> Pixels:
-    """Image of a query, (h, w, 3)."""
-    image = open_image(benchmark.folder / benchmark.queries.file[row], as_shown=True)
-    return np.asarray(image.convert("RGB"), np.uint8)
 
 
 def _encoded(image: Image.Image, wanted: str) -> bytes:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..benchmark.folder import Benchmark
-from ..dataset.dataset import UNREADABLE, open_image
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
 from ..geodesy.ellipsoid import WGS84
@@ -25,6 +24,7 @@ from .views import camera_rotations
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
+Flags = NDArray[np.bool_]
 
 #: Steps in which the surface is found above or below places of a frame. Each divides what is missing by some thousands:
 #: the frame's up differs from that of the place by a milliradian in 6 km.
@@ -111,22 +111,12 @@ class Ground:
     @cached_property
     def mosaic(self) -> Pixels:
         """The reference as one image, (h, w, 3)."""
-        file = self.benchmark.folder / self.benchmark.mosaic.file
-        try:
-            return np.asarray(open_image(file, as_shown=True).convert("RGB"), np.uint8)
-        except UNREADABLE as wrong:
-            raise InvalidInput("image {0}: cannot be read ({1})", file, wrong) from wrong
+        return self.benchmark.colours(self.benchmark.mosaic.file)
 
     @cached_property
     def _outline(self) -> tuple[Floats, Floats]:
         """Latitudes and longitudes of the mosaic's rim."""
-        mosaic = self.benchmark.mosaic
-        along, none = np.linspace(0.0, 1.0, 9), np.zeros(9)
-        x, y = (
-            np.concatenate([along, along, none, none + 1.0]),
-            np.concatenate([none, none + 1.0, along, along]),
-        )
-        return mosaic.ground(x * mosaic.width_px, y * mosaic.height_px)
+        return self.benchmark.mosaic.rim()
 
     @cached_property
     def lowest_m(self) -> float:
@@ -171,13 +161,28 @@ class Ground:
             rows = np.arange(start, min(start + _ROWS, grid.height_px))
             part = np.stack(np.meshgrid(x, grid.north_m - rows * grid.pixel_m), axis=-1)
             z, lat, lon = self._surface(frame, part)
-            column, row = self.benchmark.mosaic.px(lat, lon)
-            inside = (column >= 0.0) & (column <= self.mosaic.shape[1])
-            inside &= (row >= 0.0) & (row <= self.mosaic.shape[0])
-            shown = sample(self.mosaic, column[inside], row[inside], "bilinear")
-            image[rows[0] : rows[-1] + 1][inside] = np.clip(np.rint(shown), 0, 255).astype(np.uint8)
+            image[rows], inside = self.shown_at(lat, lon)
             points[rows] = np.dstack([part, np.where(inside, z, np.nan)])
         return Ortho(image, points)
+
+    def shown_at(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Pixels, Flags]:
+        """Colours (..., 3) of the reference at positions of any shape, black where it has nothing; and where it has."""
+        column, row = self.benchmark.mosaic.px(lat_deg, lon_deg)
+        high, wide = self.mosaic.shape[:2]
+        inside = (column >= 0.0) & (column <= wide) & (row >= 0.0) & (row <= high)
+        colours = np.zeros((*inside.shape, 3), np.uint8)
+        found = sample(self.mosaic, column[inside], row[inside], "bilinear")
+        colours[inside] = np.clip(np.rint(found), 0, 255).astype(np.uint8)
+        return colours, inside
+
+    def crop(self, left_px: int, top_px: int, side_px: int) -> Pixels:
+        """A square of the reference's pixels; black where it ends."""
+        piece = np.zeros((side_px, side_px, 3), np.uint8)
+        left, top = max(left_px, 0), max(top_px, 0)
+        seen = self.mosaic[top : max(top_px + side_px, 0), left : max(left_px + side_px, 0)]
+        rows, columns = seen.shape[:2]
+        piece[top - top_px :, left - left_px :][:rows, :columns] = seen
+        return piece
 
     def _surface(self, frame: LocalFrame, xy_m: Floats) -> tuple[Floats, Floats, Floats]:
         """Up of the surface at places (h, w, 2) of a frame, NaN where there is none; its latitude and longitude."""

@@ -66,7 +66,7 @@ class Views:
 
     @cached_property
     def frame(self) -> LocalFrame:
-        """Metres east, north and up of the cameras' middle on the ellipsoid, in which all are told."""
+        """Metres east, north and up of the cameras' middle on the ellipsoid, in which all are stated."""
         lat, lon = middle_of(self.lat_deg, self.lon_deg)
         return LocalFrame(round(lat, 6), round(lon, 6))
 

@@ -119,7 +119,7 @@ def test_stopped_and_resumed_it_leaves_the_same_bytes(of_dates, tmp_path):
     images = itertools.count()
     result = captured(mission, tmp_path / "again", cancelled=lambda: next(images) > 8, workers=1)
     assert result.cancelled
-    assert result.total == result.written + result.skipped or result.written < 20
+    assert result.total == len(list(folder.glob("*/satellite/*.tif"))) > result.written
     with pytest.raises(OutputError, match="already holds this mission"):
         captured(mission, tmp_path / "again")
     captured(mission, tmp_path / "again", resume=True)
