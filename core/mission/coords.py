@@ -14,7 +14,7 @@ from ..safe_json import decoded, parse_json
 from ..units import LENGTHS_M
 from .area import Area, Box, Points, Polygon
 from .options import KINDS
-from .pose_table import is_header, read_poses
+from .pose_table import UNICODE_MINUS, is_header, read_poses
 
 _FORMATS = Message(
     '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
@@ -22,11 +22,10 @@ _FORMATS = Message(
 #: Endings of trajectories and flight logs, which say no heights above ground.
 _TRAJECTORIES = (".gpx", ".ulg", ".bin")
 _SEPARATORS = re.compile(r"[_,;\s]+")
-_UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
 
 def _numbers(text: str, where: str) -> list[float]:
-    fields = [field for field in _SEPARATORS.split(text.translate(_UNICODE_MINUS).strip()) if field]
+    fields = [field for field in _SEPARATORS.split(text.translate(UNICODE_MINUS).strip()) if field]
     try:
         return [_number(field) for field in fields]
     except InvalidInput as wrong:

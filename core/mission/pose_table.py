@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..errors import InvalidInput, Message
 from ..text import time_s
@@ -48,7 +48,8 @@ _OF_DATASET = {
     "roll": ("roll_deg",),
     "time": ("time_utc",),
 }
-_UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
+#: What texts have in the place of a hyphen.
+UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
 
 def is_header(line: str) -> bool:
@@ -112,35 +113,54 @@ def read_poses(
     delimiter = _delimiter(header)
     headers = [cell.lower() for cell in _cut(header, delimiter)]
     columns = _columns(headers, where, needs_agl=agl_m is None)
-    poses: list[dict[str, float]] = []
+    has_decimal_commas = delimiter in (";", "\t")
+    values: dict[str, list[float]] = {name: [] for name in columns}
     for number, line in held[1:]:
-        there, cells = Message("{0}, line {1}:", where, number), _cut(line, delimiter)
+        cells = _cut(line.translate(UNICODE_MINUS), delimiter)
         if len(cells) != len(headers):
+            there = _line(where, number)
             raise InvalidInput(
                 "{0} {1!r} has {2} cells; its header names {3}", there, line.strip(), len(cells), len(headers)
             )
-        pose: dict[str, float] = {} if agl_m is None else {"agl": agl_m}
         for name, column in columns.items():
-            cell = cells[column].translate(_UNICODE_MINUS)
-            if delimiter in (";", "\t") and name != "time":
+            cell = cells[column]
+            if has_decimal_commas and name != "time":
                 cell = cell.replace(",", ".")
-            pose[name] = _value(name, cell, there)
-        if agl_m is None:
-            pose["agl"] *= LENGTHS_M[agl_unit]
-        if "gimbal_pitch" in pose:
-            pose["tilt"] = 90.0 + pose.pop("gimbal_pitch")
-        _points([pose], there)
-        poses.append(pose)
-    if not poses:
+            try:
+                values[name].append(float(cell))
+            except ValueError as wrong:
+                there = _line(where, number)
+                if name != "time":
+                    raise InvalidInput("{0} {1} {2!r}: must be a number", there, name, cell) from wrong
+                values[name].append(time_s(cell, there))
+    count = len(held) - 1
+    if not count:
         raise InvalidInput("{0}: holds no poses below its header", where)
-    return _points(poses, Message("{0}:", where))
-
-
-def _points(poses: Sequence[dict[str, float]], where: str) -> Points:
-    own = {f"{name}s_deg": tuple(pose[name] for pose in poses) for name in ANGLES if name in poses[0]}
-    times = tuple(pose["time"] for pose in poses) if "time" in poses[0] else ()
+    m_per_unit = LENGTHS_M[agl_unit]
+    values["agl"] = [agl_m] * count if agl_m is not None else [agl * m_per_unit for agl in values["agl"]]
+    if "gimbal_pitch" in values:
+        values["tilt"] = [90.0 + pitch for pitch in values["gimbal_pitch"]]
     try:
-        return Points(tuple((pose["lat"], pose["lon"], pose["agl"]) for pose in poses), **own, times_s=times)
+        return _points(values, slice(None))
+    except InvalidInput as wrong:
+        for at, (number, _) in enumerate(held[1:]):
+            _check_point(values, at, _line(where, number))
+        raise InvalidInput("{0} {1}", Message("{0}:", where), wrong) from wrong
+
+
+def _line(where: str, number: int) -> Message:
+    return Message("{0}, line {1}:", where, number)
+
+
+def _points(values: Mapping[str, list[float]], rows: slice) -> Points:
+    own = {f"{name}s_deg": tuple(values[name][rows]) for name in ANGLES if name in values}
+    poses = tuple(zip(*(values[name][rows] for name in ("lat", "lon", "agl"))))
+    return Points(poses, **own, times_s=tuple(values.get("time", [])[rows]))
+
+
+def _check_point(values: Mapping[str, list[float]], at: int, where: str) -> None:
+    try:
+        _points(values, slice(at, at + 1))
     except InvalidInput as wrong:
         raise InvalidInput("{0} {1}", where, wrong) from wrong
 
@@ -153,7 +173,10 @@ def _delimiter(header: str) -> str | None:
 def _cut(line: str, delimiter: str | None) -> list[str]:
     """Cells of a line, without the mark that some editors put before the first."""
     line = line.removeprefix("\ufeff")
-    cells = line.split() if delimiter is None else next(csv.reader([line], delimiter=delimiter), [])
+    if delimiter is None or '"' not in line:
+        cells = line.split(delimiter)
+    else:
+        cells = next(csv.reader([line], delimiter=delimiter), [])
     return [cell.strip().strip('"') for cell in cells]
 
 
@@ -179,15 +202,6 @@ def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, in
             remedy="name it tilt (0 looks straight down) or gimbal_pitch (-90 does)",
         )
     return at
-
-
-def _value(name: str, cell: str, where: str) -> float:
-    try:
-        return float(cell)
-    except ValueError as wrong:
-        if name != "time":
-            raise InvalidInput("{0} {1} {2!r}: must be a number", where, name, cell) from wrong
-    return time_s(cell, where)
 
 
 def table_text(points: Points) -> str:
