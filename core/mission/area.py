@@ -194,8 +194,8 @@ class Points:
                     "{0} {1} of {2} points: give one for each, or none", len(values), what, len(self.poses)
                 )
         for name in ANGLES:
-            field = field_named(Attitude, f"{name}_deg")
-            for angle in getattr(self, f"{name}s_deg"):
+            field, own = field_named(Attitude, f"{name}_deg"), self.own_deg(name)
+            for angle in () if _within(own, field.least, field.most) else own:
                 field.settled(angle)
         _check_times(self.times_s)
 
@@ -215,7 +215,17 @@ class Points:
         return Box(float(lat.max()), float(lon[first]), float(lat.min()), float(lon[first - 1]))
 
 
+def _within(numbers: tuple[Any, ...], least: float | None, most: float | None) -> bool:
+    """Whether numbers are surely within limits, looked at all at once; where not, each is looked at by itself."""
+    if least is None or most is None or not set(map(type, numbers)) <= {float, int}:
+        return False
+    values = np.array(numbers)
+    return values.dtype.kind in "fi" and bool(((values >= least) & (values <= most)).all())
+
+
 def _check_times(times_s: tuple[Any, ...]) -> None:
+    if _within(times_s, 0.0, math.nextafter(LATEST_S, 0.0)) and bool((np.diff(times_s) >= 0.0).all()):
+        return
     for at, time in enumerate(times_s):
         if not isinstance(time, (int, float)) or isinstance(time, bool) or not 0.0 <= time < LATEST_S:
             raise InvalidInput(

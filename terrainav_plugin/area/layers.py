@@ -30,9 +30,11 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QDateTime, Qt
 
 from ...core.errors import Cancelled, InvalidInput
+from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon, Position
 from ...core.mission.coords import parse_coords
+from ...core.mission.parts import Attitude
 from ...core.poses.line import Flown, fly
 from ...core.poses.settings import LineFlight
 from ...core.text import time_s
@@ -55,13 +57,7 @@ _DEEPEST = 24
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
 #: Features between two looks at whether somebody has lost patience.
 _PAUSE = 256
-#: Least and greatest of the angles that points may have of their own.
-_ANGLES_DEG = {
-    "yaw": (-360.0, 360.0),
-    "tilt": (-180.0, 180.0),
-    "gimbal_pitch": (-180.0, 90.0),
-    "roll": (-180.0, 180.0),
-}
+_GIMBAL_PITCHES_DEG = (-180.0, 90.0)
 _HALF_TURN_DEG = 180.0
 #: How much larger a box may be than the rectangle that it is around: half as large again.
 _MUCH_LARGER = 1.5
@@ -539,7 +535,8 @@ def _own_values(feature: QgsFeature, fields: PointFields, name: str) -> dict[str
             feature=name, what=point_words()[angle], field=field
         )
         degrees = _number(feature, field, what)
-        least, most = _ANGLES_DEG[angle]
+        declared = None if angle == "gimbal_pitch" else field_named(Attitude, f"{angle}_deg")
+        least, most = _GIMBAL_PITCHES_DEG if declared is None else (declared.least, declared.most)
         if not least <= degrees <= most:
             raise InvalidInput(
                 tr("{what} is {value}°: must be from {least} to {most}").format(
