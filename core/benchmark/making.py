@@ -20,6 +20,7 @@ from ..errors import Message, OptionName, OutputError
 from ..files import json_bytes, make_folder, open_locked, write_whole
 from ..imagery.source import Source
 from ..poses.priors import PRIORS_FILE, Sensors, write_priors
+from .choices import CROSS_AREA, NO_SPLIT
 from .folder import (
     BENCHMARK_FILE,
     MOSAIC,
@@ -30,7 +31,7 @@ from .folder import (
     REFERENCES_FILE,
     Benchmark,
 )
-from .planning import CROSS_AREA, NO_SPLIT, BenchmarkPlan, tiles_folder
+from .planning import BenchmarkPlan, tiles_folder
 from .truth import Captured, captured, mosaic_of, positives_of, queries_of, references_of
 
 #: Held while a run is at work in a folder.

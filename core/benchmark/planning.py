@@ -22,16 +22,9 @@ from ..mission.imageries import NamedImagery
 from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
 from ..mission.relief import Heights
+from .choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
 
-#: How queries are shared out: no ground in two parts, neither of queries nor of tiles; by places, over one reference;
-#: or not at all.
-CROSS_AREA, SAME_AREA, NO_SPLIT = SPLITS = ("cross-area", "same-area", "none")
-#: Intersection over union from which a tile is right, and from which it is nearly so: those of GTA-UAV.
-POSITIVE_IOU, SEMI_POSITIVE_IOU = 0.39, 0.14
-#: Tiles of the reference overlap by half: every place is then within a quarter of a tile's width of a tile's middle,
-#: along each side.
-TILE_OVERLAP = 0.5
 #: Field of view across the mosaic and its tiles, whose frames are windows of the map whatever the camera.
 _FOV_DEG = 30.0
 #: What the mosaic reaches beyond its box: a camera straight above the middle sees its sides' midpoints there.

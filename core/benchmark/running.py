@@ -13,15 +13,8 @@ import numpy as np
 
 from ..errors import InvalidInput
 from .answers import Answer, Locate, Method, Numbers, Predictions, Query, query_of
+from .choices import METHODS
 from .folder import Benchmark
-
-#: Methods that are part of the program: their modules and functions.
-METHODS = {
-    "ncc": (".correlation", "correlation"),
-    "sift": (".features", "sift"),
-    "orb": (".features", "orb"),
-    "middle": (".running", "middle"),
-}
 
 
 def middle(benchmark: Benchmark, gallery: Numbers) -> Locate:

@@ -6,6 +6,7 @@ import argparse
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS
 from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
@@ -188,7 +189,11 @@ def _add_benchmark_make(actions: Any) -> None:
         help="widths of the reference's tiles (default: that of a square as large as what a query shows)",
     )
     asked.add_argument(
-        "--tile-overlap", type=float, default=0.5, metavar="SHARE", help="that neighbours share (0.5)"
+        "--tile-overlap",
+        type=float,
+        default=TILE_OVERLAP,
+        metavar="SHARE",
+        help="that neighbours share (%(default)g)",
     )
     asked.add_argument(
         "--margin",
@@ -197,15 +202,23 @@ def _add_benchmark_make(actions: Any) -> None:
         help="reference around the ground of the queries (default: the width of the widest tile)",
     )
     asked.add_argument(
-        "--positive", type=float, default=0.39, metavar="IOU", help="from which a tile is right (0.39)"
+        "--positive",
+        type=float,
+        default=POSITIVE_IOU,
+        metavar="IOU",
+        help="from which a tile is right (%(default)g)",
     )
     asked.add_argument(
-        "--semi-positive", type=float, default=0.14, metavar="IOU", help="from which it nearly is (0.14)"
+        "--semi-positive",
+        type=float,
+        default=SEMI_POSITIVE_IOU,
+        metavar="IOU",
+        help="from which it nearly is (%(default)g)",
     )
     asked.add_argument(
         "--split",
-        choices=("cross-area", "same-area", "none"),
-        default="cross-area",
+        choices=SPLITS,
+        default=CROSS_AREA,
         help="cross-area: no ground in two parts, of queries or of tiles (default); same-area: by places, over one "
         "reference",
     )

@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..benchmark.choices import CROSS_AREA
 from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, Queries, write_columns
-from ..benchmark.planning import CROSS_AREA
 from ..dataset.dataset import open_image
 from ..dataset.folder import TEST, TRAIN, VALIDATION
 from ..errors import InvalidInput, OutputError

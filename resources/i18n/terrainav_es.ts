@@ -5211,15 +5211,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <location filename="../../core/dataset/dataset.py"/>
-        <location filename="../../core/dataset/ground.py"/>
-        <location filename="../../core/exports/scenes.py"/>
-        <location filename="../../core/files.py"/>
-        <source>image {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/folder.py"/>
         <source>make one first (terrainav benchmark make)</source>
         <translation>haga uno antes (terrainav benchmark make)</translation>
     </message>
@@ -5688,6 +5679,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>image {0}: cannot be read (of no format that Pillow knows)</source>
         <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/ground.py"/>
+        <location filename="../../core/files.py"/>
+        <source>image {0}: cannot be read ({1})</source>
+        <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>

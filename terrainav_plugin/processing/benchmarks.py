@@ -25,6 +25,8 @@ from qgis.core import (
     QgsProcessingParameterString,
 )
 
+from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
+from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
 from ..i18n import number_text, tr
 from ..packages import missing_packages
@@ -44,11 +46,6 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
 _GROUP = "benchmarks"
-_SPLITS = ["cross-area", "same-area", "none"]
-_METHODS = ["ncc", "sift", "orb", "middle"]
-_PARTS = ["train", "validation", "test"]
-#: Those of GTA-UAV, and the overlap with which every place is near a tile's middle.
-_POSITIVE, _SEMI_POSITIVE, _TILE_OVERLAP = 0.39, 0.14, 0.5
 #: Overlap from which tiles would never end.
 _MOST_OVERLAP = 0.99
 _WIDEST_M = 1_000_000.0
@@ -171,7 +168,7 @@ class MakeBenchmark(WithImagery):
         )
         self.add(
             QgsProcessingParameterNumber(
-                "TILE_OVERLAP", tr("Overlap of tiles"), real, _TILE_OVERLAP, False, 0.0, _MOST_OVERLAP
+                "TILE_OVERLAP", tr("Overlap of tiles"), real, TILE_OVERLAP, False, 0.0, _MOST_OVERLAP
             ),
             tr("Share of a tile that its neighbour shows again."),
             advanced=True,
@@ -187,13 +184,13 @@ class MakeBenchmark(WithImagery):
             (
                 "POSITIVE",
                 tr("Intersection over union of right tiles"),
-                _POSITIVE,
+                POSITIVE_IOU,
                 tr("From which a tile is right: ground that tile and query share, over ground of both."),
             ),
             (
                 "SEMI_POSITIVE",
                 tr("Intersection over union of nearly right tiles"),
-                _SEMI_POSITIVE,
+                SEMI_POSITIVE_IOU,
                 tr("From which a tile is nearly right."),
             ),
         ):
@@ -204,7 +201,7 @@ class MakeBenchmark(WithImagery):
     def _add_parts(self) -> None:
         self.add(
             QgsProcessingParameterEnum(
-                "SPLIT", tr("Parts"), options=_SPLITS, defaultValue=_SPLITS[0], usesStaticStrings=True
+                "SPLIT", tr("Parts"), options=list(SPLITS), defaultValue=SPLITS[0], usesStaticStrings=True
             ),
             tr(
                 "cross-area: no ground is in two parts, training, validation and test; same-area: queries are shared "
@@ -283,7 +280,7 @@ class MakeBenchmark(WithImagery):
             QUERY_COUNT=len(benchmark.queries),
             TILE_COUNT=len(benchmark.references),
             WITHOUT_TILE=sum(not len(right) for right in benchmark.positives()),
-            **{f"{part.upper()}_QUERIES": parts.count(part) for part in (*_PARTS, "gap")},
+            **{f"{part.upper()}_QUERIES": parts.count(part) for part in (*PARTS, "gap")},
         )
         if run.flag("LOAD"):
             _load(run.context, benchmark, self._known, _query_layers(benchmark))
@@ -332,7 +329,11 @@ class ScoreBenchmark(Algorithm):
         )
         self.add(
             QgsProcessingParameterEnum(
-                "METHOD", tr("Baseline"), options=_METHODS, defaultValue=_METHODS[0], usesStaticStrings=True
+                "METHOD",
+                tr("Baseline"),
+                options=list(METHODS),
+                defaultValue=next(iter(METHODS)),
+                usesStaticStrings=True,
             ),
             tr("Its answers are judged where no file of predictions is given. sift and orb need OpenCV."),
         )
@@ -342,7 +343,7 @@ class ScoreBenchmark(Algorithm):
         )
         self.add(
             QgsProcessingParameterEnum(
-                "PART", tr("Part"), options=_PARTS, optional=True, usesStaticStrings=True
+                "PART", tr("Part"), options=list(PARTS), optional=True, usesStaticStrings=True
             ),
             tr("Only the queries of one part, found among its tiles. If empty, all."),
         )

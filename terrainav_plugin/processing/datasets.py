@@ -18,6 +18,7 @@ from qgis.core import (
     QgsProcessingParameterString,
 )
 
+from ...core.dataset.folder import DEFAULT_ENTROPY, SEED, SHARES, WAYS
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
 
@@ -26,11 +27,8 @@ if TYPE_CHECKING:
     from ...core.dataset.split import Split as Made
 
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
-#: The paper's threshold, and the most that 256 grey levels can have.
-_ENTROPY, _HIGHEST = 2.1, 8.0
-_WAYS = ["auto", "shuffled", "in-order", "blocks"]
-#: The paper's.
-_SEED, _SHARES = 2024, (0.8, 0.1, 0.1)
+#: Most that 256 grey levels can have.
+_HIGHEST = 8.0
 _HIGHEST_SEED = 2**31 - 1
 _WIDEST_M = 1_000_000.0
 _PARTS = ("TRAIN", "VALIDATION", "TEST")
@@ -80,7 +78,7 @@ class Clean(_OfDataset):
                 "ENTROPY",
                 tr("Least entropy (bits)"),
                 QgsProcessingParameterNumber.Type.Double,
-                _ENTROPY,
+                DEFAULT_ENTROPY,
                 False,
                 0.0,
                 _HIGHEST,
@@ -226,7 +224,7 @@ class Split(_OfDataset):
     def _define_own(self) -> None:
         self.add(
             QgsProcessingParameterEnum(
-                "HOW", tr("How to split"), options=_WAYS, defaultValue=_WAYS[0], usesStaticStrings=True
+                "HOW", tr("How to split"), options=list(WAYS), defaultValue=WAYS[0], usesStaticStrings=True
             ),
             tr(
                 "By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need."
@@ -235,7 +233,7 @@ class Split(_OfDataset):
         number = QgsProcessingParameterNumber.Type
         add_shares(self)
         self.add(
-            QgsProcessingParameterNumber("SEED", tr("Seed"), number.Integer, _SEED, False, 0, _HIGHEST_SEED),
+            QgsProcessingParameterNumber("SEED", tr("Seed"), number.Integer, SEED, False, 0, _HIGHEST_SEED),
             tr("The same seed gives the same split."),
         )
         self.add(
@@ -289,7 +287,7 @@ class Split(_OfDataset):
 def add_shares(algorithm: Algorithm) -> None:
     """Add the parameters of the shares of training, validation and test."""
     titles = tr("Share of training"), tr("Share of validation"), tr("Share of test")
-    for name, title, share in zip(_PARTS, titles, _SHARES):
+    for name, title, share in zip(_PARTS, titles, SHARES):
         algorithm.add(
             QgsProcessingParameterNumber(
                 name, title, QgsProcessingParameterNumber.Type.Double, share, False, 0.0, 1.0

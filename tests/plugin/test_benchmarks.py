@@ -76,18 +76,18 @@ def tables_of(folder):
 # --- made
 
 
-def test_choices_are_those_of_the_core():
-    from terrainav.terrainav_plugin.processing import benchmarks
+def test_choices_and_defaults_are_those_of_the_core():
+    from terrainav.terrainav_plugin.processing.benchmarks import MakeBenchmark, ScoreBenchmark
 
-    assert tuple(benchmarks._SPLITS) == SPLITS
-    assert list(METHODS) == benchmarks._METHODS
-    assert tuple(benchmarks._PARTS) == tuple(PARTS)
+    asked, judged = (algorithm(listed=True).create() for algorithm in (MakeBenchmark, ScoreBenchmark))
+    assert tuple(asked.parameterDefinition("SPLIT").options()) == SPLITS
+    assert judged.parameterDefinition("METHOD").options() == list(METHODS)
+    assert tuple(judged.parameterDefinition("PART").options()) == tuple(PARTS)
     usual = BenchmarkSettings(MISSION, (AIR,), AIR)
-    assert (
-        usual.positive_iou,
-        usual.semi_positive_iou,
-        usual.tile_overlap,
-    ) == (benchmarks._POSITIVE, benchmarks._SEMI_POSITIVE, benchmarks._TILE_OVERLAP)
+    assert [
+        asked.parameterDefinition(name).defaultValue()
+        for name in ("POSITIVE", "SEMI_POSITIVE", "TILE_OVERLAP")
+    ] == [usual.positive_iou, usual.semi_positive_iou, usual.tile_overlap]
 
 
 def test_it_is_the_benchmark_that_the_core_makes(made, mission_file, tmp_path):
