@@ -309,18 +309,22 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
     found = []
     for coordinates in _line_strings(data):
         try:
-            line = np.array([corner[: 3 if agl_m is None else 2] for corner in coordinates], np.float64)
-            lon, lat = line.T[:2]
-            agl = line.T[2] if agl_m is None else np.full(len(line), agl_m)
-        except IndexError as wrong:
+            corners = [
+                (corner[1], corner[0], *(corner[2:3] if agl_m is None else (agl_m,)))
+                for corner in coordinates
+            ]
+            # Some corners may have a height where others have none.
+            has_heights = all(len(corner) == 3 for corner in corners)
+            line = np.array(corners, np.float64) if has_heights else None
+        except (IndexError, KeyError, TypeError, ValueError) as wrong:
+            raise InvalidInput("file {0}: a corner is not longitude, latitude ({1})", path, wrong) from wrong
+        if line is None:
             raise InvalidInput(
                 "file {0}: its corners have no height above ground",
                 path,
                 remedy="give one for all (--agl)",
-            ) from wrong
-        except (TypeError, ValueError) as wrong:
-            raise InvalidInput("file {0}: a corner is not longitude, latitude ({1})", path, wrong) from wrong
-        found.append(np.stack([lat, lon, agl], axis=1))
+            )
+        found.append(line)
     if not found:
         raise InvalidInput("file {0}: holds no LineString", path)
     return found
@@ -334,6 +338,6 @@ def _line_strings(data: Any) -> Iterator[list[Any]]:
     if data.get("type") == "LineString" and coordinates:
         yield coordinates
     elif data.get("type") == "MultiLineString":
-        yield from coordinates
+        yield from filter(None, coordinates)
     for inner in (data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")):
         yield from _line_strings(inner)

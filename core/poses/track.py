@@ -124,7 +124,8 @@ class Track:
         Raises
         ------
         InvalidInput
-            The height of the ground, or of a position, is not known; nothing is above the ground; as `thinned` does.
+            The height of the ground, or of a position, is not known or none; nothing is above the ground; as `thinned`
+            does.
         """
         agl = np.round(self._agl_m(ground_m, agl_m), ANGLE_DIGITS)
         flown = np.flatnonzero(agl > 0.0)
@@ -155,6 +156,8 @@ class Track:
                 "trajectory: does not say how high its ground is",
                 remedy="give that in the heights of the file (--ground-height), or one height above ground (--agl)",
             )
+        if not math.isfinite(ground_m):
+            raise InvalidInput("height of the ground {0} m: must be a finite number", ground_m)
         unknown = np.flatnonzero(np.isnan(self.height_m))
         if len(unknown):
             raise InvalidInput(

@@ -237,7 +237,10 @@ def test_the_command_writes_what_missions_are_flown_from(run, tmp_path):
     [
         ({"type": "Point", "coordinates": [0, 1]}, "holds no LineString"),
         ({"type": "FeatureCollection", "features": 7}, "holds no LineString"),
+        ({"type": "MultiLineString", "coordinates": [[], None]}, "holds no LineString"),
         ({"type": "LineString", "coordinates": [[0, 1], [0, 2]]}, "have no height above ground"),
+        ({"type": "LineString", "coordinates": [[0, 1, 5], [0, 2]]}, "have no height above ground"),
+        ({"type": "LineString", "coordinates": [[0, 1, 5], [0]]}, "a corner is not longitude, latitude"),
         (
             {"type": "LineString", "coordinates": [[0, 1, 5], [0, "x", 5]]},
             "a corner is not longitude, latitude",

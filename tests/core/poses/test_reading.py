@@ -310,6 +310,7 @@ def test_files_that_are_no_tracks_are_refused(tmp_path, run):
         (("e.txt", "--format", "tum"), "say where its origin lies (--origin LAT LON [HEIGHT])"),
         (("b.gpx", "--body", "frd"), "are for tum, kitti, euroc"),
         (("e.txt", "--format", "tum", "--origin", "95", "0"), "latitude 95.0: must be within"),
+        (("way.gpx", "--ground-height", "nan"), "height of the ground nan m: must be a finite number"),
         (("way.gpx", "--agl", "0"), "none of its 3 positions is above the ground"),
         (("b.gpx", "--agl", "9", "--start", "noon"), "--start time 'noon': must be as 2024"),
         (("gone.gpx",), "no such file"),
