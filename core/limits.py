@@ -51,6 +51,8 @@ MAX_BANDS = 1_000
 MAX_HEIGHT_SOURCES = 16
 #: Imageries that one mission is captured from.
 MAX_IMAGERIES = 64
+#: Poses that are drawn at random, or flown along a line.
+MAX_POSES = 10_000_000
 #: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
 MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 

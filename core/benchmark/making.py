@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress
-from ..capture.several import capture_each, together
+from ..capture.several import capture_each, combined
 from ..dataset.ground import Boxes, boxes_of
 from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
@@ -19,7 +19,8 @@ from ..dataset.table import GAP
 from ..errors import Message, OptionName, OutputError
 from ..files import json_bytes, make_folder, open_locked, write_whole
 from ..imagery.source import Source
-from ..poses.priors import PRIORS_FILE, Sensors, write_priors
+from ..poses.priors import PRIORS_FILE, write_priors
+from ..poses.settings import Sensors
 from .choices import CROSS_AREA, NO_SPLIT
 from .folder import (
     BENCHMARK_FILE,
@@ -57,7 +58,7 @@ class Making:
     @property
     def total(self) -> CaptureResult:
         """All captures together; what failed or repeats is named by its folder."""
-        return together(self.folder, self.results)
+        return combined(self.folder, self.results)
 
 
 def make_benchmark(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame, axes_at
-from ..geodesy.projections import through_proj
+from ..geodesy.projections import geodesics
 from . import metrics
 from .answers import POSE, Predictions
 from .folder import Benchmark, Columns
@@ -331,12 +331,9 @@ def _to_tiles(benchmark: Benchmark, rows: Numbers, ranking: Numbers) -> tuple[Fl
 
 def _ground_m(lat: Floats, lon: Floats, other_lat: Floats, other_lon: Floats) -> Floats:
     """Geodesic distances (any shape), NaN where a place is not known."""
-    from pyproj import Geod
-
     found = np.full(lat.shape, np.nan)
     known = np.isfinite(lat) & np.isfinite(lon) & np.isfinite(other_lat) & np.isfinite(other_lon)
-    pairs = (values[known] for values in (lon, lat, other_lon, other_lat))
-    found[known] = through_proj(Geod(ellps="WGS84").inv, *pairs)[2]
+    *_, found[known] = geodesics(*(values[known] for values in (lat, lon, other_lat, other_lon)))
     return found
 
 

@@ -17,7 +17,7 @@ from ..mission.plan import Plan
 from .folder import check_captured, open_folder
 from .runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, capture, check_source
 
-__all__ = ["capture_each", "capture_imageries", "together"]
+__all__ = ["capture_each", "capture_imageries", "combined"]
 
 
 def capture_imageries(
@@ -71,7 +71,7 @@ def capture_imageries(
             progress=progress,
             cancelled=cancelled,
         )
-    result = together(path, results)
+    result = combined(path, results)
     # What was asked for, also where the run was stopped before it came to the last imagery.
     return result if only_failed else replace(result, total=sum(map(len, plans.values())))
 
@@ -126,8 +126,8 @@ def _tell(progress: Callable[[Progress], object], name: str, report: Progress) -
     progress(replace(report, map_type=name))
 
 
-def together(folder: Path, results: Mapping[str, CaptureResult]) -> CaptureResult:
-    """Return captures as one; what failed or repeats is named by its folder in the place of the map type."""
+def combined(folder: Path, results: Mapping[str, CaptureResult]) -> CaptureResult:
+    """Return the results of captures as one; what failed or repeats has its folder in the place of the map type."""
     done = results.values()
     return CaptureResult(
         folder=folder,

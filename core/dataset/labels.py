@@ -17,13 +17,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import CRS, Geod, Transformer
+from pyproj import CRS, Transformer
 from pyproj.exceptions import CRSError
 
 from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
-from ..geodesy.projections import through_proj, utm_zone
+from ..geodesy.projections import geodesics, through_proj, utm_zone
 from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import decoded, parse_json
 from .folder import FRAMES, TRAIN
@@ -368,7 +368,6 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
     # What has no place is found by that, and not by a warning.
     with np.errstate(invalid="ignore"):
         back_lat, back_lon = frame.inverse(metres)
-    geod = Geod(ellps="WGS84")
     # PROJ's word for what cannot be projected is infinity.
     held = np.isfinite(metres).all(axis=-1) & np.isfinite(back_lat) & np.isfinite(back_lon)
     if held.all():
@@ -378,8 +377,8 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
             np.full_like(lon, frame.middle_lon_deg),
             np.full_like(lat, frame.middle_lat_deg),
         )
-        ground = through_proj(geod.inv, middle_lon, middle_lat, lon, lat)[2]
-        held &= through_proj(geod.inv, lon, lat, back_lon, back_lat)[2] <= _ROUND_TRIP_M
+        ground = geodesics(middle_lat, middle_lon, lat, lon)[2]
+        held &= geodesics(lat, lon, back_lat, back_lon)[2] <= _ROUND_TRIP_M
         # A middle that itself has no place tells nothing.
         held &= ~(away > _MOST_ENLARGED * ground + _ROUND_TRIP_M)
     if not held.all():

@@ -34,7 +34,7 @@ from ..files import (
 )
 from ..geodesy.local import LocalFrame
 from ..geodesy.mercator import wrap_lon_deg
-from .scenes import Grid, Ground, Ortho, frame_about
+from .scenes import Ground, Ortho, OrthoGrid, frame_about
 from .views import ORIGIN_FILE, origin_of
 
 Floats = NDArray[np.float64]
@@ -421,7 +421,7 @@ def _ortholoc_sample(ground: Ground, row: int, frame: LocalFrame) -> dict[str, N
     count = min(max(math.ceil(side / ground.pixel_m(frame)), 2), _ORTHOLOC_PX)
     pixel = side / count
     west, north = (low[0] + high[0] - side + pixel) / 2.0, (low[1] + high[1] + side - pixel) / 2.0
-    above = ground.ortho(frame, Grid(float(west), float(north), pixel, count, count))
+    above = ground.ortho(frame, OrthoGrid(float(west), float(north), pixel, count, count))
     vertices, faces = _mesh(above)
     spread = [np.linspace(0, length - 1, min(_KEYPOINTS, length)).astype(int) for length in points.shape[:2]]
     few = points[np.ix_(*spread)].reshape(-1, 3)
@@ -467,7 +467,7 @@ def _anyvisloc(under_way: _Export) -> None:
     west, south, east, north = ground.bounds_m(frame)
     pixel = ground.pixel_m(frame)
     size = (math.ceil(length / pixel - 1e-6) for length in (east - west, north - south))
-    grid = Grid(west + pixel / 2.0, north - pixel / 2.0, pixel, *size)
+    grid = OrthoGrid(west + pixel / 2.0, north - pixel / 2.0, pixel, *size)
     above = ground.ortho(frame, grid)
     # Heights count from the mean of the surface.
     base_m = round(float(np.nanmean(above.points_m[..., 2])), 3)

@@ -37,7 +37,7 @@ _BELOW_M = 100.0
 _ROWS = 256
 
 
-class Camera(NamedTuple):
+class QueryCamera(NamedTuple):
     """A query's camera in a frame.
 
     Attributes
@@ -69,7 +69,7 @@ class Ortho(NamedTuple):
     points_m: Floats
 
 
-class Grid(NamedTuple):
+class OrthoGrid(NamedTuple):
     """Pixels of a frame: the first one's centre, rows going south, all of one size."""
 
     west_m: float
@@ -125,7 +125,7 @@ class Ground:
             return float(self.benchmark.queries.ground_m.min())
         return float(np.nanmin(self.relief.surface(*self._outline).heights_m)) - _BELOW_M
 
-    def camera(self, index: int, frame: LocalFrame) -> Camera:
+    def camera(self, index: int, frame: LocalFrame) -> QueryCamera:
         """Camera of a query."""
         one = self.benchmark.queries.take(np.array([index]))
         k = np.array(
@@ -136,7 +136,7 @@ class Ground:
             ]
         )
         rotation = camera_rotations(frame, one.lat_deg, one.lon_deg, *one.poses.attitude)[0]
-        return Camera(k, rotation, frame.enu(one.lat_deg, one.lon_deg, one.height_m)[0])
+        return QueryCamera(k, rotation, frame.enu(one.lat_deg, one.lon_deg, one.height_m)[0])
 
     def points(self, index: int, frame: LocalFrame) -> Floats:
         """Ground that the pixels' centres of a query see, (h, w, 3) in metres; NaN where they see none."""
@@ -152,7 +152,7 @@ class Ground:
         found = Tracing(scene, up_m, self.relief, self.lowest_m, _TOLERANCE_PX).sighting
         return _finite(frame.enu(found.lat_deg, found.lon_deg, found.height_m))
 
-    def ortho(self, frame: LocalFrame, grid: Grid) -> Ortho:
+    def ortho(self, frame: LocalFrame, grid: OrthoGrid) -> Ortho:
         """The reference on a grid of a frame: each pixel has the colour of the surface right there."""
         image = np.zeros((grid.height_px, grid.width_px, 3), np.uint8)
         points = np.empty((grid.height_px, grid.width_px, 3))

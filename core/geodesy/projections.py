@@ -1,4 +1,4 @@
-"""Projections in metres: UTM, and a conformal plane about any place."""
+"""Geodesics, and projections in metres: UTM, and a conformal plane about any place."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Proj
+from pyproj import Geod, Proj
 
-from .ellipsoid import sin_cos
+from .ellipsoid import WGS84, sin_cos
 
 Floats = NDArray[np.float64]
 #: Noise of positions in degrees and of the projection, metres: seen are 4 nm.
@@ -152,3 +152,26 @@ def through_proj(
     return tuple(
         np.asarray(result, np.float64)[:size].reshape(shape) for result in function(*flat, **options)
     )
+
+
+def geodesics(
+    lat_deg: Floats | float, lon_deg: Floats | float, to_lat_deg: Floats | float, to_lon_deg: Floats | float
+) -> tuple[Floats, Floats, Floats]:
+    """Azimuths at both ends, in degrees, and lengths in metres of geodesics of WGS 84 (any shape).
+
+    The second azimuth is that of the way on, beyond the end.
+    """
+    start, back, length_m = through_proj(_geod().inv, lon_deg, lat_deg, to_lon_deg, to_lat_deg)
+    return start, back + 180.0, length_m
+
+
+def along_geodesics(
+    lat_deg: Floats, lon_deg: Floats, azimuth_deg: Floats, length_m: Floats
+) -> tuple[Floats, Floats, Floats]:
+    """Latitudes, longitudes and azimuths at the ends of geodesics of WGS 84 (any shape); see `geodesics`."""
+    lon, lat, back = through_proj(_geod().fwd, lon_deg, lat_deg, azimuth_deg, length_m)
+    return lat, lon, back + 180.0
+
+
+def _geod() -> Geod:
+    return Geod(a=WGS84.a_m, b=WGS84.b_m)

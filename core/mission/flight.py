@@ -7,12 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Geod
 
 from ..errors import InvalidInput
-from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import through_proj
+from ..geodesy.projections import geodesics
 from ..units import M_PER_FT
 from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, outputs
 from .wind import Wind
@@ -50,8 +48,7 @@ class Legs(NamedTuple):
 def legs(lat_deg: Floats, lon_deg: Floats) -> Legs:
     """Legs between captures at positions in degrees, (n,) each, n >= 1."""
     lon = wrap_lon_deg(lon_deg)
-    ellipsoid = Geod(a=WGS84.a_m, b=WGS84.b_m)
-    forward, _, distance = through_proj(ellipsoid.inv, lon[:-1], lat_deg[:-1], lon[1:], lat_deg[1:])
+    forward, _, distance = geodesics(lat_deg[:-1], lon[:-1], lat_deg[1:], lon[1:])
     return Legs(forward, distance)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, check_source
-from ..capture.several import capture_each, together
+from ..capture.several import capture_each, combined
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import Message, OptionName, OutputError
 from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, write_whole
@@ -125,7 +125,7 @@ def capture_pairs(
             progress=progress,
             cancelled=cancelled,
         )
-        total = replace(together(path, results), total=worked_out.images)
+        total = replace(combined(path, results), total=worked_out.images)
         return PairResult(**vars(total), left_out=() if total.cancelled else _lay_out(path, worked_out))
 
 

@@ -14,19 +14,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Geod
 
 from ..errors import InvalidInput
 from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import through_proj
-from ..limits import MAX_MISSION_BYTES
+from ..geodesy.projections import along_geodesics, geodesics
+from ..limits import MAX_MISSION_BYTES, MAX_POSES
 from ..mission.area import Points, check_agl, check_lat_lon
 from ..mission.coords import listed
 from ..mission.gusts import GRAVITY_M_PER_S2
 from ..safe_json import parse_json
-from .random_poses import MAX_POSES
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
@@ -43,7 +41,7 @@ _LEAST_RADIUS_M = 1.0
 _ROLLING_S = 1.0
 
 
-class Flown(NamedTuple):
+class FlownLine(NamedTuple):
     """A line as it is flown.
 
     Parameters
@@ -69,7 +67,7 @@ def turn_radius_m(flight: LineFlight) -> float:
     return flight.speed_m_per_s**2 / (GRAVITY_M_PER_S2 * math.tan(math.radians(flight.bank_deg)))
 
 
-def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Flown:
+def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> FlownLine:
     """Fly lines, one after the other; on the way from one to the next there are no exposures.
 
     The first exposure is at the beginning of each line. The top of the image points along the way.
@@ -106,7 +104,7 @@ def fly(lines: Sequence[Floats], flight: LineFlight, start_s: float = 0.0) -> Fl
         (np.round(np.concatenate(column), places) + 0.0).tolist()
         for column, places in zip(zip(*columns), digits)
     )
-    return Flown(
+    return FlownLine(
         Points(
             tuple(zip(lat, lon, agl)),
             yaws_deg=tuple(yaw),
@@ -145,8 +143,7 @@ class _Way:
     def of(cls, line: Floats, flight: LineFlight, number: int) -> _Way:
         """Way of a line, the one of this number."""
         lat, lon, agl = _distinct(line, number).T
-        azimuth, back, leg = through_proj(_geod().inv, lon[:-1], lat[:-1], lon[1:], lat[1:])
-        arrival = back + 180.0
+        azimuth, arrival, leg = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])
         turn = np.zeros(len(lat))
         turn[1:-1] = wrap_lon_deg(azimuth[1:] - arrival[:-1])
         half = np.tan(np.radians(np.abs(turn)) / 2.0)
@@ -222,15 +219,15 @@ class _Way:
         inward = np.where(in_turn, self.arrival_deg[corner - 1], self.azimuth_deg[piece // 2])
         heading = inward + np.copysign(np.degrees(swept), turn)
         away = inward + np.degrees(np.arctan2(right, ahead))
-        lon, lat, back = through_proj(
-            _geod().fwd, self.lon_deg[corner], self.lat_deg[corner], away, np.hypot(ahead, right)
+        lat, lon, bearing = along_geodesics(
+            self.lat_deg[corner], self.lon_deg[corner], away, np.hypot(ahead, right)
         )
         # Heights are those of the line at the share of the turn that is flown.
         share = np.degrees(swept) / np.where(in_turn, np.abs(turn), 1.0)
         corners_m = np.append(0.0, np.cumsum(self.leg_m))
         line_m = corners_m[corner] + np.where(in_turn, cut * (2.0 * share - 1.0), ahead)
         agl = np.interp(line_m, corners_m, self.agl_m)
-        course: Floats = wrap_lon_deg(back + 180.0 + heading - away)
+        course: Floats = wrap_lon_deg(bearing + heading - away)
         return lat, lon, agl, course
 
     def roll_deg(self, time_s: Floats) -> Floats:
@@ -244,12 +241,8 @@ class _Way:
 
     def distance_to(self, other: _Way) -> float:
         """Metres from the end to the beginning of another."""
-        *_, distance = _geod().inv(self.lon_deg[-1], self.lat_deg[-1], other.lon_deg[0], other.lat_deg[0])
+        *_, distance = geodesics(self.lat_deg[-1], self.lon_deg[-1], other.lat_deg[0], other.lon_deg[0])
         return float(distance)
-
-
-def _geod() -> Geod:
-    return Geod(a=WGS84.a_m, b=WGS84.b_m)
 
 
 def _distinct(line: Floats, number: int) -> Floats:
@@ -266,7 +259,7 @@ def _distinct(line: Floats, number: int) -> Floats:
     whole = np.concatenate(places)
     kept = [0]
     for at in range(1, len(whole)):
-        *_, distance = _geod().inv(whole[kept[-1], 1], whole[kept[-1], 0], whole[at, 1], whole[at, 0])
+        *_, distance = geodesics(*whole[kept[-1], :2], *whole[at, :2])
         if distance > TOLERANCE_M:
             kept.append(at)
     if len(kept) < 2:

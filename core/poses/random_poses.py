@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
+from ..limits import MAX_POSES
 from ..mission.area import ANGLES, Box, Points, Polygon, check_agl, holds
 from ..mission.flight import normal, uniform
 from .track import ANGLE_DIGITS, PLACE_DIGITS
@@ -23,7 +24,6 @@ from .track import ANGLE_DIGITS, PLACE_DIGITS
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 FIXED, UNIFORM, NORMAL = "fixed", "uniform", "normal"
-MAX_POSES = 10_000_000
 #: Where fewer than one in a thousand is accepted of at least this many that are drawn, drawing ends.
 _TRIES, _LEAST_SHARE = 100_000, 1e-3
 #: Drawn at a time: memory for 8 MB columns.

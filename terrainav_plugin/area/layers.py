@@ -35,7 +35,7 @@ from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon, Position
 from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
-from ...core.poses.line import Flown, fly
+from ...core.poses.line import FlownLine, fly
 from ...core.poses.settings import LineFlight
 from ...core.text import time_s
 from ..compat import LINE, POINT, POLYGON
@@ -293,7 +293,7 @@ def flown_lines(
     return read
 
 
-def flown_words(flown: Flown) -> str:
+def flown_words(flown: FlownLine) -> str:
     """How near to its line a flight is, and what is flown slower."""
     words = tr("The flight misses the corners of its line by up to {missed} m.").format(
         missed=number_text(flown.missed_m, ",.1f")

@@ -109,5 +109,5 @@ def _dress_errors(layer: QgsVectorLayer) -> None:
     for name, title in titles.items():
         layer.setFieldAlias(layer.fields().indexOf(name), title)
     error = "[% coalesce(format_number(\"error_m\", 2) || ' m', '–') %]"
-    told = tr("error: {error}").format(error=error)
-    layer.setMapTipTemplate(f"<b>{escaped_field('query')}</b><br/>{told}")
+    error_text = tr("error: {error}").format(error=error)
+    layer.setMapTipTemplate(f"<b>{escaped_field('query')}</b><br/>{error_text}")

@@ -401,8 +401,8 @@ class ScoreBenchmark(Algorithm):
         benchmark, scores, page = off_main_thread(work, run.feedback)
         figures = next(iter(scores.groups.values()))
         for title, *values, definition in rows_of(scores.groups):
-            told = ", ".join(f"{group} {value}" for group, value in zip(scores.groups, values))
-            run.feedback.pushInfo(f"{title}: {told} ({definition})")
+            values_text = ", ".join(f"{group} {value}" for group, value in zip(scores.groups, values))
+            run.feedback.pushInfo(f"{title}: {values_text} ({definition})")
         results = {"FOLDER": str(target), "HTML": str(page), **_numbers(figures)}
         if "MEDIAN_M" not in results:
             run.feedback.pushWarning(
