@@ -14,7 +14,7 @@ from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, write_whole
 from .huggingface import credit_of
-from .tables import chosen_sets, inside, is_same
+from .tables import chosen_sets, is_same, relative_folder
 
 CROISSANT_FILE = "croissant.json"
 CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
@@ -124,7 +124,7 @@ def write_croissant(
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
     """The table of a map type, with its checksum, and the set of its images."""
-    place = inside(dataset, images)
+    place = relative_folder(dataset, images)
     pictures = images.image_folder.resolve().relative_to(dataset.folder.resolve())
     endings = dict.fromkeys(Path(one).suffix for one in images.table.img_names)
     return [

@@ -60,7 +60,7 @@ def write_parquet(
     for images in sets:
         buffer = arrow.BufferOutputStream()
         parquet.write_table(_table(arrow, images), buffer, compression="zstd")
-        path = root / inside(dataset, images) / PARQUET_FILE
+        path = root / relative_folder(dataset, images) / PARQUET_FILE
         make_folder(path.parent)
         write_whole(path, buffer.getvalue().to_pybytes())
         written.append(path)
@@ -72,7 +72,7 @@ def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
     return dict(dataset.image_sets) if map_type is None else {map_type: dataset.image_set(map_type)}
 
 
-def inside(dataset: Dataset, images: ImageSet) -> Path:
+def relative_folder(dataset: Dataset, images: ImageSet) -> Path:
     """Folder of a table in its dataset's: ``satellite``, ``2014/satellite``, or ``.`` where they are one."""
     return images.folder.resolve().relative_to(dataset.folder.resolve())
 
