@@ -92,7 +92,7 @@ def compare(mission: Mission, source: Source, folder: Path, count: int) -> None:
     clock = Clock()
     done = capture(plan(some, source.grid), source, folder / "plain")
     alone = clock.rate("plain capture", done.written)
-    imagery = NamedImagery("own", mission.imagery.source, "satellite")
+    imagery = NamedImagery("own", mission.imagery.source)
     settings = BenchmarkSettings(mission, (imagery,), imagery, split="none")
     clock = Clock()
     worked_out = plan_benchmark(settings, {str(imagery): source.grid})
