@@ -140,6 +140,11 @@ def write_whole(
     """
     target = Path(path)
     try:
+        if not target.name:
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+        if target.exists() and not (target.is_file() or target.is_dir()):
+            # As root, even a device such as /dev/null would be replaced.
+            raise OSError(errno.EINVAL, "it is no regular file")
         with partial_file(target) as partial, partial.open("xb") as file:
             file.writelines([data] if isinstance(data, bytes) else data)
             if durable:

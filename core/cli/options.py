@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Sequence
+from decimal import Decimal
 from typing import Any, NoReturn
 
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
@@ -21,6 +23,8 @@ A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {
 where URL is the address of the service or of its capabilities. `terrainav sources show wmts:URL` lists layers.
 A key is written {key} in a URL, and kept in the environment as TERRAINAV_KEY.
 """
+#: Negative numbers that argparse takes for options.
+_WITH_EXPONENT = re.compile(r"-(?:\d+\.?\d*|\.\d+)[eE][+-]?\d{1,3}", re.ASCII)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -51,14 +55,15 @@ def parser() -> argparse.ArgumentParser:
 def normalised(argv: Sequence[str]) -> list[str]:
     """Arguments with underscores allowed in options, and values that start with a minus tied to theirs.
 
-    A coordinate such as -35.1_-70.2_120 would otherwise be taken for an option.
+    A coordinate such as -35.1_-70.2_120 would otherwise be taken for an option; so would a number such as -1e-05, which
+    is written without its exponent.
     """
     tidy: list[str] = []
     arguments = iter(argv)
     for argument in arguments:
         name, equals, value = argument.partition("=")
         if not name.startswith("--"):
-            tidy.append(argument)
+            tidy.append(f"{Decimal(argument):f}" if _WITH_EXPONENT.fullmatch(argument) else argument)
             continue
         name = "--" + name[2:].replace("_", "-")
         if name in ("--coords", "--area") and not equals:

@@ -60,7 +60,7 @@ def _track(arguments: argparse.Namespace) -> Track:
         raise InvalidInput(
             "--origin, --body and --world: are for {0}, and not for {1}", ", ".join(LOCAL), file_format
         )
-    if not path.is_file():
+    if not is_there(path):
         raise InvalidInput("trajectory {0}: no such file", path)
     if file_format == "ulog":
         return read_ulog(path)
@@ -93,10 +93,14 @@ def _origin(numbers: list[float], path: Path, file_format: str) -> tuple[float, 
             file_format,
             remedy="say where its origin lies (--origin LAT LON [HEIGHT])",
         )
+    from ..fields import field_named
     from ..mission.area import check_lat_lon
+    from ..mission.parts import Flight
 
-    check_lat_lon(*numbers[:2])
-    return numbers[0], numbers[1], numbers[2] if len(numbers) == 3 else 0.0
+    lat_deg, lon_deg, height_m = (*numbers, 0.0)[:3]
+    check_lat_lon(lat_deg, lon_deg)
+    field_named(Flight, "ground_height_m").settled(height_m)
+    return lat_deg, lon_deg, height_m
 
 
 def _random(arguments: argparse.Namespace) -> int:

@@ -47,8 +47,8 @@ def _row(point: Any, where: str) -> tuple[float, float, float, float]:
     """Latitude, longitude, height and time of a point; NaN for what it may lack."""
     elevation, time = (_text(point, child) for child in ("ele", "time"))
     return (
-        _number(point.get("lat"), where),
-        _number(point.get("lon"), where),
+        _number(point.get("lat", ""), where),
+        _number(point.get("lon", ""), where),
         math.nan if elevation is None else _number(elevation, where),
         math.nan if time is None else time_s(time, where),
     )
@@ -59,9 +59,9 @@ def _text(point: Any, child: str) -> str | None:
     return None if found is None or not (found.text or "").strip() else str(found.text).strip()
 
 
-def _number(text: str | None, where: str) -> float:
+def _number(text: str, where: str) -> float:
     try:
-        value = float(text or "")
+        value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

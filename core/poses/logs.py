@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import contextlib
 import importlib
-import io
 import logging
 import os
+import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -32,6 +32,13 @@ _PLACE, _ATTITUDE, _HOME, _RECEIVERS = (
     "home_position",
     ("vehicle_gps_position", "sensor_gps"),
 )
+#: Columns without which a topic is as good as not logged.
+_NEEDED = {
+    _PLACE: ("timestamp", "lat", "lon", "alt"),
+    _ATTITUDE: ("timestamp", "q[0]", "q[1]", "q[2]", "q[3]"),
+    _HOME: ("timestamp", "alt"),
+    **dict.fromkeys(_RECEIVERS, ("timestamp", "time_utc_usec")),
+}
 #: Columns of ArduPilot's messages, and those that not all of its versions have.
 _COLUMNS = {
     "POS": (("TimeUS", "Lat", "Lng", "Alt"), ("RelHomeAlt", "RelAlt")),
@@ -51,6 +58,8 @@ _LEAPS = (
     (1_435_708_800.0, 17.0),
     (1_483_228_800.0, 18.0),
 )
+#: File descriptor of standard error.
+_STANDARD_ERROR = 2
 
 
 def reader_module(name: str, package: str = "") -> Any:
@@ -68,11 +77,31 @@ def reader_module(name: str, package: str = "") -> Any:
 @contextlib.contextmanager
 def _quiet(path: str | os.PathLike[str]) -> Iterator[None]:
     """Put what a reader prints, a line for each byte that it cannot make out, into one line."""
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed):
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as printed:
+        aside = contextlib.redirect_stdout(printed), contextlib.redirect_stderr(printed)
+        with aside[0], aside[1], _standard_error(printed.fileno()):
+            yield
+        printed.seek(0)
+        said = printed.readline().strip()
+    if said:
+        _log.warning("log %s: is damaged in places (%s)", path, said)
+
+
+@contextlib.contextmanager
+def _standard_error(target: int) -> Iterator[None]:
+    """Lead what modules written in C print to another file for a while."""
+    try:
+        kept = os.dup(_STANDARD_ERROR)
+    except OSError:
+        # A program with windows has none.
         yield
-    if printed.getvalue():
-        _log.warning("log %s: is damaged in places (%s)", path, printed.getvalue().splitlines()[0])
+        return
+    os.dup2(target, _STANDARD_ERROR)
+    try:
+        yield
+    finally:
+        os.dup2(kept, _STANDARD_ERROR)
+        os.close(kept)
 
 
 def read_ulog(path: str | os.PathLike[str]) -> Track:
@@ -97,7 +126,11 @@ def read_ulog(path: str | os.PathLike[str]) -> Track:
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as ULog ({1})", path, wrong) from wrong
     # Of several instances of a topic the first one, which comes first in the list.
-    topics = {one.name: _columns(one.data) for one in reversed(log.data_list)}
+    topics = {
+        one.name: _columns(one.data)
+        for one in reversed(log.data_list)
+        if one.data.keys() >= set(_NEEDED[one.name])
+    }
     place = topics.get(_PLACE, {})
     place = _rows(place, _valid(place, "lat_lon_valid") & _valid(place, "alt_valid")) if place else place
     if not place or not len(place["timestamp"]):
@@ -159,7 +192,9 @@ def read_dataflash(path: str | os.PathLike[str], *, text: bool = False) -> Track
     attitude = None
     if "ATT" in found:
         turned = found["ATT"]
-        quaternions = quaternions_of_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
+        with np.errstate(invalid="ignore"):
+            # Of infinite angles NaN, which are left out as states of a filter that are none.
+            quaternions = quaternions_of_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
         attitude = _attitude_at(clock, turned["TimeUS"] * _S_PER_US, quaternions)
     above_home = next((place[name] for name in ("RelHomeAlt", "RelAlt") if name in place), np.zeros(1))
     ground = float(place["Alt"][0] - above_home[0])

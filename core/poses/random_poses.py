@@ -136,10 +136,12 @@ def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count
     """Heights or angles (count,)."""
 
     def draw(batch: int) -> tuple[Floats, Flags]:
-        numbers = np.round(distribution.draw(bits, batch), ANGLE_DIGITS)
-        if name == "yaw":
-            # A direction, which has no ends.
-            return np.round(wrap_lon_deg(numbers), ANGLE_DIGITS), np.ones(batch, np.bool_)
+        with np.errstate(over="ignore", invalid="ignore"):
+            # Numbers beyond measure become infinite, and are refused as such.
+            numbers = np.round(distribution.draw(bits, batch), ANGLE_DIGITS)
+            if name == "yaw":
+                # A direction, which has no ends.
+                return np.round(wrap_lon_deg(numbers), ANGLE_DIGITS), np.isfinite(numbers)
         return numbers, numbers > 0.0 if name == "agl" else np.abs(numbers) <= 180.0
 
     wanted = Message("above 0 m") if name == "agl" else Message("within 180 degrees")

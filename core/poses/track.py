@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OptionName
-from ..mission.area import Points
+from ..fields import field_named
+from ..mission.area import Points, check_agl
 from ..mission.flight import legs
+from ..mission.parts import Flight
 
 Floats = NDArray[np.float64]
 #: Decimals of latitude and longitude that are kept, 0.1 mm; of heights and angles; of seconds.
@@ -100,6 +102,7 @@ class Track:
             kept = kept.take(_spaced(np.concatenate([[0.0], np.cumsum(steps_m)]), every_m))
         return kept
 
+    @np.errstate(over="ignore", invalid="ignore")
     def points(
         self,
         ground_m: float | None = None,
@@ -125,7 +128,7 @@ class Track:
         ------
         InvalidInput
             The height of the ground, or of a position, is not known or none; nothing is above the ground; as `thinned`
-            does.
+            does. Numbers beyond measure, which are infinite when they are rounded.
         """
         agl = np.round(self._agl_m(ground_m, agl_m), ANGLE_DIGITS)
         flown = np.flatnonzero(agl > 0.0)
@@ -149,15 +152,16 @@ class Track:
 
     def _agl_m(self, ground_m: float | None, agl_m: float | None) -> Floats:
         if agl_m is not None:
+            check_agl(agl_m)
             return np.full(len(self), agl_m)
+        if ground_m is not None:
+            field_named(Flight, "ground_height_m").settled(ground_m)
         ground_m = self.ground_m if ground_m is None else ground_m
         if ground_m is None:
             raise InvalidInput(
                 "trajectory: does not say how high its ground is",
                 remedy="give that in the heights of the file (--ground-height), or one height above ground (--agl)",
             )
-        if not math.isfinite(ground_m):
-            raise InvalidInput("height of the ground {0} m: must be a finite number", ground_m)
         unknown = np.flatnonzero(np.isnan(self.height_m))
         if len(unknown):
             raise InvalidInput(
@@ -189,7 +193,8 @@ def _spaced(along: Floats, interval: float) -> NDArray[np.intp]:
     # Steps that are meant to be the interval may be a rounding less.
     interval *= 1.0 - 1e-9
     while True:
-        after = int(np.searchsorted(along, along[taken[-1]] + interval))
+        # An interval may be too short to make another number.
+        after = max(int(np.searchsorted(along, along[taken[-1]] + interval)), taken[-1] + 1)
         if after >= len(along):
             return np.array(taken, np.intp)
         taken.append(after)

@@ -98,8 +98,9 @@ def _tum(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
 def _kitti(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
     matrices = _numbers(text, name, (12,)).reshape(-1, 3, 4)
     rotations = matrices[:, :, :3]
-    off = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max(axis=(1, 2))
-    wrong = np.flatnonzero((off > ROUNDING) | (np.linalg.det(rotations) < 0.0))
+    with np.errstate(over="ignore", invalid="ignore"):
+        off = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max(axis=(1, 2))
+        wrong = np.flatnonzero(~(off <= ROUNDING) | (np.linalg.det(rotations) < 0.0))
     if len(wrong):
         raise InvalidInput("{0}: pose {1:,} is not a rotation", name, int(wrong[0]) + 1)
     return None, matrices[:, :, 3], rotations
@@ -148,7 +149,8 @@ def _times(time_s: Floats, name: str) -> Floats:
 
 def _rotations(quaternions: Floats, name: str) -> Floats:
     """Rotations (n, 3, 3) of quaternions (n, 4) as they are written, w first."""
-    lengths = np.linalg.norm(quaternions, axis=1)
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(quaternions, axis=1)
     wrong = np.flatnonzero(np.abs(lengths - 1.0) > ROUNDING)
     if len(wrong):
         raise InvalidInput(

@@ -74,3 +74,14 @@ def test_what_a_killed_run_left_is_overwritten(tmp_path):
     (tmp_path / "a.bin.part").write_bytes(b"half of what was longer")
     write_whole(tmp_path / "a.bin", b"whole")
     assert [(path.name, path.read_bytes()) for path in tmp_path.iterdir()] == [("a.bin", b"whole")]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no pipes with names")
+def test_what_is_no_regular_file_is_not_replaced(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    for name in ("pipe", "link"):
+        with pytest.raises(OutputError, match="it is no regular file"):
+            write_whole(tmp_path / name, b"x")
+    assert sorted(one.name for one in tmp_path.iterdir()) == ["link", "pipe"]
+    assert not (tmp_path / "pipe").is_file()

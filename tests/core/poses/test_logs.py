@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import struct
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -273,6 +274,41 @@ def test_damage_is_one_line(tmp_path, caplog, capsys):
         f"log {path}: is damaged in places"
     ]
     assert capsys.readouterr().out == ""
+
+
+def test_damage_that_a_module_in_c_tells_is_one_line(tmp_path, caplog, capfd):
+    pytest.importorskip("pymavlink")
+    path = dataflash(tmp_path / "log.bin", copter())
+    path.write_bytes(path.read_bytes() + bytes(600))
+    assert len(read_dataflash(path)) == 3
+    assert len(caplog.records) == 1
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    "topic", ["vehicle_global_position", "vehicle_attitude", "home_position", "sensor_gps"]
+)
+def test_topics_without_what_is_needed_of_them_are_not_there(tmp_path, topic):
+    pytest.importorskip("pyulog")
+    rows = [row for row in flight(FLIGHT) if row[0] != topic]
+    bare = {**TOPICS, topic: ("uint64_t timestamp;float other;", "<Qf")}
+    path = ulog(tmp_path / "bare.ulg", [*rows, (topic, 0, us(1.0), 2.0)], bare)
+    if topic == "vehicle_global_position":
+        with pytest.raises(InvalidInput, match="has no positions"):
+            read_ulog(path)
+    else:
+        track = read_ulog(path)
+        assert (track.ground_m, track.time_s[0]) == (488.0, 1.0)
+        assert (track.attitude_deg is None) == (topic == "vehicle_attitude")
+
+
+def test_attitudes_beyond_measure_are_left_out(tmp_path):
+    pytest.importorskip("pymavlink")
+    rows = [*copter(), ("ATT", us(4.0), math.inf, math.nan, math.inf, 3, 0)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        track = read_dataflash(dataflash(tmp_path / "log.bin", rows))
+    assert np.isfinite(track.attitude_deg).all()
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -310,8 +311,7 @@ def test_files_that_are_no_tracks_are_refused(tmp_path, run):
         (("e.txt", "--format", "tum"), "say where its origin lies (--origin LAT LON [HEIGHT])"),
         (("b.gpx", "--body", "frd"), "are for tum, kitti, euroc"),
         (("e.txt", "--format", "tum", "--origin", "95", "0"), "latitude 95.0: must be within"),
-        (("way.gpx", "--ground-height", "nan"), "height of the ground nan m: must be a finite number"),
-        (("way.gpx", "--agl", "0"), "none of its 3 positions is above the ground"),
+        (("way.gpx", "--agl", "0"), "height above ground 0.0 m: must be above 0"),
         (("b.gpx", "--agl", "9", "--start", "noon"), "--start time 'noon': must be as 2024"),
         (("gone.gpx",), "no such file"),
         (
@@ -322,3 +322,52 @@ def test_files_that_are_no_tracks_are_refused(tmp_path, run):
         assert said in run("poses", "read", *options, "--output", "q.csv").stderr
     with pytest.raises(InvalidInput, match="its times go back at point 2"):
         read_gpx(GPX.replace("10:30:10.5Z", "09:00:00Z").encode())
+
+
+LEVEL_TUM = "0 0 0 100 0 0 0 1\n"
+
+
+@pytest.mark.parametrize(
+    ("line", "options", "said"),
+    [
+        ("1e308 0 0 100 0 0 0 1", (), "time inf of point 1: must be seconds after 1970"),
+        ("0 0 0 100 1e200 0 0 0", (), "the quaternion of pose 1 has the length inf, and not 1"),
+        ("0 1e300 0 100 0 0 0 1", (), "must be at most 1e+09"),
+        (LEVEL_TUM, ("--agl", "nan"), "height above ground nan m: must be above 0"),
+        (LEVEL_TUM, ("--ground-height", "nan"), "ground height nan m: must be from"),
+        (LEVEL_TUM, ("--origin", "0", "0", "inf"), "ground height inf m: must be from"),
+        (LEVEL_TUM, ("--output", ""), "folder .: cannot write  (Is a directory)"),
+        (LEVEL_TUM, ("--output", "x" * 300), "File name too long"),
+    ],
+)
+def test_numbers_beyond_measure_are_refused_in_one_line(tmp_path, run, line, options, said):
+    (tmp_path / "t.txt").write_text(line)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        refused = run(
+            *("poses", "read", "t.txt", "--format", "tum", "--origin", "35", "0", "--output", "q.csv"),
+            *options,
+        )
+    assert (refused.returncode in (2, 3), refused.stderr.count("\n"), refused.stdout) == (True, 1, "")
+    assert said in refused.stderr
+    assert not (tmp_path / "q.csv").exists()
+
+
+def test_a_matrix_beyond_measure_is_no_rotation():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(InvalidInput, match="pose 1 is not a rotation"):
+            read_trajectory("1e200 0 0 0 0 1 0 0 0 0 1 0", "kitti", ORIGIN)
+
+
+@pytest.mark.parametrize("interval", [5e-324, 1e-300, 1e-9])
+def test_intervals_too_short_to_be_added_keep_every_position(interval):
+    at = np.array([5.0, 5.0, 6.0, 9.0])
+    track = Track(at, at, at + 100.0, 0.0, at)
+    assert track.thinned(every_s=interval).time_s.tolist()[-3:] == [5.0, 6.0, 9.0]
+
+
+def test_a_name_too_long_for_a_file_is_none(run):
+    refused = run("poses", "read", "x" * 300 + ".gpx", "--output", "q.csv")
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert "no such file" in refused.stderr
