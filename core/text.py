@@ -59,7 +59,7 @@ def time_s(text: str, where: str) -> float:
         whole = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
     except ValueError as wrong:
         raise InvalidInput(
-            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text
+            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text[:80]
         ) from wrong
     return whole + float(f"0.{decimals or 0}")
 

@@ -10,6 +10,7 @@ import csv
 import io
 import math
 import os
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -42,6 +43,15 @@ SCHEMA = 1
 POSITIVE, SEMI_POSITIVE = "positive", "semi-positive"
 #: Places along each edge of the mosaic, which are curves between degrees.
 _RIM = 9
+
+#: Edges of a mosaic are nearer than this to the origin of its CRS, in its unit: the Earth is 4e7 m, or 1.3e8 ft, round.
+_FARTHEST = 2e8
+#: Least and greatest numbers that columns may have: those above 0, those of places and angles, and all others.
+_SIZES = dict.fromkeys(("width_m", "fx_px", "fy_px", "width_px", "height_px"), (1e-6, 1e9))
+_LATITUDES = dict.fromkeys(("lat_deg", "centre_lat_deg"), (-90.0, 90.0))
+_ANGLES = dict.fromkeys(("lon_deg", "centre_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), (-360.0, 360.0))
+_RANGES: Mapping[str, tuple[float, float]] = {**_SIZES, **_LATITUDES, **_ANGLES}
+_OTHERS = -1e9, 1e9
 
 _Rows = TypeVar("_Rows", bound="Columns")
 
@@ -230,6 +240,20 @@ class Mosaic:
     width_px: int
     height_px: int
 
+    def __post_init__(self) -> None:
+        """Refuse what is of another type or out of range."""
+        for name, value in vars(self).items():
+            if name in ("file", "crs"):
+                right = isinstance(value, str) and not (name == "file" and _is_elsewhere(value))
+            else:
+                # Corners lie anywhere in the CRS; all others are sizes.
+                low = -_FARTHEST if name in ("west", "north") else 0.0
+                types = int if name in ("width_px", "height_px") else (int, float)
+                is_number = isinstance(value, types) and not isinstance(value, bool)
+                right = is_number and low < value < _FARTHEST
+            if not right:
+                raise InvalidInput("{0} {1!r}: cannot be that of a mosaic", name, value)
+
     @cached_property
     def _plane(self) -> Plane:
         if self.crs == WebMercator.crs:
@@ -315,9 +339,14 @@ class Benchmark:
                 folder,
                 remedy=Message("go on{0}", OptionName("resume").in_brackets),
             )
+        from pyproj.exceptions import ProjError
+
         try:
             mosaic = Mosaic(**about["mosaic"])
-        except TypeError as wrong:
+            middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
+            if not np.isfinite(middle).all():
+                raise InvalidInput("{0} {1!r}: cannot be that of a mosaic", "west", mosaic.west)
+        except (TypeError, InvalidInput, ProjError) as wrong:
             raise InvalidInput("{0}: does not say where the mosaic lies ({1})", mark, wrong) from wrong
         found = cls(
             path,
@@ -332,9 +361,26 @@ class Benchmark:
 
     def _check(self) -> None:
         for rows, name in ((self.queries, QUERIES_FILE), (self.references, REFERENCES_FILE)):
+            if len(set(rows.id)) < len(rows):
+                twice = next(one for one, count in Counter(rows.id).items() if count > 1)
+                raise InvalidInput("{0}: {1!r} is there twice", self.folder / name, twice)
             for file in rows.file:
-                if Path(file).is_absolute() or ".." in Path(file).parts:
+                if _is_elsewhere(file):
                     raise InvalidInput("{0}: {1!r} is no file of the benchmark", self.folder / name, file)
+            for column in fields(rows):
+                if column.type == "Floats":
+                    values = getattr(rows, column.name)
+                    low, high = _RANGES.get(column.name, _OTHERS)
+                    for at in np.flatnonzero(~((values >= low) & (values <= high)))[:1].tolist():
+                        raise InvalidInput(
+                            "{0}: {1} of {2!r} is {3:g}; must be from {4:g} to {5:g}",
+                            self.folder / name,
+                            column.name,
+                            rows.id[at],
+                            values[at],
+                            low,
+                            high,
+                        )
         for known, named in (
             (self.query_at, self.truth.query),
             (self.reference_at, self.truth.reference),
@@ -403,6 +449,11 @@ class Benchmark:
     def colours(self, file: str) -> Pixels:
         """Image (h, w, 3) of a file of the benchmark; raises InvalidInput where it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("RGB"), np.uint8)
+
+
+def _is_elsewhere(file: str) -> bool:
+    """Whether a file may lie outside the benchmark."""
+    return Path(file).is_absolute() or ".." in Path(file).parts
 
 
 def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:

@@ -271,12 +271,16 @@ def _turned(benchmark: Benchmark, index: int) -> tuple[Image.Image, float]:
 def _around(
     whole: Image.Image, benchmark: Benchmark, place: tuple[float, float], side_m: float
 ) -> Image.Image:
-    """Square of the mosaic around a place."""
+    """Square of the mosaic around a place; black where there is none, as of a prediction anywhere on the Earth."""
     mosaic = benchmark.mosaic
     lat, lon = place
     x, y = (float(value) for value in mosaic.px(np.array(lat), np.array(lon)))
     there, _ = mosaic.ground(np.array(x), np.array(y - _FAR_PX))
     half = side_m / 2.0 * _FAR_PX / max(abs(float(there) - lat) * _DEGREE_M, 1e-6)
+    # Pictures of no more than is there: cut out of nothing, they would take memory all the same.
+    half = min(half, 2.0 * max(whole.size))
+    if not (-half < x < whole.width + half and -half < y < whole.height + half):
+        return Image.new("RGB", (_THUMB_PX, _THUMB_PX))
     box = round(x - half), round(y - half), round(x + half), round(y + half)
     return whole.crop(box).resize((_THUMB_PX, _THUMB_PX), Image.BILINEAR)
 
@@ -286,7 +290,7 @@ def _page(benchmark: Benchmark, scores: Scores, title: str, drawn: set[str]) -> 
     groups = {"all" if name == ALL else name: figures for name, figures in scores.groups.items()}
     facts = [
         ("Reference", str(about.get("reference", ""))),
-        ("Queries", ", ".join(map(str, about.get("imageries", ())))),
+        ("Queries", ", ".join(map(str, named if isinstance(named := about.get("imageries"), list) else ()))),
         ("Tiles", f"{scores.tiles:,}"),
         ("Split", str(about.get("split", ""))),
     ]

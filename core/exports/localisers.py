@@ -116,7 +116,9 @@ class _Export:
         write_columns(self.folder / QUERIES_FILE, {**own, "file": [self.files[at] for at in rows]})
         imagery = self.benchmark.about.get("imagery")
         sources = imagery.values() if isinstance(imagery, dict) else ()
-        named = dict.fromkeys(str(one.get("attribution") or one.get("source")) for one in sources)
+        named = dict.fromkeys(
+            str(one.get("attribution") or one.get("source")) for one in sources if isinstance(one, dict)
+        )
         lines = [
             "Made with TerrAInav from a benchmark; queries.csv says which query became which file.",
             *self.notes,
@@ -395,9 +397,9 @@ def _ortholoc(under_way: _Export) -> None:
     benchmark, ground = under_way.benchmark, Ground.of(under_way.benchmark)
     queries = benchmark.queries
     own = str(benchmark.about.get("reference", "")).partition("=")[2]
-    alike = {
-        one.partition("=")[0] for one in benchmark.about.get("imageries", []) if one.partition("=")[2] == own
-    }
+    named = benchmark.about.get("imageries")
+    texts = [str(one).partition("=") for one in named] if isinstance(named, list) else []
+    alike = {name for name, _, source in texts if source == own}
     test = "test_outPlace" if benchmark.about.get("split") == CROSS_AREA else "test_inPlace"
     folders = {TRAIN: "train", VALIDATION: "val", TEST: test}
     origins = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 from collections.abc import Mapping, Sequence
 
@@ -48,6 +49,8 @@ _OF_DATASET = {
     "roll": ("roll_deg",),
     "time": ("time_utc",),
 }
+#: Characters of a line that a message shows.
+_SHOWN = 80
 #: What texts have in the place of a hyphen.
 UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
@@ -120,7 +123,11 @@ def read_poses(
         if len(cells) != len(headers):
             there = _line(where, number)
             raise InvalidInput(
-                "{0} {1!r} has {2} cells; its header names {3}", there, line.strip(), len(cells), len(headers)
+                "{0} {1!r} has {2} cells; its header names {3}",
+                there,
+                line.strip()[:_SHOWN],
+                len(cells),
+                len(headers),
             )
         for name, column in columns.items():
             cell = cells[column]
@@ -131,7 +138,9 @@ def read_poses(
             except ValueError as wrong:
                 there = _line(where, number)
                 if name != "time":
-                    raise InvalidInput("{0} {1} {2!r}: must be a number", there, name, cell) from wrong
+                    raise InvalidInput(
+                        "{0} {1} {2!r}: must be a number", there, name, cell[:_SHOWN]
+                    ) from wrong
                 values[name].append(time_s(cell, there))
     count = len(held) - 1
     if not count:
@@ -173,10 +182,11 @@ def _delimiter(header: str) -> str | None:
 def _cut(line: str, delimiter: str | None) -> list[str]:
     """Cells of a line, without the mark that some editors put before the first."""
     line = line.removeprefix("\ufeff")
-    if delimiter is None or '"' not in line:
-        cells = line.split(delimiter)
-    else:
-        cells = next(csv.reader([line], delimiter=delimiter), [])
+    cells = line.split(delimiter)
+    if delimiter is not None and '"' in line:
+        # Of cells without end the csv module reads none.
+        with contextlib.suppress(csv.Error):
+            cells = next(csv.reader([line], delimiter=delimiter), [])
     return [cell.strip().strip('"') for cell in cells]
 
 

@@ -65,5 +65,5 @@ def _number(text: str, where: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise InvalidInput("{0} {1!r}: must be a number", where, text)
+        raise InvalidInput("{0} {1!r}: must be a number", where, text[:80])
     return value

@@ -5253,6 +5253,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <source>{0} {1!r}: cannot be that of a mosaic</source>
+        <translation>{0} {1!r}: no puede ser de un mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
         <source>{0} {1!r}: must be a finite number</source>
         <translation>{0} {1!r}: debe ser un número finito</translation>
     </message>
@@ -5281,6 +5286,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/folder.py"/>
         <source>{0}: {1!r} is no file of the benchmark</source>
         <translation>{0}: {1!r} no es un archivo del banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: {1!r} is there twice</source>
+        <translation>{0}: {1!r} está dos veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>{0}: {1} of {2!r} is {3:g}; must be from {4:g} to {5:g}</source>
+        <translation>{0}: {1} de {2!r} es {3:g}; debe estar entre {4:g} y {5:g}</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>

@@ -74,6 +74,54 @@ def test_broken_ones_are_refused_in_one_line(copy, change, said):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("width_px", value) for value in (0, -1, 1.5, "9", None, True, 10**12)),
+        *(("pixel_height", value) for value in (0.0, -1.0, "x", [], 1e300)),
+        *(("west", value) for value in (1e300, "x", None)),
+        *(("crs", value) for value in ("EPSG:0", 5, "")),
+        *(("file", value) for value in (5, "/etc/passwd", "../elsewhere.tif")),
+    ],
+)
+def test_mosaics_that_cannot_be_are_refused(copy, name, value):
+    about = json.loads((copy / "benchmark.json").read_text(encoding="utf-8"))
+    about["mosaic"][name] = value
+    (copy / "benchmark.json").write_text(json.dumps(about), encoding="utf-8")
+    with pytest.raises(InvalidInput, match="does not say where the mosaic lies"):
+        Benchmark.read(copy)
+
+
+@pytest.mark.parametrize(
+    ("table", "column", "value"),
+    [
+        ("queries.csv", "lat_deg", ""),
+        ("queries.csv", "centre_lat_deg", "91"),
+        ("queries.csv", "yaw_deg", "1e300"),
+        ("queries.csv", "height_m", "1e308"),
+        ("queries.csv", "fx_px", "0"),
+        ("queries.csv", "width_px", "-5"),
+        ("references.csv", "lon_deg", "1e9"),
+        ("references.csv", "east", ""),
+    ],
+)
+def test_numbers_that_cannot_be_are_named_with_their_row(copy, table, column, value):
+    header, first, *rest = (copy / table).read_text(encoding="utf-8").splitlines()
+    cells = dict(zip(header.split(","), first.split(",")))
+    cells[column] = value
+    (copy / table).write_text("\n".join([header, ",".join(cells.values()), *rest]) + "\n", encoding="utf-8")
+    with pytest.raises(InvalidInput, match=f"{table}: {column} of '{cells['id']}' is .*; must be from"):
+        Benchmark.read(copy)
+
+
+@pytest.mark.parametrize("table", ["queries.csv", "references.csv"])
+def test_rows_of_one_name_are_refused(copy, table):
+    header, first, *rest = (copy / table).read_text(encoding="utf-8").splitlines()
+    (copy / table).write_text("\n".join([header, first, *rest, first]) + "\n", encoding="utf-8")
+    with pytest.raises(InvalidInput, match="is there twice"):
+        Benchmark.read(copy)
+
+
 def test_numbers_that_are_none_are_named_with_their_line(copy):
     rows = (copy / "queries.csv").read_text(encoding="utf-8").splitlines()
     cells = rows[2].split(",")

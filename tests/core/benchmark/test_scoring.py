@@ -8,8 +8,10 @@ import math
 
 import numpy as np
 import pytest
+from PIL import Image
 from pyproj import Geod
 from scipy.spatial.transform import Rotation
+from terrainav.core.benchmark import page as pages
 from terrainav.core.benchmark.answers import Answer, Predictions
 from terrainav.core.benchmark.folder import Benchmark, Positives
 from terrainav.core.benchmark.page import write_scores
@@ -241,3 +243,12 @@ def test_a_page_without_positions_has_no_map_of_them(benchmark, tmp_path):
     page = write_scores(benchmark, score(benchmark, predictions), tmp_path, "tiles")
     assert sorted(path.name for path in tmp_path.glob("*.png")) == ["recall.png"]
     assert "map.png" not in page.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("place", [(90.0, 0.0), (-90.0, 12.0), (0.0, 10.0)])
+@pytest.mark.parametrize("side_m", [100.0, 1e12])
+def test_pictures_of_predictions_far_off_are_small_and_black(benchmark, place, side_m):
+    whole = Image.new("RGB", (40, 30), "white")
+    picture = pages._around(whole, benchmark, place, side_m)
+    assert picture.width == picture.height < 1000
+    assert picture.getextrema() == ((0, 0),) * 3

@@ -173,6 +173,12 @@ def test_mission_files_keep_them_and_stay_as_they_were_without(tmp_path):
         ("lat,lon,agl,time\n1,2,3,noon\n", "line 2: time 'noon': must be as 2024-06-21T10:30:00Z"),
         ("lat,lon,agl,time\n1,2,3,2024-02-30T10:30:00Z\n", "line 2: time '2024-02-30T10:30:00Z'"),
         ("lat,lon,agl,time\n1,2,3,nan\n", "line 2: time nan of point 1"),
+        (f"lat,lon,agl\n1,2,{'9' * 1000}x\n", f"line 2: agl '{'9' * 80}': must be a number"),
+        (
+            "lat,lon,agl\n1,2,3" + ",4" * 1000,
+            f"line 2: '1,2,3{',4' * 37},' has 1003 cells; its header names 3",
+        ),
+        (f'lat,lon,agl\n1,2,"{"9" * 200_000}"\n', "line 2: height above ground inf m: must be at most"),
         ("lat,lon,agl,time\n1,2,3,20\n1,2,3,10\n", "time of point 2: is before that of the one before it"),
     ],
 )
@@ -181,3 +187,9 @@ def test_what_cannot_be_read_is_named(tmp_path, text, said):
         read(tmp_path, text)
     assert said in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_cells_without_end_are_left_out(tmp_path):
+    """As notes may be, beyond what the csv module reads of one."""
+    points, _ = read(tmp_path, f"lat,lon,agl,note\n1,2,3,{'x' * 200_000}\n")
+    assert points.poses == ((1.0, 2.0, 3.0),)
