@@ -49,7 +49,7 @@ _FARTHEST = 2e8
 #: Least and greatest numbers that columns may have: those above 0, those of places and angles, and all others.
 _SIZES = dict.fromkeys(("width_m", "fx_px", "fy_px", "width_px", "height_px"), (1e-6, 1e9))
 _LATITUDES = dict.fromkeys(("lat_deg", "centre_lat_deg"), (-90.0, 90.0))
-_ANGLES = dict.fromkeys(("lon_deg", "centre_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), (-360.0, 360.0))
+_ANGLES = dict.fromkeys(("lon_deg", "centre_lon_deg", "yaw_deg", "tilt_deg", "roll_deg"), (-720.0, 720.0))
 _RANGES: Mapping[str, tuple[float, float]] = {**_SIZES, **_LATITUDES, **_ANGLES}
 _OTHERS = -1e9, 1e9
 
