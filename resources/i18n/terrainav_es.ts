@@ -10271,11 +10271,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>height of the ground {0} m: must be a finite number</source>
-        <translation>altura del terreno {0} m: debe ser un número finito</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/track.py"/>
         <source>interval of {0:g} s: the trajectory has no times</source>
         <translation>intervalo de {0:g} s: la trayectoria no tiene tiempos</translation>
     </message>
