@@ -164,5 +164,5 @@ def _priors(arguments: argparse.Namespace) -> int:
     share, seconds = arguments.outages
     sensors = Sensors(arguments.gnss, arguments.barometer, arguments.compass, arguments.drift, share, seconds)
     for name, without_place in write_priors(arguments.folder, sensors, arguments.seed).items():
-        print(printable(f"{name:11s} {PRIORS_FILE} beside the table, {without_place:,} rows without a place"))
+        print(printable(f"{name:11s} {PRIORS_FILE} beside the table; no place in {without_place:,} rows"))
     return DONE

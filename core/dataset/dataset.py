@@ -482,8 +482,9 @@ def open_image(
     except UnidentifiedImageError as wrong:
         raise InvalidInput("image {0}: cannot be read (of no format that Pillow knows)", path) from wrong
     except UNREADABLE as wrong:
-        # Of a compressed TIFF's pixels Pillow tells libtiff's number alone.
-        what = Message("its pixels are damaged or cut off") if re.fullmatch(r"-?\d+", str(wrong)) else wrong
+        # Of a compressed TIFF's pixels Pillow tells libtiff's number, newer ones after two words.
+        is_number = re.fullmatch(r"(decoder error )?-?\d+", str(wrong))
+        what = Message("its pixels are damaged or cut off") if is_number else wrong
         raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong
 
 

@@ -21,6 +21,8 @@ _FORMATS = Message(
 )
 #: Endings of trajectories and flight logs, which say no heights above ground.
 _TRAJECTORIES = (".gpx", ".ulg", ".bin")
+#: Endings by which a text is the name of a file.
+_TEXT_FILES = (".csv", ".tsv", ".txt")
 _SEPARATORS = re.compile(r"[_,;\s]+")
 
 
@@ -77,6 +79,8 @@ def parse_coords(
         raise InvalidInput("coordinates are empty: expected {0}", _FORMATS)
     if is_there(text):
         return _from_file(Path(text), kind, agl_unit, agl_m)
+    if Path(text).suffix.lower() in _TEXT_FILES:
+        raise InvalidInput("coordinates {0!r}: there is no such file", text.strip())
     values = _numbers(text, Message("coordinates"))
     if len(values) not in (3, 5):
         raise InvalidInput(

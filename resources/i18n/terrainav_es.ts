@@ -8063,6 +8063,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
+        <source>coordinates {0!r}: there is no such file</source>
+        <translation>coordenadas {0!r}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/coords.py"/>
         <source>coordinates {0!r}: {1} numbers; expected {2}</source>
         <translation>coordenadas {0!r}: {1} números; se esperaba {2}</translation>
     </message>

@@ -192,3 +192,9 @@ def test_pasted_lines_are_read_as_a_files_are():
         parse_points(["1 2 3", "x"])
     with pytest.raises(InvalidInput, match=r"^list: holds no coordinates; expected lines of lat lon agl"):
         parse_points(["# nothing"], "list")
+
+
+@pytest.mark.parametrize("name", ["gone.txt", "folder/gone.CSV"])
+def test_files_that_are_not_there_are_said_to_be_missing(name):
+    with pytest.raises(InvalidInput, match="there is no such file"):
+        parse_coords(name)

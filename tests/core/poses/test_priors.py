@@ -96,7 +96,7 @@ def test_rows_are_those_of_the_table_and_errors_are_metres(run, flown):
     assert [row["img_names"] for row in rows] == list(table.img_names)
     there = [at for at, row in enumerate(rows) if row["prior_lat_deg"]]
     assert 0 < len(there) < len(rows)
-    assert f"{len(rows) - len(there)} rows without a place" in said.stdout
+    assert f"no place in {len(rows) - len(there)} rows" in said.stdout
     assert all(row["prior_agl_m"] and row["prior_yaw_deg"] for row in rows)
     lat, lon = (np.array([float(rows[at][f"prior_{axis}_deg"]) for at in there]) for axis in ("lat", "lon"))
     _, _, off_m = Geod(ellps="WGS84").inv(table.pose_lon_deg[there], table.pose_lat_deg[there], lon, lat)
