@@ -11,6 +11,7 @@ from ..map_types import MAP_TYPES, SATELLITE
 
 #: Names become those of folders, also on file systems that know no upper and lower case.
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]{0,63}")
+_DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 _MAP_TYPE = re.compile(rf"(.+):({'|'.join(MAP_TYPES)})", re.DOTALL)
 #: A date begins with its year; an address may have other things after an @.
 _DATE = re.compile(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", re.DOTALL)
@@ -47,6 +48,10 @@ class NamedImagery:
             raise InvalidInput(
                 "imagery {0!r}: must be named by up to 64 letters, digits, _, - and ., such as 2014",
                 self.name,
+            )
+        if _DEVICE.fullmatch(self.name):
+            raise InvalidInput(
+                "imagery {0!r}: is the name of a device on Windows, and of no folder", self.name
             )
         if not self.source:
             raise InvalidInput("imagery {0!r}: has no source, such as {0}=world", self.name)

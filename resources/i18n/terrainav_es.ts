@@ -8540,6 +8540,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/imageries.py"/>
+        <source>imagery {0!r}: is the name of a device on Windows, and of no folder</source>
+        <translation>imágenes {0!r}: es el nombre de un dispositivo en Windows, no de una carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
         <source>imagery {0!r}: must be NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE</source>
         <translation>imágenes {0!r}: deben ser NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO_DE_MAPA</translation>
     </message>
