@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from ..dataset.dataset import open_image
 from ..dataset.folder import PARTS
+from ..dataset.table import GAP
 from ..errors import InvalidInput, Message, OptionName
 from ..files import csv_bytes, read_limited, write_whole
 from ..geodesy.camera import Camera, Poses
@@ -428,6 +429,25 @@ class Benchmark:
                 found[self.query_at[query]].append(self.reference_at[reference])
         return [np.array(rows, np.int64) for rows in found]
 
+    @cached_property
+    def queries_of_parts(self) -> dict[str, int]:
+        """Number of queries of each part, and of the gap; empty where there is no split."""
+        counts = Counter(self.queries.part)
+        return {part: counts[part] for part in (*PARTS, GAP)} if any(counts) else {}
+
+    @property
+    def warning(self) -> Message | None:
+        """What to do where parts have no queries; None where all have some."""
+        lacking = [part for part in PARTS if self.queries_of_parts.get(part) == 0]
+        if not lacking:
+            return None
+        return Message(
+            "no queries are in {0}; choose other shares{1}, a smaller gap{2}, or a larger area",
+            ", ".join(lacking),
+            OptionName("shares").in_brackets,
+            OptionName("gap").in_brackets,
+        )
+
     def gallery(self, part: str) -> Numbers:
         """Rows of the tiles that queries of a part are looked for in; of all parts for an empty one."""
         own = self.references.part
@@ -437,6 +457,8 @@ class Benchmark:
         """Rows of the queries of a part; of all for an empty one."""
         if part and part not in PARTS:
             raise InvalidInput("part {0!r}: must be one of {1}", part, ", ".join(PARTS))
+        if part and not self.queries_of_parts:
+            raise InvalidInput("part {0!r}: the benchmark in {1} was made without parts", part, self.folder)
         found = np.array([at for at, name in enumerate(self.queries.part) if part in ("", name)], np.int64)
         if not len(found):
             raise InvalidInput("part {0!r}: the benchmark in {1} has no such queries", part, self.folder)

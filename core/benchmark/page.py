@@ -60,20 +60,21 @@ def write_scores(
     """
     target = Path(folder)
     errors = scores.errors
+    headline = f"{title}, part {scores.part}" if scores.part else title
     drawn: dict[str, bytes] = {}
     if diagrams and scores.recall:
-        drawn[RECALL] = _recall(scores.recall, title)
+        drawn[RECALL] = _recall(scores.recall, headline)
     if diagrams and np.isfinite(errors.error_m).any():
-        drawn[WITHIN] = _within(errors, title)
-        drawn[MAP] = _map(benchmark, errors, title)
-        drawn[FAILURES] = _failures(benchmark, errors, title)
+        drawn[WITHIN] = _within(errors, headline)
+        drawn[MAP] = _map(benchmark, errors, headline)
+        drawn[FAILURES] = _failures(benchmark, errors, headline)
     make_folder(target)
     write_whole(target / FIGURES_FILE, json_bytes(document_of(scores, title)))
     errors.write(target / ERRORS_FILE)
     write_whole(target / MAP_FILE, json_bytes(_geojson(errors)))
     for name, data in drawn.items():
         write_whole(target / name, data)
-    text = _page(benchmark, scores, title, set(drawn))
+    text = _page(benchmark, scores, headline, set(drawn))
     write_whole(target / PAGE, text.encode("utf-8"))
     return target / PAGE
 
@@ -82,6 +83,7 @@ def document_of(scores: Scores, title: str) -> dict[str, Any]:
     """Figures for JSON; null where nothing was to be counted."""
     return {
         "method": title,
+        "part": scores.part or ALL,
         "tiles": scores.tiles,
         "groups": {
             name: [

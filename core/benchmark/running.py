@@ -104,9 +104,9 @@ def _answered(locate: Locate, query: Query) -> Answer:
     return answer
 
 
-def scores_folder(folder: Path, name: str) -> Path:
-    """Folder of the scores of a method, in that of the benchmark."""
-    return folder / "scores" / name.replace(":", "-")
+def scores_folder(folder: Path, name: str, part: str = "") -> Path:
+    """Folder of the scores of a method over a part, or over all queries, in that of the benchmark."""
+    return folder / "scores" / (f"{name}-{part}" if part else name).replace(":", "-")
 
 
 def prediction_file(folder: Path, name: str) -> Path:

@@ -95,12 +95,15 @@ class Scores:
     errors : Errors
     tiles : int
         In the gallery.
+    part : str
+        Of the queries; empty for all.
     """
 
     groups: dict[str, tuple[Figure, ...]]
     recall: dict[str, Floats]
     errors: Errors
     tiles: int
+    part: str
 
 
 class _Judged(NamedTuple):
@@ -158,7 +161,7 @@ def score(benchmark: Benchmark, predictions: Predictions, part: str = "") -> Sco
         findable = group.hits[group.positives > 0]
         if group.is_ranked and len(findable):
             recall[name] = np.logical_or.accumulate(findable, axis=1).mean(axis=0)
-    return Scores(groups, recall, judged.errors, len(gallery))
+    return Scores(groups, recall, judged.errors, len(gallery), part)
 
 
 def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, gallery: Numbers) -> _Judged:

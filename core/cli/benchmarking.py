@@ -168,6 +168,9 @@ def _print_plan(worked_out: BenchmarkPlan) -> None:
 
 def _print_made(made: Making, as_json: bool) -> None:
     total = made.total
+    warning = None if made.benchmark is None else made.benchmark.warning
+    if warning is not None:
+        print(f"terrainav: {warning}", file=sys.stderr)
     if as_json:
         print(json.dumps({**document_of(total, "folder_in"), **_counts(made.benchmark)}, indent=1))
         return
@@ -176,7 +179,7 @@ def _print_made(made: Making, as_json: bool) -> None:
     print_repeated(total.repeated)
     if made.benchmark is not None:
         for name, text in _counts(made.benchmark).items():
-            print(f"{name:22s}{text}")
+            print(f"{name:24s}{text}")
         print(f"benchmark in {made.folder}")
 
 
@@ -189,11 +192,9 @@ def _counts(benchmark: Benchmark | None) -> dict[str, Any]:
         "tiles": len(benchmark.references),
         "queries without a tile": sum(not len(one) for one in positives),
     }
-    parts = benchmark.queries.part
-    for part in dict.fromkeys(parts):
-        if part:
-            tiles = benchmark.references.part.count(part)
-            counts[part] = f"{parts.count(part):,} queries" + (f", {tiles:,} tiles" if tiles else "")
+    own = benchmark.references.part
+    for part, queries in benchmark.queries_of_parts.items():
+        counts[part] = f"{queries:,} queries" + (f", {own.count(part):,} tiles" if any(own) else "")
     return counts
 
 
@@ -243,7 +244,7 @@ def _target(arguments: argparse.Namespace, benchmark: Benchmark, name: str) -> P
 
     if arguments.output is not None:
         return Path(arguments.output)
-    return scores_folder(benchmark.folder, name)
+    return scores_folder(benchmark.folder, name, arguments.part or "")
 
 
 def _judge(

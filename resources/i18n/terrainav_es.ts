@@ -3600,8 +3600,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>If empty, one in the benchmark's, named as the baseline or the file of predictions.</source>
-        <translation>Si está vacía, una dentro de la del banco de pruebas, con el nombre del método de referencia o del archivo de predicciones.</translation>
+        <source>If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part.</source>
+        <translation>Si está vacía, una dentro de la del banco de pruebas, con el nombre del método de referencia o del archivo de predicciones, y de la parte.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -5216,6 +5216,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <source>no queries are in {0}; choose other shares{1}, a smaller gap{2}, or a larger area</source>
+        <translation>no hay consultas en {0}; elija otras proporciones{1}, una separación menor{2} o un área más grande</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
         <source>part {0!r}: must be one of {1}</source>
         <translation>parte {0!r}: debe ser una de {1}</translation>
     </message>
@@ -5223,6 +5228,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/folder.py"/>
         <source>part {0!r}: the benchmark in {1} has no such queries</source>
         <translation>parte {0!r}: el banco de pruebas de {1} no tiene tales consultas</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <source>part {0!r}: the benchmark in {1} was made without parts</source>
+        <translation>parte {0!r}: el banco de pruebas de {1} se hizo sin partes</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>

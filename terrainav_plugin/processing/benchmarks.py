@@ -28,7 +28,7 @@ from qgis.core import (
 from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
-from ..i18n import number_text, tr
+from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
 from .capture import tell_result
@@ -255,6 +255,8 @@ class MakeBenchmark(WithImagery):
                 cancelled=watch.cancelled,
             )
         tell_result(made.total, watch)
+        if made.benchmark is not None and made.benchmark.warning is not None:
+            watch.warn(begun(translate(made.benchmark.warning)))
         return made
 
     def _results(
@@ -274,13 +276,14 @@ class MakeBenchmark(WithImagery):
         benchmark = made.benchmark
         if benchmark is None:
             return found
-        parts = benchmark.queries.part
         found.update(
             MOSAIC=str(folder / benchmark.mosaic.file),
             QUERY_COUNT=len(benchmark.queries),
             TILE_COUNT=len(benchmark.references),
             WITHOUT_TILE=sum(not len(right) for right in benchmark.positives()),
-            **{f"{part.upper()}_QUERIES": parts.count(part) for part in (*PARTS, "gap")},
+            **{
+                f"{part.upper()}_QUERIES": benchmark.queries_of_parts.get(part, 0) for part in (*PARTS, "gap")
+            },
         )
         if run.flag("LOAD"):
             _load(run.context, benchmark, self._known, _query_layers(benchmark))
@@ -358,7 +361,9 @@ class ScoreBenchmark(Algorithm):
                 QgsProcessingParameterFile.Behavior.Folder,
                 optional=True,
             ),
-            tr("If empty, one in the benchmark's, named as the baseline or the file of predictions."),
+            tr(
+                "If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part."
+            ),
         )
         self.addOutput(QgsProcessingOutputHtml("HTML", tr("Scores")))
         self.addOutput(QgsProcessingOutputVectorLayer("ERRORS", tr("Errors of the queries")))
@@ -392,7 +397,7 @@ class ScoreBenchmark(Algorithm):
 
         folder, predictions, part = Path(run.text("BENCHMARK")), run.text("PREDICTIONS"), run.choice("PART")
         name = Path(predictions).stem if predictions else run.choice("METHOD")
-        target = Path(run.text("FOLDER") or scores_folder(folder, name))
+        target = Path(run.text("FOLDER") or scores_folder(folder, name, part))
 
         def work(watch: Watch) -> tuple[Benchmark, Scores, Path]:
             benchmark = Benchmark.read(folder)
@@ -411,7 +416,12 @@ class ScoreBenchmark(Algorithm):
             return results
         results["ERRORS"] = str(target / MAP_FILE)
         if run.flag("LOAD"):
-            _load(run.context, benchmark, self._known, _error_layers(scores, target / MAP_FILE, name))
+            _load(
+                run.context,
+                benchmark,
+                self._known,
+                _error_layers(scores, target / MAP_FILE, f"{name}-{part}" if part else name),
+            )
         return results
 
 

@@ -47,10 +47,37 @@ def test_the_walk_from_nothing_to_figures(terrainav, tmp_path):
     document = json.loads(judged.stdout)
     assert list(document["groups"]) == ["air"]
     assert (tmp_path / "page/index.html").is_file()
+    part = terrainav(
+        *("benchmark", "run", "bench", "--method", "middle", "--part", "test"),
+        *("--quiet", "--no-page", "--json"),
+    )
+    assert json.loads(part.stdout)["part"] == "test"
+    answers = (tmp_path / "bench/scores/middle-test/middle.csv").read_text().splitlines()
+    assert 1 < len(answers) < answered
+    assert len(predictions.read_text().splitlines()) == answered
     again = make(terrainav)
     assert again.returncode == 3
     assert "already holds this benchmark; resume it (--resume) or choose another folder" in again.stderr
     assert make(terrainav, "--resume").returncode == 0
+
+
+def test_parts_without_queries_are_told(terrainav):
+    found = terrainav(
+        *("benchmark", "make", "--coords", "35.15_-89.9_35.1475_-89.8975_60", "--image-px", "40", "--quiet"),
+        *("--queries", "air=world", "--reference", "air=world", "--tiles", "60", "--margin", "0"),
+        *("--gap", "40", "--format", "png", "--data-dir", "bench"),
+    )
+    assert found.returncode == 0, found.stderr
+    assert found.stderr.splitlines() == [
+        "terrainav: no queries are in test; choose other shares (--shares), a smaller gap (--gap), or a larger area"
+    ]
+    counts = {line[:24].rstrip(): line[24:] for line in found.stdout.splitlines()}
+    assert list(counts)[-5:-1] == ["train", "validation", "test", "gap"]
+    assert counts["queries without a tile"].isdigit()
+    assert counts["test"].startswith("0 queries, ")
+    refused = terrainav("benchmark", "run", "bench", "--method", "middle", "--part", "test")
+    assert refused.returncode == 2
+    assert "part 'test': the benchmark in bench has no such queries" in refused.stderr
 
 
 def test_a_dry_run_says_what_would_be_captured_and_leaves_nothing(terrainav, tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -113,6 +114,22 @@ def test_a_part_is_judged_by_itself(benchmark):
     assert figures(scores)["queries"] == 6
     with pytest.raises(InvalidInput, match="part 'nothing': must be one of train, validation, test"):
         score(benchmark, truth(benchmark), "nothing")
+
+
+def test_without_a_split_there_are_no_parts(benchmark):
+    queries = replace(benchmark.queries, part=("",) * len(benchmark.queries))
+    whole = Benchmark(**{**vars_of(benchmark), "queries": queries})
+    with pytest.raises(InvalidInput, match=r"part 'test': the benchmark in .* was made without parts"):
+        score(whole, truth(whole), "test")
+    assert whole.warning is None
+
+
+def test_scores_name_their_part(benchmark, tmp_path):
+    scores = score(benchmark, truth(benchmark), "test")
+    page = write_scores(benchmark, scores, tmp_path, "mine", diagrams=False)
+    assert "<h1>mine, part test</h1>" in page.read_text(encoding="utf-8")
+    document = json.loads((tmp_path / "scores.json").read_text(encoding="utf-8"))
+    assert (document["method"], document["part"]) == ("mine", "test")
 
 
 def test_ranks_and_distances_are_those_of_the_tiles(benchmark):

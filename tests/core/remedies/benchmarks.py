@@ -84,6 +84,26 @@ def _no_benchmark(case: Case) -> None:
     Benchmark.read(case.tmp_path / "out")
 
 
+@remedy(
+    "benchmark/folder.py",
+    "no queries are in {}; choose other shares (--shares), a smaller gap (--gap), or a larger area",
+)
+def _empty_part(case: Case) -> None:
+    def square(side_deg):
+        return QUERIES.with_(area=Box(35.15, -89.9, 35.15 - side_deg, -89.9 + side_deg))
+
+    asked = replace(SETTINGS, queries=square(0.0025), split="cross-area", gap_m=40.0)
+    asked = replace(asked, tile_widths_m=(60.0,), margin_m=0.0)
+    case.says(str(made(case.tmp_path / "out", asked).benchmark.warning))
+    for what, other in {
+        "choose other shares (--shares)": replace(asked, shares=(0.7, 0.15, 0.15)),
+        "a smaller gap (--gap)": replace(asked, gap_m=30.0),
+        "a larger area": replace(asked, queries=square(0.0035)),
+    }.items():
+        folder = case.tmp_path / what
+        case.follow(what, lambda to=folder, by=other: made(to, by).benchmark.warning is None)
+
+
 @remedy("benchmark/making.py", "folder {}: holds another benchmark; choose another folder")
 def _another(case: Case) -> None:
     made(case.tmp_path / "out")
