@@ -81,6 +81,12 @@ class Answer:
     tilt_deg: float = math.nan
     roll_deg: float = math.nan
 
+    def __post_init__(self) -> None:
+        """Fail where it is made, rather than where it is judged."""
+        iter(self.references)
+        for name in POSE:
+            float(getattr(self, name))
+
 
 #: Finds one query.
 Locate = Callable[[Query], Answer]

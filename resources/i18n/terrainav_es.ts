@@ -5440,6 +5440,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
+        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
+        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method {0}: returns {1!r}, which is no function of a query</source>
+        <translation>método {0}: devuelve {1!r}, que no es una función de una consulta</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
         <source>method: answers {0} with {1!r}, which is no Answer</source>
         <translation>método: responde a {0} con {1!r}, que no es un Answer</translation>
     </message>

@@ -20,6 +20,7 @@ from tests.core.benchmark.conftest import made, mission
 #: A module with methods of a user's.
 MINE = """
 from terrainav.core.benchmark.answers import Answer
+from terrainav.core.errors import InvalidInput
 
 def constant(benchmark, gallery):
     first = benchmark.references.id[gallery[0]]
@@ -27,6 +28,21 @@ def constant(benchmark, gallery):
 
 def wrong(benchmark, gallery):
     return lambda query: 7
+
+def divides(benchmark, gallery):
+    return lambda query: 1 / 0
+
+def no_pose(benchmark, gallery):
+    return lambda query: Answer(lat_deg="north")
+
+def unprepared(benchmark, gallery):
+    return {}["weights"]
+
+def nothing(benchmark, gallery):
+    pass
+
+def refuses(benchmark, gallery):
+    raise InvalidInput("no weights")
 """
 
 
@@ -179,6 +195,20 @@ def test_methods_of_the_users_are_run(benchmark, tmp_path, monkeypatch):
     assert math.isnan(predictions.pose[0, 2])
     with pytest.raises(InvalidInput, match=r"answers .* with 7, which is no Answer"):
         run_method(benchmark, method_named("mine:wrong"))
+    for name, said in {
+        "divides": "method mine:divides: failed with ZeroDivisionError: division by zero (mine.py, line 13)",
+        "unprepared": "method mine:unprepared: failed with KeyError: 'weights' (mine.py, line 19)",
+        "no_pose": "method mine:no_pose: failed with ValueError: could not convert string to float: 'north' "
+        "(mine.py, line 16)",
+        "nothing": "method mine:nothing: returns None, which is no function of a query",
+        "refuses": "no weights",
+    }.items():
+        with pytest.raises(InvalidInput) as refused:
+            run_method(benchmark, method_named(f"mine:{name}"))
+        assert str(refused.value) == said
+    (tmp_path / "broken.py").write_text("1 / 0\n")
+    with pytest.raises(InvalidInput, match=r"method 'broken:any': cannot be imported \(division by zero\)"):
+        method_named("broken:any")
 
 
 @pytest.mark.parametrize(
