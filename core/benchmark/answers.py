@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -122,12 +122,15 @@ class Predictions:
         As `POSE` has it; NaN where nothing is said.
     seconds : array (p,)
         Taken for each; NaN where nobody says.
+    source : str
+        File that they are read from; empty where there is none.
     """
 
     index: Numbers
     ranking: Numbers
     pose: Floats
     seconds: Floats
+    source: str = ""
 
     @classmethod
     def of(
@@ -163,7 +166,10 @@ class Predictions:
         known = [name for name in ("references", *POSE) if name in header]
         if "query" not in header or not known:
             raise InvalidInput(
-                "predictions {0}: need the column query, and references or {1}", path, ", ".join(POSE[:2])
+                "predictions {0}: need the column query, and references or {1}; its columns are {2}",
+                path,
+                ", ".join(POSE[:2]),
+                ", ".join(header),
             )
         if ("lat_deg" in header) != ("lon_deg" in header):
             raise InvalidInput("predictions {0}: lat_deg and lon_deg go together", path)
@@ -192,7 +198,8 @@ class Predictions:
             seconds.append(number_of(cells.get(SECONDS, ""), f"{where} {SECONDS}"))
         if not answers:
             raise InvalidInput("predictions {0}: answer no query", path)
-        return cls.of(benchmark, [benchmark.query_at[name] for name in met], answers, seconds)
+        found = cls.of(benchmark, [benchmark.query_at[name] for name in met], answers, seconds)
+        return replace(found, source=str(path))
 
     def write(self, path: Path, benchmark: Benchmark) -> None:
         """Write them as `read` takes them."""

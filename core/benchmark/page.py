@@ -17,6 +17,7 @@ from ..dataset.dataset import open_image
 from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, new_figure, png
 from ..files import json_bytes, make_folder, write_whole
 from ..markup import Markup, document, element, figure, pairs, table
+from ..text import shortened
 from .folder import Benchmark
 from .scoring import ALL, Errors, Figure, Scores
 
@@ -34,6 +35,8 @@ _STEP_COLOURS = (BLUE, SKY, ORANGE, VERMILION)
 _MAP_PX, _MAPS_ACROSS = 1200, 3
 #: Queries shown on the sheet of failures, and pixels of each cut of the mosaic.
 _SHOWN, _THUMB_PX = 4, 300
+#: What fits above a query on that sheet of its id.
+_NAME_CHARACTERS = 40
 #: Pixels over which the size of the mosaic's is taken, and metres of a degree of latitude, on average.
 _FAR_PX, _DEGREE_M = 100.0, 111_195.0
 
@@ -239,7 +242,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
         shift = [float(answer[at] - truth[at]) for answer, truth in _places(errors)]
         moved = centre[0] + shift[0], centre[1] + shift[1]
         shown = (
-            (query, f"{errors.imagery[at]}, {at + 1}, north up"),
+            (query, f"{shortened(errors.query[at], _NAME_CHARACTERS)}\nnorth up"),
             (_around(whole, benchmark, centre, side_m), "reference where it was taken"),
             (
                 _around(whole, benchmark, moved, side_m),

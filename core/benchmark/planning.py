@@ -29,6 +29,8 @@ from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
 _FOV_DEG = 30.0
 #: What the mosaic reaches beyond its box: a camera straight above the middle sees its sides' midpoints there.
 _SPARE = 1.01
+#: Least width of a tile: narrower ones show nothing to tell places by, and there would be any number of them.
+_LEAST_TILE_PX = 16
 #: Corners of imagery are one where they agree to so many digits of a world's width; edges are whole pixels to a share.
 _DIGITS, _SPARE_PX = 12, 1e-3
 
@@ -312,7 +314,15 @@ def _tiles(settings: BenchmarkSettings, mosaic: Plan, width_m: float) -> Plan:
     grid, zoom = mosaic.grid, mosaic.zoom
     left, top, wide, high = (int(part[0]) for part in mosaic.windows)
     lat, lon = (angle[:1] for angle in mosaic.frame_centres)
-    side = max(round(width_m / float(grid.ground_m_per_px(lat, lon, zoom)[0])), 1)
+    m_per_px = float(grid.ground_m_per_px(lat, lon, zoom)[0])
+    side = round(width_m / m_per_px)
+    if side < _LEAST_TILE_PX:
+        raise InvalidInput(
+            "tiles of {0:g} m: the reference has pixels of {1:.3g} m; must be {2:.3g} m wide or wider",
+            width_m,
+            m_per_px,
+            _LEAST_TILE_PX * m_per_px,
+        )
     across, down = (_steps(length, min(side, length), settings.tile_overlap) for length in (wide, high))
     row, column = (
         part.ravel() for part in np.meshgrid(np.arange(len(down)), np.arange(len(across)), indexing="ij")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame, axes_at
 from ..geodesy.projections import geodesics
@@ -176,7 +176,10 @@ def _judged(benchmark: Benchmark, predictions: Predictions, rows: Numbers, galle
     strange = np.setdiff1d(ranking[ranking >= 0], gallery)
     if len(strange):
         raise InvalidInput(
-            "predictions: rank {0}, which is of another part than the queries", tiles.id[strange[0]]
+            "{0}: rank {1}, which is of another part than the queries",
+            Message("predictions {0}", predictions.source) if predictions.source else Message("predictions"),
+            tiles.id[strange[0]],
+            remedy="leave the tiles of other parts out, or run the method on the part (terrainav benchmark run --part)",
         )
     pose, seconds = np.full((len(rows), len(POSE)), np.nan), np.full(len(rows), np.nan)
     pose[there], seconds[there] = predictions.pose[at[there]], predictions.seconds[at[there]]

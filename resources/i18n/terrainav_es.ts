@@ -5156,8 +5156,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/answers.py"/>
-        <source>predictions {0}: need the column query, and references or {1}</source>
-        <translation>predicciones {0}: necesitan la columna query, y references o {1}</translation>
+        <source>predictions {0}: need the column query, and references or {1}; its columns are {2}</source>
+        <translation>predicciones {0}: necesitan la columna query, y references o {1}; sus columnas son {2}</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/answers.py"/>
@@ -5410,6 +5410,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/planning.py"/>
+        <source>tiles of {0:g} m: the reference has pixels of {1:.3g} m; must be {2:.3g} m wide or wider</source>
+        <translation>teselas de {0:g} m: la referencia tiene píxeles de {1:.3g} m; deben tener {2:.3g} m de ancho o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/planning.py"/>
         <source>tiles of {0} m: each width may be given once</source>
         <translation>teselas de {0} m: cada anchura puede darse una vez</translation>
     </message>
@@ -5455,8 +5460,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/scoring.py"/>
-        <source>predictions: rank {0}, which is of another part than the queries</source>
-        <translation>predicciones: clasifican {0}, que es de otra parte que las consultas</translation>
+        <source>leave the tiles of other parts out, or run the method on the part (terrainav benchmark run --part)</source>
+        <translation>omita las teselas de otras partes, o ejecute el método en la parte (terrainav benchmark run --part)</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/scoring.py"/>
+        <source>predictions</source>
+        <translation>predicciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/scoring.py"/>
+        <source>predictions {0}</source>
+        <translation>predicciones {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/scoring.py"/>
+        <source>{0}: rank {1}, which is of another part than the queries</source>
+        <translation>{0}: clasifican {1}, que es de otra parte que las consultas</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>

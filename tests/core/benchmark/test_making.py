@@ -308,6 +308,15 @@ def test_queries_of_the_horizon_are_refused(settings):
         plan_benchmark(tilted, grids)
 
 
+def test_tiles_of_a_few_pixels_are_refused(settings):
+    grids = {str(one): open_source(one.source).grid for one in (*settings.imageries, settings.reference)}
+    with pytest.raises(InvalidInput) as refused:
+        plan_benchmark(replace(settings, tile_widths_m=(15.0,)), grids)
+    assert str(refused.value) == "tiles of 15 m: the reference has pixels of 1 m; must be 16 m wide or wider"
+    (tiles,) = plan_benchmark(replace(settings, tile_widths_m=(16.0,)), grids).tiles.values()
+    assert set(tiles.width_px) == {16}
+
+
 def test_a_reference_of_too_many_pixels_is_refused():
     world = NamedImagery("world", "world")
     queries = Mission(Box(35.5, -90.0, 35.0, -89.0), 2_000.0, image_px=4000)

@@ -186,7 +186,7 @@ def lines(benchmark):
     """Bad files, with what is said of them; {q} and {r} are a query and a tile that are there."""
     return {
         "": "is empty",
-        "query\n": "need the column query, and references or lat_deg, lon_deg",
+        "query,lat,lon\n": "need the column query, and references or lat_deg, lon_deg; its columns are query, lat, lon",
         "name,lat_deg,lon_deg\n": "need the column query",
         "query,lat_deg\n{q},1\n": "lat_deg and lon_deg go together",
         "query,references\n": "answer no query",
@@ -225,7 +225,7 @@ def test_tiles_of_another_part_are_no_answer(benchmark):
     cut = Benchmark(**{**vars_of(benchmark), "references": other})
     answers = [Answer([tiles.id[1]])] * len(benchmark.queries)
     predictions = Predictions.of(cut, range(len(answers)), answers, [math.nan] * len(answers))
-    with pytest.raises(InvalidInput, match=r"which is of another part than the queries"):
+    with pytest.raises(InvalidInput, match=r"^predictions: rank .* of another part than the queries"):
         score(cut, predictions, "test")
 
 
@@ -251,6 +251,16 @@ def test_the_page_shows_the_figures_and_leaves_the_numbers(benchmark, tmp_path, 
         assert feature["properties"]["query"] == row["query"]
         assert feature["geometry"]["coordinates"] == [float(row["lon_deg"]), float(row["lat_deg"])]
         assert (feature["properties"]["error_m"] is None) == (row["error_m"] == "")
+
+
+def test_failures_are_told_by_their_ids(benchmark, monkeypatch):
+    sheets = []
+    monkeypatch.setattr(pages, "png", sheets.append)
+    errors = score(benchmark, truth(benchmark, north_m=12.0)).errors
+    pages._failures(benchmark, errors, "mine")
+    (sheet,) = sheets
+    titles = {axes.get_title().partition("\n")[0] for axes in sheet.axes}
+    assert len(titles & set(errors.query)) == 4
 
 
 def test_a_page_without_positions_has_no_map_of_them(benchmark, tmp_path):

@@ -5,10 +5,12 @@ from __future__ import annotations
 import sys
 from dataclasses import replace
 
+from terrainav.core.benchmark.answers import Predictions
 from terrainav.core.benchmark.features import sift
 from terrainav.core.benchmark.folder import Benchmark
 from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
+from terrainav.core.benchmark.scoring import score
 from terrainav.core.cli import benchmarking
 from terrainav.core.errors import PartError
 from terrainav.core.exports.croissant import write_croissant
@@ -205,6 +207,36 @@ def _horizon(case: Case) -> None:
     case.follow("tilt less", lambda: plan_benchmark(replace(SETTINGS, queries=less), grid))
     narrower = tilted.with_(camera=replace(tilted.camera, fov_deg=20.0))
     case.follow("take a narrower camera", lambda: plan_benchmark(replace(SETTINGS, queries=narrower), grid))
+
+
+@remedy(
+    "benchmark/scoring.py",
+    "{}: rank {}, which is of another part than the queries; leave the tiles of other parts out, or run the method on "
+    "the part (terrainav benchmark run --part)",
+)
+def _tiles_of_others(case: Case) -> None:
+    box = QUERIES.with_(area=Box(35.15, -89.9, 35.147, -89.897))
+    asked = replace(SETTINGS, queries=box, split="cross-area", tile_widths_m=(80.0,), margin_m=0.0)
+    benchmark = made(case.tmp_path / "out", asked).benchmark
+    path = case.tmp_path / "mine.csv"
+
+    def judged(gallery):
+        tiles = " ".join(benchmark.references.id[at] for at in gallery)
+        query = benchmark.queries.id[benchmark.chosen("test")[0]]
+        path.write_text(f"query,references\n{query},{tiles}\n", encoding="utf-8")
+        return score(benchmark, Predictions.read(path, benchmark), "test")
+
+    assert case.refused(lambda: judged(benchmark.gallery(""))).startswith(f"predictions {path}: rank ")
+    case.follow("leave the tiles of other parts out", lambda: judged(benchmark.gallery("test")))
+    case.follow(
+        "run the method on the part (terrainav benchmark run --part)",
+        lambda: (
+            case.run(
+                *("benchmark", "run", "out", "--method", "middle", "--part", "test", "--no-page", "--quiet")
+            ).returncode
+            == 0
+        ),
+    )
 
 
 @remedy("cli/benchmarking.py", STOPPED)
