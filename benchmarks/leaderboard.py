@@ -17,6 +17,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from PIL import Image
+
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, PICTURES = ROOT / "docs" / "benchmark.md", ROOT / "docs" / "images"
 METHODS = ("middle", "ncc", "sift", "orb")
@@ -120,10 +122,12 @@ def main() -> None:
         page = put(page, "world", table(judged(folder / "world", WORLD)))
         if arguments.naip is not None:
             page = put(page, "naip", table(judged(folder / "naip", naip(arguments.naip.resolve()))))
-            for name in ("within", "map", "failures"):
-                shutil.copy(
-                    folder / "naip" / "scores" / "ncc" / f"{name}.png", PICTURES / f"benchmark-{name}.png"
-                )
+            scores = folder / "naip" / "scores" / "ncc"
+            for name in ("within", "map"):
+                shutil.copy(scores / f"{name}.png", PICTURES / f"benchmark-{name}.png")
+            # Photographs, which PNG makes large.
+            with Image.open(scores / "failures.png") as sheet:
+                sheet.convert("RGB").save(PICTURES / "benchmark-failures.jpg", quality=82, optimize=True)
     PAGE.write_text(page, encoding="utf-8")
     print(f"written to {PAGE}")
 

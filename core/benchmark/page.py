@@ -231,7 +231,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
     """Queries that are farthest off, beside the reference where they were taken and where the answer puts them."""
     known = np.flatnonzero(np.isfinite(errors.error_m))
     worst = known[np.argsort(-errors.error_m[known], kind="stable")][:_SHOWN]
-    whole = Image.fromarray(benchmark.grey(benchmark.mosaic.file))
+    whole = Image.fromarray(benchmark.colours(benchmark.mosaic.file))
     drawing = new_figure(7.6, 2.75 * len(worst) + 0.6)
     drawing.suptitle(f"Farthest off, {title}", fontsize=FONT["title"])
     for row, at in enumerate(worst.tolist()):
@@ -251,7 +251,7 @@ def _failures(benchmark: Benchmark, errors: Errors, title: str) -> bytes:
         )
         for column, (picture, said) in enumerate(shown):
             axes = drawing.add_subplot(len(worst), len(shown), row * len(shown) + column + 1)
-            axes.imshow(picture, cmap="gray", vmin=0, vmax=255)
+            axes.imshow(picture)
             axes.set_title(said, fontsize=7)
             axes.set_axis_off()
     return png(drawing)
