@@ -4,8 +4,8 @@ r"""What Hugging Face's datasets, mlcroissant and pandas read of the exports of 
     terrainav capture --coords "35.1450_-89.8620_35.1405_-89.8560_100" --map-type satellite roadmap --image-px 96 \
         --format jpg --data-dir out
     terrainav clean out --move && terrainav split out
-    terrainav export out hf --as huggingface && terrainav export out out --as croissant
-    terrainav export out out --as parquet
+    terrainav export out hf --as huggingface && terrainav export out --as croissant
+    terrainav export out --as parquet
     peers/bin/python benchmarks/dataset_peers.py out hf
 
 Each is compared with ``meta_data.csv``, which the script reads itself: images and their sizes, and every value of every

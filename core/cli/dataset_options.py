@@ -32,6 +32,8 @@ _SHARED = (
 #: `exports.localisers`, which take a benchmark.
 EXPORTS = ("colmap", "nerfstudio", "tum", "kitti")
 DATASET_EXPORTS = ("parquet", "huggingface", "croissant")
+#: Of these, what may lie in the dataset's own folder.
+BESIDE_TABLES = ("parquet", "croissant")
 BENCHMARK_EXPORTS = ("university-1652", "denseuav", "uav-visloc", "gta-uav", "ortholoc", "anyvisloc")
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
@@ -324,8 +326,9 @@ def _add_export(commands: Any) -> None:
     )
     exporting.add_argument(
         "target",
+        nargs="?",
         metavar="FOLDER",
-        help="folder of the files, not there yet or empty; of parquet and croissant also OUT itself",
+        help="folder of the files, not there yet or empty; without it parquet and croissant are written into OUT",
     )
     exporting.add_argument(
         "--as",

@@ -7,12 +7,16 @@ from pathlib import Path
 
 from ..errors import InvalidInput
 from ..text import printable
-from .dataset_options import BENCHMARK_EXPORTS, DATASET_EXPORTS
+from .dataset_options import BENCHMARK_EXPORTS, BESIDE_TABLES, DATASET_EXPORTS
 from .exits import DONE
 
 
 def run_export(arguments: argparse.Namespace) -> int:
     """Write a dataset, its views, or a benchmark in a format of other programs."""
+    if arguments.target is None:
+        if arguments.format not in BESIDE_TABLES:
+            raise InvalidInput("format {0}: needs the folder to write to", arguments.format)
+        arguments.target = arguments.folder
     if arguments.format in DATASET_EXPORTS:
         return _export_dataset(arguments)
     if arguments.format in BENCHMARK_EXPORTS:

@@ -224,8 +224,11 @@ def test_the_command(dataset, tmp_path, monkeypatch, capsys):
     pytest.importorskip("pyarrow")
     run = command(tmp_path, monkeypatch, capsys)
     for format_ in DATASET_EXPORTS:
-        target = "hf" if format_ == "huggingface" else str(dataset)
-        done = run("export", str(dataset), target, "--as", format_, "--map-type", "roadmap")
+        target = ["hf"] if format_ == "huggingface" else []
+        done = run("export", str(dataset), *target, "--as", format_, "--map-type", "roadmap")
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("written     ")
     assert not (tmp_path / "hf" / "satellite").exists()
+    refused = run("export", str(dataset), "--as", "huggingface")
+    assert refused.returncode == 2
+    assert refused.stderr == "terrainav: format huggingface: needs the folder to write to\n"
