@@ -80,7 +80,9 @@ def errors_of(times_s: Floats, sensors: Sensors, seed: int) -> tuple[Floats, NDA
     white, drift = deviates[:, :_ERRORS], deviates[:, _ERRORS:]
     gaps_s = np.diff(times_s)
     if sensors.drift_s:
-        drift = _drift(gaps_s / sensors.drift_s, drift)
+        with np.errstate(over="ignore"):
+            # Of a time constant of next to nothing infinite gaps, which leave nothing.
+            drift = _drift(gaps_s / sensors.drift_s, drift)
     errors = (white + drift) * math.sqrt(0.5) * deviation
     return errors, _fixed(gaps_s, sensors, uniform(second, count))
 
@@ -125,7 +127,7 @@ def _rows(images: ImageSet, sensors: Sensors, seed: int) -> tuple[list[tuple[obj
     east = np.degrees(errors[:, 0] / (WGS84.normal_radius_m(lat) * np.cos(np.radians(lat))))
     has_place = np.isfinite(lat) & fixed
     columns = (
-        np.round(np.where(has_place, lat + north, np.nan), _PLACE_DIGITS),
+        np.round(np.where(has_place, np.clip(lat + north, -90.0, 90.0), np.nan), _PLACE_DIGITS),
         np.round(np.where(has_place, wrap_lon_deg(lon + east), np.nan), _PLACE_DIGITS),
         np.round(table.agl_m + errors[:, 2], _DIGITS),
         np.round(wrap_lon_deg(table.yaw_deg + errors[:, 3]), _DIGITS),

@@ -67,6 +67,10 @@ class LineFlight(Part):
             raise InvalidInput("interval: must be either in seconds or in metres")
 
 
+#: Beyond these a sensor says nothing of a pose.
+_MOST = {"gnss_m": 10_000.0, "barometer_m": 10_000.0, "compass_deg": 180.0, "drift_s": 1e6}
+
+
 @dataclass(frozen=True)
 class Sensors:
     """How wrong sensors are.
@@ -74,9 +78,10 @@ class Sensors:
     Parameters
     ----------
     gnss_m, barometer_m, compass_deg : float
-        Standard deviations: of the place along east and along north, of the height, of the heading; 0 or more.
+        Standard deviations: of the place along east and along north, of the height, up to 10 km, and of the heading, up
+        to 180.
     drift_s : float
-        Time constant of the half of the variance that drifts; 0 has all of it white.
+        Time constant of the half of the variance that drifts, up to 1e6; 0 has all of it white.
     outage_share, outage_s : float
         Share of the time without a fix, from 0 to below 1, and mean length of an outage.
 
@@ -94,10 +99,10 @@ class Sensors:
     outage_s: float = 10.0
 
     def __post_init__(self) -> None:
-        for name in ("gnss_m", "barometer_m", "compass_deg", "drift_s"):
+        for name, most in _MOST.items():
             value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InvalidInput("{0} {1}: must be 0 or more", name, value)
+            if not 0.0 <= value <= most:
+                raise InvalidInput("{0} {1}: must be from 0 to {2:,g}", name, value, most)
         if not 0.0 <= self.outage_share < 1.0:
             raise InvalidInput("share of outages {0}: must be from 0 to below 1", self.outage_share)
         if not (math.isfinite(self.outage_s) and self.outage_s > 0.0):

@@ -10296,8 +10296,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>{0} {1}: must be 0 or more</source>
-        <translation>{0} {1}: debe ser 0 o más</translation>
+        <source>{0} {1}: must be from 0 to {2:,g}</source>
+        <translation>{0} {1}: debe estar entre 0 y {2:,g}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>

@@ -111,8 +111,10 @@ def test_rows_are_those_of_the_table_and_errors_are_metres(run, flown):
 
 def test_what_cannot_be_is_refused(run, flown, tmp_path):
     for option, value, said in (
-        ("--gnss", "-1", "gnss_m -1.0: must be 0 or more"),
-        ("--drift", "inf", "drift_s inf: must be 0 or more"),
+        ("--gnss", "-1", "gnss_m -1.0: must be from 0 to 10,000"),
+        ("--drift", "inf", "drift_s inf: must be from 0 to 1e+06"),
+        ("--gnss", "1e300", "gnss_m 1e+300: must be from 0 to 10,000"),
+        ("--compass", "nan", "compass_deg nan: must be from 0 to 180"),
         ("--seed", "-3", "seed -3: must be 0 or more"),
     ):
         refused = run("poses", "priors", str(flown), option, value)
@@ -122,3 +124,9 @@ def test_what_cannot_be_is_refused(run, flown, tmp_path):
     assert "must be above 0" in run("poses", "priors", str(flown), "--outages", "0.1", "0").stderr
     with pytest.raises(InvalidInput, match="its table has no poses of a camera"):
         write_priors(write_dataset(tmp_path / "OUT"), Sensors(), 1)
+
+
+def test_drift_of_next_to_no_time_is_white():
+    errors, _ = errors_of(SECONDS[:2000], Sensors(2.0, drift_s=5e-324), 5)
+    assert np.isfinite(errors).all()
+    assert abs(lagged(errors[:, 0], 1)) < 0.1
