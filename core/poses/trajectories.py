@@ -15,6 +15,7 @@ from ..errors import InvalidInput
 from ..geodesy.camera import attitude_of
 from ..geodesy.local import LocalFrame
 from ..geodesy.quaternions import rotations_of
+from ..mission.parts import HIGHEST_AGL_M
 from .track import Track
 
 Floats = NDArray[np.float64]
@@ -38,6 +39,8 @@ WORLDS: Mapping[str, Floats] = {
 }
 #: How far rotations and quaternions, which are written with some digits, may be from right ones.
 ROUNDING = 1e-3
+#: Nobody flies farther from where a local frame begins; PROJ's answers beyond differ by its version.
+_FARTHEST_M = HIGHEST_AGL_M
 
 
 def read_trajectory(
@@ -80,6 +83,11 @@ def read_trajectory(
         )
     lat, lon, height = origin
     time_s, places, rotations = _FORMATS[file_format](text, name)
+    away = np.flatnonzero((np.abs(places) > _FARTHEST_M).any(axis=1))
+    if len(away):
+        raise InvalidInput(
+            "{0}: pose {1:,} must be within {2:,g} m of the origin", name, int(away[0]) + 1, _FARTHEST_M
+        )
     world_axes = WORLDS[world or ("rdf" if file_format == "kitti" else "enu")]
     frame = LocalFrame(lat, lon, height)
     lat_deg, lon_deg, height_m = frame.geodetic(places @ world_axes.T)

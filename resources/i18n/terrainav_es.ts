@@ -10381,6 +10381,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/trajectories.py"/>
+        <source>{0}: pose {1:,} must be within {2:,g} m of the origin</source>
+        <translation>{0}: la pose {1:,} debe estar a menos de {2:,g} m del origen</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
         <source>{0}: the quaternion of pose {1:,} has the length {2:.3g}, and not 1</source>
         <translation>{0}: el cuaternión de la pose {1:,} tiene la longitud {2:.3g}, y no 1</translation>
     </message>

@@ -332,7 +332,7 @@ LEVEL_TUM = "0 0 0 100 0 0 0 1\n"
     [
         ("1e308 0 0 100 0 0 0 1", (), "time inf of point 1: must be seconds after 1970"),
         ("0 0 0 100 1e200 0 0 0", (), "the quaternion of pose 1 has the length inf, and not 1"),
-        ("0 1e300 0 100 0 0 0 1", (), "must be at most 1e+09"),
+        ("0 1e300 0 100 0 0 0 1", (), "pose 1 must be within 1e+09 m of the origin"),
         (LEVEL_TUM, ("--agl", "nan"), "height above ground nan m: must be above 0"),
         (LEVEL_TUM, ("--ground-height", "nan"), "ground height nan m: must be from"),
         (LEVEL_TUM, ("--origin", "0", "0", "inf"), "ground height inf m: must be from"),
