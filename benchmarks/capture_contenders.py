@@ -107,7 +107,7 @@ def ours(job: Job) -> Callable[[], None]:
         result = capture(plan, source, job.folder, connections=job.connections)
         source.close()
         if result.failed or result.written != len(plan):
-            raise SystemExit(f"{result.written} of {len(plan)} pictures: {result.failed[:1]}")
+            raise SystemExit(f"{result.written} of {len(plan)} images: {result.failed[:1]}")
 
     return run
 

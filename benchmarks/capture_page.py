@@ -105,7 +105,7 @@ def page(found: Row) -> str:
 
 def _floor_table(rows: list[Row]) -> str:
     return table(
-        "format | pictures | connections | unique tiles | requests a tile | waits s | bandwidth s | processors s | "
+        "format | images | connections | unique tiles | requests a tile | waits s | bandwidth s | processors s | "
         "floor s | wall s | least, most s | of the floor",
         [
             [
@@ -149,7 +149,7 @@ def _compared_table(rows: list[Row]) -> str:
 
 def _memory_table(rows: list[Row]) -> str:
     return table(
-        "columns x rows | pictures | tile requests | peak MB",
+        "columns x rows | images | tile requests | peak MB",
         [
             [
                 row["shape"],
@@ -181,7 +181,7 @@ def draw(found: Row, path: Path) -> None:
         f"{row['pictures']:.0f} {row['image_format']}, {row['connections_asked']} connections" for row in rows
     ]
     left.set(yticks=at, yticklabels=names, xlabel="wall time, s")
-    left.set_title("Missions of 196 and 1,024 pictures against the floor")
+    left.set_title("Missions of 196 and 1,024 images against the floor")
     left.margins(x=0.3)
     left.legend(loc="lower right")
     rows = sorted(found["compared"], key=lambda row: float(row["wall_s"]))
@@ -197,7 +197,7 @@ def draw(found: Row, path: Path) -> None:
     for place, row in enumerate(rows):
         right.text(row["wall_s"], place, f" {row['wall_s']:.1f} s", va="center", fontsize=9)
     right.set(xlabel="wall time, s")
-    right.set_title(f"{few} pictures, {latency_s * 1e3:.0f} ms a request: each program once")
+    right.set_title(f"{few} images, {latency_s * 1e3:.0f} ms a request: each program once")
     right.margins(x=0.15)
     right.tick_params(axis="y", labelsize=8)
     for axes in (left, right):

@@ -102,7 +102,7 @@ def georeferencing_error_px(folder: Path) -> float | None:
             off = (told - meant + MODULUS / 2.0) % MODULUS - MODULUS / 2.0
             worst.append(float(np.abs(off).max()))
     if not worst:
-        raise SystemExit(f"{folder}: no pictures")
+        raise SystemExit(f"{folder}: no images")
     return max(worst)
 
 
@@ -164,7 +164,7 @@ def memory(server: LoopbackServer, folder: Path) -> list[dict[str, Any]]:
     for columns, lines in MEMORY:
         job = Job(server.template(), str(folder / "memory"), columns, lines, "jpg", 16)
         rows.append({**run("ours", job, server, waits=False), "shape": f"{columns} x {lines}"})
-        print(f"{rows[-1]['pictures']} pictures: {rows[-1]['peak_mb']:.0f} MB", flush=True)
+        print(f"{rows[-1]['pictures']} images: {rows[-1]['peak_mb']:.0f} MB", flush=True)
         shutil.rmtree(job.folder)
     return rows
 
@@ -180,7 +180,7 @@ def main() -> None:
     parser.add_argument("--peers", action="store_true", help="only make the environment of the peers")
     parser.add_argument("--only", choices=("floor", "compare", "memory"), help="one part; writes nothing")
     parser.add_argument("--repeats", type=int, default=5, help="runs whose median counts against the floor")
-    parser.add_argument("--folder", default=folder_in_memory(), help="where pictures go for the time being")
+    parser.add_argument("--folder", default=folder_in_memory(), help="where images go for the time being")
     asked = parser.parse_args()
     if asked.peers:
         install_peers()

@@ -135,7 +135,7 @@ def picture(folder: Path) -> Image.Image:
 
     arguments = ["capture", "--coords", PLACE, "--map-type", "satellite", "--zoom", "18", "--format", "png"]
     if command([*arguments, "--quiet", "--data-dir", str(folder / "one")]) != 0:
-        raise SystemExit("no picture to measure on")
+        raise SystemExit("no image to measure on")
     (path,) = (folder / "one" / "satellite").glob("*.png")
     return Image.open(path).convert("RGB")
 

@@ -256,7 +256,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--dsm", help="a surface in a projected CRS")
-    parser.add_argument("--pictures", type=Path, help="folder to make the page's pictures in")
+    parser.add_argument("--pictures", type=Path, help="folder to make the page's images in")
     parser.add_argument("--scenes", type=int, help="random scenes to look at")
     asked = parser.parse_args()
     if asked.scenes:

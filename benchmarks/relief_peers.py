@@ -413,7 +413,7 @@ def flown(folder: Path, dsm: str, ground: Ground, tilt: float, *, level: bool) -
     made = plan(mission, source.grid, heights_of(mission))
     result = capture(made, source, folder / "flight")
     if result.failed or result.written != len(places):
-        raise SystemExit(f"{result.written} of {len(places)} pictures were written")
+        raise SystemExit(f"{result.written} of {len(places)} images were written")
     return mission.camera
 
 
@@ -472,9 +472,7 @@ def compare_with_colmap(dsm: str | None, keep: Path | None) -> None:
     if dsm is None or importlib.util.find_spec("pycolmap") is None:
         print("COLMAP: skipped, needs --dsm and pycolmap (pip install pycolmap)")
         return
-    print(
-        "| pictures of | tilt | points | off in the pictures | median height error | 90 % | median | 90 % |"
-    )
+    print("| images of | tilt | points | off in the images | median height error | 90 % | median | 90 % |")
     print("| --- " * 8 + "|")
     ground = ground_of(dsm)
     for tilt, level in [*((tilt, False) for tilt in TILTED), (0.0, True)]:
@@ -505,7 +503,7 @@ def main() -> None:
     )
     parser.add_argument("--dsm", help="a surface in a projected CRS in metres")
     parser.add_argument("--only", choices=("embree", "colmap"), help="one of the peers")
-    parser.add_argument("--keep", type=Path, help="folder to leave COLMAP's pictures and points in")
+    parser.add_argument("--keep", type=Path, help="folder to leave COLMAP's images and points in")
     asked = parser.parse_args()
     if asked.only != "colmap":
         compare_with_embree(asked.dsm)

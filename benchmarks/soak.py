@@ -327,7 +327,7 @@ def document(found: dict[str, Any]) -> str:
         ),
         "",
         (
-            f"{found['images']:,} pictures of up to {LONGEST_PX} px out of {found['tiles']:,} tiles, over "
+            f"{found['images']:,} images of up to {LONGEST_PX} px out of {found['tiles']:,} tiles, over "
             f"{CONNECTIONS} connections, from a server on the loopback in a process of its own. Pixels of its tiles "
             f"hold their own position. {once:g} % of the tiles fail once ({', '.join(ONCE)}), {for_good:g} % for good "
             f"({', '.join(FOR_GOOD)})."
@@ -358,11 +358,11 @@ def document(found: dict[str, Any]) -> str:
         )
     lines += [
         "",
-        "| every pixel of every picture looked at | with faults | healed |",
+        "| every pixel of every image looked at | with faults | healed |",
         "| --- | ---: | ---: |",
-        f"| pictures | {faulty['pictures']:,} | {healed['pictures']:,} |",
-        f"| pictures that could not be made, named with the reason | {faulty['failed']:,} | {healed['failed']:,} |",
-        f"| pictures missing without a name or a reason | {faulty['unnamed']} | {healed['unnamed']} |",
+        f"| images | {faulty['pictures']:,} | {healed['pictures']:,} |",
+        f"| images that could not be made, named with the reason | {faulty['failed']:,} | {healed['failed']:,} |",
+        f"| images missing without a name or a reason | {faulty['unnamed']} | {healed['unnamed']} |",
         f"| wrong pixels | {faulty['wrong_px']} | {healed['wrong_px']} |",
         f"| half-written files left | {faulty['part_files']} | {healed['part_files']} |",
         f"| tile requests | {counts['requests']:,} | {all_counts['requests']:,} |",
@@ -379,9 +379,9 @@ def document(found: dict[str, Any]) -> str:
             f"{max(run['peak_mb'] for run in whole):.0f} MB. Whole soak: {found['seconds']:.0f} s, the checks included."
         ),
         "",
-        "## Why pictures could not be made",
+        "## Why images could not be made",
         "",
-        "| pictures | reason |",
+        "| images | reason |",
         "| ---: | --- |",
         *(f"| {count:,} | {reason} |" for reason, count in faulty["reasons"].items()),
         "",
@@ -404,7 +404,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--images", type=int, default=10_000)
     parser.add_argument("--docs", type=Path, default=ROOT / "docs", help="folder of soak.md")
-    parser.add_argument("--folder", type=Path, help="where the pictures are written for the time being")
+    parser.add_argument("--folder", type=Path, help="where the images are written for the time being")
     parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--template", help=argparse.SUPPRESS)
     parser.add_argument("--cancel-after", type=int, default=0, help=argparse.SUPPRESS)

@@ -117,10 +117,10 @@ def summary(results: list[Result]) -> Table:
     header = (
         "scene",
         "captures",
-        "chosen: footprint, picture, pixels",
+        "chosen: footprint, image, pixels",
         "bound",
         "measured error",
-        "time a picture",
+        "time an image",
         "condition number",
         "a metre of relief adds up to",
     )
@@ -155,7 +155,7 @@ def document(results: list[Result], flight: Flight) -> str:
                     "the same for any mission."
                 ),
                 (
-                    "An error is the distance, in px of the planned picture, between where a method puts a ground "
+                    "An error is the distance, in px of the planned image, between where a method puts a ground "
                     "point and where the exact camera over the ellipsoid, worked out anew in long double, sees it. "
                     "Every stage takes the cheapest method whose bound, summed with the others', fits the error "
                     "budget of 0.1 px; bounds are worked out before anything is computed."
@@ -210,14 +210,14 @@ def _grey_text(results: list[Result]) -> Iterator[str]:
         return
     yield "## Grey levels"
     yield (
-        "What resampling does to a picture is not a matter of position and not in the bounds. RMS errors of "
+        "What resampling does to an image is not a matter of position and not in the bounds. RMS errors of "
         f"255 grey levels between the pixels of the first scene, against {found.resampling.truth}:"
     )
     yield "![RMS grey levels of error against spatial frequency of each kernel](images/accuracy-resampling.png)"
     yield markdown(
         kernels_table(found.kernels, found.resampling, "none" if worked_out.size_px is None else "")
     )
-    yield "Files of one picture of the first scene:"
+    yield "Files of one image of the first scene:"
     yield markdown(encodings_table(found.encodings))
 
 

@@ -89,7 +89,7 @@ def option_label(name: str) -> str:
     from ..core.fields import declared_fields
     from ..core.mission.parts import FLAT_PARTS
 
-    own = {"img_size": tr("Resize pictures"), "date": tr("Date")}
+    own = {"img_size": tr("Resize images"), "date": tr("Date")}
     if name in own:
         return tr("“{entry}”").format(entry=own[name])
     parts = FLAT_PARTS.values() if name in _ENTERED else ()

@@ -109,7 +109,7 @@ def _time(planned: Planned, _overtaken: Callable[[], bool]) -> str:
 
     plan = planned.plan
     if int(plan.width_px[0]) * int(plan.height_px[0]) > _MOST_TIMED_PX:
-        return tr("not timed, as the pictures are large")
+        return tr("not timed, as the images are large")
     # A copy: what the plan keeps of its views belongs to whoever captures it.
     bands = bands_of(planned.mission)
     return timed_cost(replace(plan), bands).text(len(plan) * len(planned.mission.imagery.map_types))

@@ -44,7 +44,7 @@ def take_picture(name: str) -> None:
     tidy_messages()
     wait_until_drawn()
     if not window_picture().save(str(DEMO / name)):
-        raise StageError(f"picture {DEMO / name}: cannot be written")
+        raise StageError(f"image {DEMO / name}: cannot be written")
 
 
 def enter_mission(session: Session) -> None:

@@ -276,7 +276,7 @@ def write(name: str, picture: QPixmap, most_bytes: int = MOST_BYTES) -> None:
         if out.tell() <= most_bytes:
             break
     if out.tell() > most_bytes:
-        raise StageError(f"picture {path}: {out.tell():,} bytes; must be {most_bytes:,} at most")
+        raise StageError(f"image {path}: {out.tell():,} bytes; must be {most_bytes:,} at most")
     path.write_bytes(out.getvalue())
     print(f"{path.name}: {image.width} x {image.height}, {out.tell() / 1000:.0f} kB", flush=True)
 

@@ -371,7 +371,7 @@ class _Run:
             foreign = min(set(outcomes) - names, default=None)
             if foreign is not None:
                 raise OutputError(
-                    "folder {0}: holds this mission with other pictures, such as {1}, because the "
+                    "folder {0}: holds this mission with other images, such as {1}, because the "
                     "source or the version was another",
                     self._folder,
                     foreign,

@@ -313,7 +313,7 @@ def _segment(mark: bytes, data: bytes) -> bytes:
     length = _LENGTH_BYTES + len(mark) + len(data)
     if length > _LONGEST_SEGMENT:
         raise InvalidInput(
-            "description of a picture in {0} bytes: a JPEG has room for {1}",
+            "description of an image in {0} bytes: a JPEG has room for {1}",
             len(data),
             _LONGEST_SEGMENT - len(mark),
             remedy="choose tif or png, or shorten the source's attribution",

@@ -291,7 +291,7 @@ def _help_of(option: Option) -> str:
     if option.name == "camera":
         return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
     if option.name == "fov":
-        return f"diagonal field of view of a square picture in degrees ({Lens.fov_deg})"
+        return f"diagonal field of view of a square image in degrees ({Lens.fov_deg})"
     return option.told
 
 

@@ -334,7 +334,7 @@ def _run(
         if not source.map_types:
             kinds = ", ".join(each[name].imagery.map_types)
             print(
-                f"{printable(source.title)} has one kind of picture; it is written as {kinds}",
+                f"{printable(source.title)} has one kind of image; it is written as {kinds}",
                 file=sys.stderr,
             )
     return result

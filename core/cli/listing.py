@@ -103,7 +103,7 @@ def _described(entry: CatalogueEntry, crs: str) -> list[tuple[str, str]]:
         ("name", entry.name + (" (your own)" if entry.user else "")),
         ("title", entry.title),
         ("area", entry.area),
-        ("map types", ", ".join(entry.map_types) or "one kind of picture"),
+        ("map types", ", ".join(entry.map_types) or "one kind of image"),
         ("reference system", crs or (MAP if entry.plane is None else entry.plane.crs)),
         ("zooms", f"{entry.min_zoom} to {entry.max_zoom}, detail to {entry.native_zoom}"),
         ("tiles", f"{' or '.join(map(str, entry.tile_px))} px"),

@@ -99,9 +99,7 @@ def _add_flying(commands: Any) -> None:
         "report", help="measure a mission's error against run time; writes a page"
     )
     _add_mission_options(reporting)
-    reporting.add_argument(
-        "--output", metavar="DIR", required=True, help="folder of the page and its pictures"
-    )
+    reporting.add_argument("--output", metavar="DIR", required=True, help="folder of the page and its images")
     add_consent(reporting)
 
 
@@ -320,8 +318,8 @@ def _add_cameras(commands: Any) -> None:
         ("vfov", "vertical_fov_deg", float, {"metavar": "DEG"}, "vertical field of view in degrees"),
         ("sensor", "sensor_mm", float, pair, "width and height of the sensor in mm"),
         ("focal-length", "focal_length_mm", float, {"metavar": "MM"}, "of the lens itself, with --sensor"),
-        ("aspect-ratio", "aspect_ratio", float, pair, "width and height of the picture, such as 4 3"),
-        ("size-px", "size_px", int, pair, "width and height of the picture in pixels instead"),
+        ("aspect-ratio", "aspect_ratio", float, pair, "width and height of the image, such as 4 3"),
+        ("size-px", "size_px", int, pair, "width and height of the image in pixels instead"),
         ("image-px", "image_px", int, {"metavar": "N"}, "pixels along the longer side, with --aspect-ratio"),
     )
     for name, fact, kind, shown, text in options:

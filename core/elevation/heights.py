@@ -290,7 +290,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
 def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
     if not named.has_bands and named.title:
         raise InvalidInput(
-            "heights {0}: is a source of pictures",
+            "heights {0}: is a source of images",
             text,
             field="elevation",
             remedy="name a raster file of heights, terrarium or world, or write terrarium: or terrain-rgb: before the "

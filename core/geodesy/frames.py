@@ -91,7 +91,7 @@ def map_frame_edges(
     if not seen.hit.all():
         at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
-            "height {0:g} m with a field of view of {1:g} deg: the picture reaches past the Earth's horizon",
+            "height {0:g} m with a field of view of {1:g} deg: the image reaches past the Earth's horizon",
             float(agl_m[at]),
             camera.fov_deg,
             remedy="fly lower or narrow the field of view",
@@ -105,7 +105,7 @@ def map_frame_edges(
     if over_pole.any():
         at = int(np.flatnonzero(over_pole)[0])
         raise InvalidInput(
-            "picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
+            "image at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not",
             float(lat_deg[at]),
             float(agl_m[at]),
             remedy="fly lower or farther from the pole",
@@ -153,7 +153,7 @@ def refuse_beyond_plane(own: ProjectedPlane, poses: Poses, reached: NDArray[np.b
     if not reached.all():
         at = int(np.flatnonzero(~reached)[0])
         raise InvalidInput(
-            "picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show",
+            "image at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show",
             float(poses.lat_deg[at]),
             float(poses.lon_deg[at]),
             own.name,

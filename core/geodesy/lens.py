@@ -107,11 +107,11 @@ class Lens(Part):
         _check_ratio(ratio)
         if abs(own / ratio - 1.0) > SQUARE_PIXELS:
             raise InvalidInput(
-                "sensor {0:g} by {1:g} mm and a picture of {2:.4g} to 1: pixels would not be square",
+                "sensor {0:g} by {1:g} mm and an image of {2:.4g} to 1: pixels would not be square",
                 width_mm,
                 height_mm,
                 ratio,
-                remedy="give the part of the sensor that the picture shows",
+                remedy="give the part of the sensor that the image shows",
             )
         return cls._across(math.hypot(width_mm, height_mm) / 2.0 / focal_length_mm, ratio)
 

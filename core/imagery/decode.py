@@ -78,7 +78,7 @@ def decode(
         image = _open(body, content_type, whole=True)
         if image.size != (width_px, height_px):
             raise PartError(
-                "a picture of {0}x{1} px instead of {2}x{3}",
+                "an image of {0}x{1} px instead of {2}x{3}",
                 image.size[0],
                 image.size[1],
                 width_px,
@@ -105,7 +105,7 @@ def size_of(body: bytes) -> tuple[int, int]:
 def _broken(why: Exception | Message) -> BrokenPictureError:
     """Failure of what one of Pillow's readers has stumbled over: they let through whatever that is."""
     said = why if isinstance(why, Message) else one_line(str(why)) or type(why).__name__
-    return BrokenPictureError("broken picture ({0})", said)
+    return BrokenPictureError("broken image ({0})", said)
 
 
 def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile:
@@ -123,20 +123,20 @@ def _open(body: bytes, content_type: str, *, whole: bool) -> ImageFile.ImageFile
         return JpegImagePlugin.JpegImageFile(io.BytesIO(_plain_jpeg(body, whole=whole)))
     if body[:4] == b"RIFF" and body[8:12] == b"WEBP":
         if not features.check("webp"):  # type: ignore[no-untyped-call]
-            raise PartError("a WebP picture, which this installation of Pillow cannot read")
+            raise PartError("a WebP image, which this installation of Pillow cannot read")
         if problem := webp_problem():
             raise PartError(problem)
         return WebPImagePlugin.WebPImageFile(io.BytesIO(body))
     if body[:6] in (b"GIF87a", b"GIF89a"):
         return GifImagePlugin.GifImageFile(io.BytesIO(_plain_gif(body)))
     if not body:
-        raise BrokenPictureError("an empty answer instead of a picture")
+        raise BrokenPictureError("an empty answer instead of an image")
     words = first_words(body, content_type)
     kind = one_line(content_type.partition(";")[0], _KIND_CHARACTERS) or "something"
     if words:
         # It says what it is: that is the provider's answer, and no copy of a picture gone bad.
-        raise PartError("{0} instead of a picture: {1}", kind, words)
-    raise BrokenPictureError("{0} instead of a picture", kind)
+        raise PartError("{0} instead of an image: {1}", kind, words)
+    raise BrokenPictureError("{0} instead of an image", kind)
 
 
 @lru_cache(maxsize=1)
@@ -151,7 +151,7 @@ def webp_problem() -> str:
     if not _brings_libraries() or numbers >= _SOUND_LIBWEBP:
         return ""
     return Message(
-        "a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version
+        "a WebP image, which libwebp {0} would not read safely: install Pillow 10.0.1 or later", version
     )
 
 
@@ -233,7 +233,7 @@ def _imagery(rgba: Pixels) -> Pixels:
     """Colours over white; with a fourth channel, 0 or 255, where some pixels hold no imagery at all."""
     alpha = rgba[..., 3:]
     if not alpha.any():
-        raise PartError("no imagery (a transparent picture)")
+        raise PartError("no imagery (a transparent image)")
     colour = over_white(np.ascontiguousarray(rgba[..., :3]), alpha)
     if bool(alpha.all()):
         return colour

@@ -339,7 +339,7 @@ def _grid(connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes
     if not sample:
         raise InvalidInput("holds no tiles")
     if rows.get("format") == "pbf" or sample.startswith(_GZIP):
-        raise InvalidInput("holds vector tiles (pbf); must hold pictures (png, jpg or webp)")
+        raise InvalidInput("holds vector tiles (pbf); must hold images (png, jpg or webp)")
     lowest, highest = _zooms(connection, rows)
     return PixelGrid(_tile_px(sample), lowest, highest, highest, extent=_extent(rows.get("bounds", "")))
 
@@ -363,7 +363,7 @@ def _tile_px(sample: bytes) -> int:
     try:
         width_px, height_px = size_of(sample)
     except PartError as reason:
-        raise InvalidInput("its tiles are no pictures ({0}); must be png, jpg or webp", reason) from None
+        raise InvalidInput("its tiles are no images ({0}); must be png, jpg or webp", reason) from None
     if width_px != height_px or width_px > MAX_TILE_PX:
         raise InvalidInput(
             "its tiles are of {0}x{1} px; must be square, of {2} px at most", width_px, height_px, MAX_TILE_PX

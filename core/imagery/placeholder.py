@@ -18,7 +18,7 @@ from ..text import one_line
 from .source import Pixels, Window
 
 #: Why a picture fails that needs a placeholder.
-PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder picture")
+PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder image")
 #: Digits of a SHA-256 that name a file as surely as all 64 do, unless somebody makes another for the purpose.
 DIGEST_DIGITS = 16
 _DIGEST = re.compile(rf"[0-9a-f]{{{DIGEST_DIGITS},64}}")
@@ -88,7 +88,7 @@ class Placeholder:
         """Raise PartError for a picture of one of the flat colours."""
         for colour in self.flat_rgb:
             if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):
-                raise PartError("no imagery here: a picture of one colour, rgb({0}, {1}, {2})", *colour)
+                raise PartError("no imagery here: an image of one colour, rgb({0}, {1}, {2})", *colour)
 
 
 @runtime_checkable

@@ -130,7 +130,7 @@ class StaticMapSource:
             As for `XYZSource.fetch`.
         """
         lat_deg, lon_deg = self.centre(part)
-        what = Message("picture at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
+        what = Message("image at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
 
         def read(response: Response) -> Pixels:
             self.placeholder.refuse(response.body, response.headers)
@@ -185,7 +185,7 @@ class StaticMapSource:
             or max(width, height) > MAX_SIZE_PX
         ):
             raise InvalidInput(
-                "picture of {0}x{1} px: {2} gives up to {3} px times {4}",
+                "image of {0}x{1} px: {2} gives up to {3} px times {4}",
                 part.width_px,
                 part.height_px,
                 self.title,

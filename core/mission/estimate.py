@@ -131,7 +131,7 @@ class Summary:
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
             (Message("rows, columns"), f"{self.rows}, {self.columns}"),
-            (Message("picture"), shape),
+            (Message("image"), shape),
             (
                 Message("ground sample distance"),
                 Message("requested {0}, delivered {1}", requested, delivered),
@@ -337,7 +337,7 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
         return ()
     text = Message(
         "pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged "
-        "{3:.3g} times, pictures show nothing more; ask for {4}",
+        "{3:.3g} times, images show nothing more; ask for {4}",
         length_text(written_m),
         length_text(own_m),
         zoom,

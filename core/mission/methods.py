@@ -40,11 +40,9 @@ _ROUNDING = 1e-12
 _ABOVE_NOISE = 2.0
 
 #: Stages of a plan.
-_FOOTPRINT, _PICTURE, _PIXELS = Message("footprint"), Message("picture"), Message("pixels")
+_FOOTPRINT, _PICTURE, _PIXELS = Message("footprint"), Message("image"), Message("pixels")
 _NOTHING = Message("nothing")
-_NO_CAMERA_FRAME = Message(
-    "the source gives pictures by their centre, not tiles that others can be made from"
-)
+_NO_CAMERA_FRAME = Message("the source gives images by their centre, not tiles that others can be made from")
 _WIND = Message("wind turns the camera")
 _ROTATED = Message("the rows are turned from east, and the camera with them")
 
@@ -290,14 +288,14 @@ def choose_methods(
             reason = _too_much(found.bound_px, footprint.bound_px, mission.accuracy.error_budget_px)
         elif mission.accuracy.frame == "map":
             raise InvalidInput(
-                "picture 'map' was asked for, but has no bound here: {0}", outside, field="frame"
+                "image 'map' was asked for, but has no bound here: {0}", outside, field="frame"
             )
         else:
             found, reason = Method(_PICTURE, "map", math.inf, math.inf, outside), outside
         picture = Choice(found, found, reason)
     if no_camera_frame:
         raise InvalidInput(
-            "picture as the camera sees it: {0}",
+            "image as the camera sees it: {0}",
             no_camera_frame,
             field="source",
             remedy="choose a source of tiles",

@@ -155,14 +155,14 @@ OPTIONS: tuple[Option, ...] = (
     ),
     Option("focal_length", float, None, "focal length of the lens itself in mm, with --sensor"),
     Option(
-        "aspect_ratio", float, None, "width and height of the picture (4 3)", count=(2, 2), metavar=("W", "H")
+        "aspect_ratio", float, None, "width and height of the image (4 3)", count=(2, 2), metavar=("W", "H")
     ),
     *_fields(Attitude),
     Option(
         "overlap",
         float,
         (Flight.overlap_along,),
-        "share of a picture the next one shows again, in [0, 1): for both directions, or along and across rows",
+        "share of an image the next one shows again, in [0, 1): for both directions, or along and across rows",
         count=(1, 2),
         metavar=("ALONG", "ACROSS"),
     ),
@@ -195,7 +195,7 @@ OPTIONS: tuple[Option, ...] = (
         str,
         None,
         "SHA-256 (16 or more of its digits) of tiles to treat as missing, as a capture names them that has found the "
-        "same tile in many places; with --resume, pictures that show them are made again",
+        "same tile in many places; with --resume, images that show them are made again",
         count=(1, 100),
     ),
     Option(

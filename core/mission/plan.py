@@ -254,7 +254,7 @@ class Plan:
         """View over the level ground that captures are planned over."""
         size = self.size_px
         if size is None:
-            raise InvalidInput("view of a map frame: its picture is a window of the source as it is")
+            raise InvalidInput("view of a map frame: its image is a window of the source as it is")
         tolerance = self.accuracy.mesh_tolerance_px
         if self.relief is not None:
             tolerance = COARSEST_MESH_PX

@@ -126,7 +126,7 @@ def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, Pixels], b
 
 def _refuse_missing(count: int) -> None:
     if count:
-        raise PartError("no imagery at {0} of the samples that the picture is made of", count)
+        raise PartError("no imagery at {0} of the samples that the image is made of", count)
 
 
 def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:

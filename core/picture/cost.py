@@ -34,7 +34,7 @@ class Cost(NamedTuple):
     def text(self, images: int) -> Message:
         """Words for people."""
         return Message(
-            "footprints {0}, pictures {1} each, {2} of one core in all (timed here)",
+            "footprints {0}, images {1} each, {2} of one core in all (timed here)",
             _time_text(self.footprints_s),
             _time_text(self.picture_s),
             _time_text(self.picture_s * images),

@@ -64,7 +64,7 @@ def assemble(
         picture[y:bottom, x:right] = piece[..., :count]
         filled[y:bottom, x:right] = piece[..., count] != 0 if piece.shape[2] > count else True
     if not filled.all():
-        raise PartError("no imagery at {0} of the picture's {1} pixels", int((~filled).sum()), filled.size)
+        raise PartError("no imagery at {0} of the image's {1} pixels", int((~filled).sum()), filled.size)
     return picture
 
 

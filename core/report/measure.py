@@ -54,7 +54,7 @@ _OF_MESHES = "bilinear"
 _FLOWN = 20_000
 #: What stands for a mission's wind where it has no gusts, for what leaving it out saves; flown at the usual airspeed.
 _USUAL = Wind(5.0, 0.0, 0.15)
-_BY_CENTRE = Message("the source gives pictures by their centre, not tiles that others can be made from")
+_BY_CENTRE = Message("the source gives images by their centre, not tiles that others can be made from")
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ def measure(
     map_type = plan.mission.imagery.map_types[0]
     say(Message("footprints"))
     stages = {"footprint": _footprints(plan, effort)}
-    say(Message("a picture"))
+    say(Message("an image"))
     bench = Bench.of(plan, Tiles(source, map_type), effort)
     say(Message("camera frames"))
     by_tiles = plan.grid.centre_decimals is None

@@ -144,7 +144,7 @@ def _work_precision(plan: Plan, found: Measurement) -> list[Markup]:
         content.append(
             element(
                 "p",
-                "Errors and bounds of the map frame are given here in pixels of the planned picture; where it was "
+                "Errors and bounds of the map frame are given here in pixels of the planned image; where it was "
                 "rejected, in pixels of the map frame that would have been, which is smaller.",
                 class_="note",
             )
@@ -157,7 +157,7 @@ def _left_out(plan: Plan, found: Measurement) -> list[Markup]:
         return [element("p", "Nothing: this mission needs everything there is.")]
     pictures = len(plan) * len(plan.mission.imagery.map_types)
     lead = (
-        f"For the whole mission, {pictures:,} picture{'s' if pictures > 1 else ''}, on one core: what the "
+        f"For the whole mission, {pictures:,} image{'s' if pictures > 1 else ''}, on one core: what the "
         "left-out method takes beyond the chosen one, both measured here."
     )
     return [
@@ -184,20 +184,20 @@ def _greys(plan: Plan, found: Measurement) -> list[Markup]:
         content += [
             element(
                 "p",
-                "What resampling does to the picture is not a matter of position and not in the bounds. "
+                "What resampling does to the image is not a matter of position and not in the bounds. "
                 "Errors are RMS over points between the source's pixels, of 255 grey levels, against "
                 f"{found.resampling.truth}.",
             ),
             figure(
                 RESAMPLING,
                 "Diagram: RMS grey levels of error against spatial frequency, one line for each kernel",
-                "Error of each kernel in bands of spatial frequency; the grey area is the picture's own "
+                "Error of each kernel in bands of spatial frequency; the grey area is the image's own "
                 "detail there. Where a line meets it, that detail is lost.",
             ),
             table(*kernels_table(found.kernels, found.resampling, used)),
         ]
     content += [
-        element("p", "What each kind of file keeps of one picture of this mission, beside its size:"),
+        element("p", "What each kind of file keeps of one image of this mission, beside its size:"),
         table(*encodings_table(found.encodings)),
     ]
     return content

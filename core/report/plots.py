@@ -39,7 +39,7 @@ class Look(NamedTuple):
 
 _STAGES = {
     "footprint": Look(BLUE, "o", "footprint: where the corners are"),
-    "picture": Look(VERMILION, "s", "picture: map frame or camera frame"),
+    "picture": Look(VERMILION, "s", "image: map frame or camera frame"),
     "pixels": Look(GREEN, "^", "camera frame: mesh or rays"),
 }
 _KERNELS = {
@@ -231,7 +231,7 @@ def resampling(found: Resampling) -> bytes:
     )
     logarithmic(axes, "y")
     middle = [(low + high) / 2.0 for low, high in zip(BANDS, BANDS[1:])]
-    axes.fill_between(middle, found.signal, 1e-3, color="#e9e9e9", zorder=1, label="the picture itself")
+    axes.fill_between(middle, found.signal, 1e-3, color="#e9e9e9", zorder=1, label="the image itself")
     for kernel in found.kernels:
         look = _KERNELS[kernel.kernel]
         axes.plot(

@@ -35,7 +35,7 @@ TIMES = (
 def mission_title(plan: Plan) -> str:
     """A mission in a few words."""
     mission = plan.mission
-    pictures = f"{len(plan):,} picture{'s' if len(plan) > 1 else ''}"
+    pictures = f"{len(plan):,} image{'s' if len(plan) > 1 else ''}"
     above = f"{pictures} from {length_text(mission.flight.agl_m)}, {_place(mission)}{_looking(mission, ', ')}"
     return ", ".join(filter(None, (above, wind_text(mission.wind))))
 
@@ -83,7 +83,7 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
         (
             "flight",
             (
-                f"{len(plan):,} pictures in {plan.rows:,} row{'s' if plan.rows > 1 else ''}, "
+                f"{len(plan):,} images in {plan.rows:,} row{'s' if plan.rows > 1 else ''}, "
                 f"{length_text(mission.flight.agl_m)} above "
                 f"ground{_looking(mission, ', camera turned by ') or ', camera straight down and north-up'}"
             ),
@@ -145,7 +145,7 @@ def condition_text(condition: float) -> str:
     """What the condition number of a scene means."""
     if math.isinf(condition):
         return (
-            "The condition number is infinite: the horizon is in the picture, where the least change of the camera's "
+            "The condition number is infinite: the horizon is in the image, where the least change of the camera's "
             "attitude moves the ground that a pixel sees without limit. The arithmetic stays exact there; it is the "
             "pose that no one knows that well."
         )
@@ -186,7 +186,7 @@ def saving_notes(plan: Plan, found: Measurement) -> list[str]:
     left = {one.what for one in found.left_out}
     if "resampling" in left:
         notes.append(
-            "Without resampling a map frame shows exactly the source's pixels; with it every picture would "
+            "Without resampling a map frame shows exactly the source's pixels; with it every image would "
             "have been a camera frame, and its grey levels off by what the table of kernels says."
         )
     if "wind" in left and plan.size_px is None:
@@ -207,10 +207,10 @@ def how_measured(found: Measurement) -> list[str]:
         ),
         (
             "Errors are the greatest over captures spread over the mission's rows; pixels are those of the "
-            f"planned picture, {width} × {height} px."
+            f"planned image, {width} × {height} px."
         ),
         (
-            "Rounding a map frame's edges to whole source pixels is not an error: the picture says where it "
+            "Rounding a map frame's edges to whole source pixels is not an error: the image says where it "
             "lies, exactly."
         ),
         (
@@ -221,7 +221,7 @@ def how_measured(found: Measurement) -> list[str]:
     if found.timed_px != found.planned_px:
         wide, high = found.timed_px
         notes.append(
-            f"Pictures were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels."
+            f"Images were timed at {wide} × {high} px, and seconds and bytes scaled by the number of pixels."
         )
     return notes
 
@@ -247,7 +247,7 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
             for what in (MOVED, TURNED, TOGETHER)
         )
         text.append(
-            f"Gusts move the camera by {_spread_text(moved.size, 'm')}, which shifts the ground in the picture by "
+            f"Gusts move the camera by {_spread_text(moved.size, 'm')}, which shifts the ground in the image by "
             f"{_spread_text(moved.px)}. They turn it by {_spread_text(turned.size, 'deg')}, which shifts the ground by "
             f"{_spread_text(turned.px)}. Both together shift it by {_spread_text(together.px)}. "
             "The images show what the camera sees from where it really is, and state that pose: the shift is no error "
@@ -277,7 +277,7 @@ def wind_notes(effect: WindEffect) -> list[str]:
     notes = []
     if effect.displacements:
         notes.append(
-            "The shift in the picture is that of the ground that the camera was meant to see in its corners and its "
+            "The shift in the image is that of the ground that the camera was meant to see in its corners and its "
             "middle, the most of the five."
         )
         if effect.compared < len(effect.flown):

@@ -21,7 +21,7 @@ _GLUE = "\u00a0"
 #: Sizes between which numbers are written without a power of ten.
 _PLAIN_FROM, _PLAIN_TO = 1e-4, 100.0
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STAGES = {"footprint": "footprint", "picture": "picture", "pixels": "camera frame's pixels"}
+STAGES = {"footprint": "footprint", "picture": "image", "pixels": "camera frame's pixels"}
 FRAME_NAMES = {"map": "map frame", "camera": "camera frame"}
 Cell = Union[str, float, int, None]
 #: Cells of what was not measured: three figures.
@@ -248,7 +248,7 @@ def encodings_table(encodings: Sequence[Encoding]) -> Table:
         for one in encodings
     ]
     chosen = frozenset(index for index, one in enumerate(encodings) if one.chosen)
-    return Table(("file", "RMS error, grey levels", "size of a picture", "time to encode"), rows, chosen)
+    return Table(("file", "RMS error, grey levels", "size of an image", "time to encode"), rows, chosen)
 
 
 def displacement_table(effect: WindEffect) -> Table:
@@ -262,7 +262,7 @@ def displacement_table(effect: WindEffect) -> Table:
         )
         for one in effect.displacements
     ]
-    return Table(("", *spread, *(f"{name}, in the picture" for name in spread)), rows)
+    return Table(("", *spread, *(f"{name}, in the image" for name in spread)), rows)
 
 
 def displaced_text(size: float | None, unit: str) -> str:
@@ -272,7 +272,7 @@ def displaced_text(size: float | None, unit: str) -> str:
     if unit == "m":
         return metres_text(size)
     if not math.isfinite(size):
-        return "out of the picture"
+        return "out of the image"
     digits = f"{size:.0f}" if size >= 100.0 else number_text(size)
     return f"{digits}°" if unit == "deg" else f"{digits}{_GLUE}px"
 

@@ -165,7 +165,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no zone is stated; empty: the mission's start and airspeed tell. Pictures are in the order of times.</source>
+        <source>Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no zone is stated; empty: the mission's start and airspeed tell. Images are in the order of times.</source>
         <translation>Fechas con su hora, texto como 2024-06-21T10:30:00Z, o segundos desde 1970; en UTC donde no se indica la zona. Vacío: lo dicen el inicio y la velocidad aérea de la misión. Las imágenes siguen el orden de las horas.</translation>
     </message>
     <message>
@@ -190,12 +190,12 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Features that become pictures</source>
+        <source>Features that become images</source>
         <translation>Objetos espaciales que se convierten en imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>From picture to picture, the first at the beginning</source>
+        <source>From image to image, the first at the beginning</source>
         <translation>De una imagen a la siguiente; la primera, al principio</translation>
     </message>
     <message>
@@ -255,7 +255,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>One picture above each point ({crs}).</source>
+        <source>One image above each point ({crs}).</source>
         <translation>Una imagen sobre cada punto ({crs}).</translation>
     </message>
     <message>
@@ -666,7 +666,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>A line flown at a speed, with a picture each so many seconds or metres</source>
+        <source>A line flown at a speed, with an image each so many seconds or metres</source>
         <translation>Una línea volada a una velocidad, con una imagen cada tantos segundos o metros</translation>
     </message>
     <message>
@@ -676,7 +676,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Click a point on the map: the mission is one picture, straight above it</source>
+        <source>Click a point on the map: the mission is one image, straight above it</source>
         <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
     </message>
     <message>
@@ -706,12 +706,12 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>One picture above each point, with height (AGL), attitude and time from fields</source>
+        <source>One image above each point, with height (AGL), attitude and time from fields</source>
         <translation>Una imagen sobre cada punto, con altura (AGL), orientación y hora tomadas de campos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>One selected polygon, with its holes; pictures that do not touch it are left out</source>
+        <source>One selected polygon, with its holes; images that do not touch it are left out</source>
         <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
     </message>
     <message>
@@ -856,7 +856,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>folder is empty: choose where the pictures go</source>
+        <source>folder is empty: choose where the images go</source>
         <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
     </message>
     <message>
@@ -1048,7 +1048,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>TerrAInav: folder for the pictures</source>
+        <source>TerrAInav: folder for the images</source>
         <translation>TerrAInav: carpeta para los gráficos</translation>
     </message>
     <message>
@@ -1058,7 +1058,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>{count} pictures written to {folder}.</source>
+        <source>{count} images written to {folder}.</source>
         <translation>{count} gráficos escritos en {folder}.</translation>
     </message>
     <message>
@@ -1184,7 +1184,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Save pictures…</source>
+        <source>Save images…</source>
         <translation>Guardar gráficos…</translation>
     </message>
     <message>
@@ -1262,7 +1262,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>Pictures of {name}</source>
+        <source>Images of {name}</source>
         <translation>Gráficos de {name}</translation>
     </message>
     <message>
@@ -1388,7 +1388,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/placing.py"/>
-        <source>Open the picture ({map_type})</source>
+        <source>Open the image ({map_type})</source>
         <translation>Abrir la imagen ({map_type})</translation>
     </message>
     <message>
@@ -1640,7 +1640,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Resize pictures</source>
+        <source>Resize images</source>
         <translation>Redimensionar</translation>
     </message>
     <message>
@@ -1894,12 +1894,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Field of view across the picture's diagonal, in degrees</source>
+        <source>Field of view across the image's diagonal, in degrees</source>
         <translation>Campo de visión en la diagonal de la imagen, en grados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Field of view across the picture's width or height, as chosen beside, in degrees</source>
+        <source>Field of view across the image's width or height, as chosen beside, in degrees</source>
         <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido al lado, en grados</translation>
     </message>
     <message>
@@ -1934,6 +1934,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Image width to height, without unit: 4:3, 4000x3000 or 1.333</source>
+        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Name of the camera with the values entered:</source>
         <translation>Nombre de la cámara con los valores introducidos:</translation>
     </message>
@@ -1941,11 +1946,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Own values</source>
         <translation>Valores propios</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Picture width to height, without unit: 4:3, 4000x3000 or 1.333</source>
-        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -1984,7 +1984,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>The real camera's pictures: {width} × {height} px</source>
+        <source>The real camera's images: {width} × {height} px</source>
         <translation>Imágenes de la cámara real: {width} × {height} px</translation>
     </message>
     <message>
@@ -2263,6 +2263,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Image</source>
+        <translation>Imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Image size, methods with their error bounds, and what is left out</source>
+        <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Left out</source>
         <translation>Se omite</translation>
     </message>
@@ -2291,16 +2302,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Overlap</source>
         <translation>Solape</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Picture</source>
-        <translation>Imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Picture size, methods with their error bounds, and what is left out</source>
-        <translation>Tamaño de la imagen, métodos con sus cotas de error y lo que se omite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2615,7 +2616,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <source>Where the pictures come from; type a part of its name to find it</source>
+        <source>Where the images come from; type a part of its name to find it</source>
         <translation>De dónde vienen las imágenes; teclear parte de su nombre para encontrarla</translation>
     </message>
     <message>
@@ -2695,6 +2696,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>Images of the synthetic landscape that are shown as background</source>
+        <translation>Imágenes del paisaje sintético que se muestran como fondo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Keys and authentication</source>
         <translation>Claves y autenticación</translation>
     </message>
@@ -2727,11 +2733,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Not kept: {problem}</source>
         <translation>No se ha guardado: {problem}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Pictures of the synthetic landscape that are shown as background</source>
-        <translation>Imágenes del paisaje sintético que se muestran como fondo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -2923,12 +2924,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Folder for the pictures</source>
+        <source>Folder for the images</source>
         <translation>Carpeta para las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Folder for the pictures; its last part names the mission on the map</source>
+        <source>Folder for the images; its last part names the mission on the map</source>
         <translation>Carpeta para las imágenes; su última parte da nombre a la misión en el mapa</translation>
     </message>
     <message>
@@ -2953,7 +2954,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height of the resized pictures in pixels (px)</source>
+        <source>Height of the resized images in pixels (px)</source>
         <translation>Altura de las imágenes redimensionadas en píxeles (px)</translation>
     </message>
     <message>
@@ -2974,7 +2975,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Resize every picture to the width and height below, in pixels (px)</source>
+        <source>Resize every image to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
     </message>
     <message>
@@ -2994,7 +2995,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Width of the resized pictures in pixels (px)</source>
+        <source>Width of the resized images in pixels (px)</source>
         <translation>Anchura de las imágenes redimensionadas en píxeles (px)</translation>
     </message>
     <message>
@@ -3293,7 +3294,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/planner.py"/>
-        <source>not timed, as the pictures are large</source>
+        <source>not timed, as the images are large</source>
         <translation>sin medir, porque las imágenes son grandes</translation>
     </message>
     <message>
@@ -3422,7 +3423,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
-        <source>the horizon is in the picture</source>
+        <source>the horizon is in the image</source>
         <translation>el horizonte está en la imagen</translation>
     </message>
     <message>
@@ -3927,7 +3928,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Captures the images of a mission into a folder: georeferenced pictures, a table with the pose of each, the footprints, and a journal. Each tile is fetched once.</source>
+        <source>Captures the images of a mission into a folder: georeferenced images, a table with the pose of each, the footprints, and a journal. Each tile is fetched once.</source>
         <translation>Captura en una carpeta las imágenes de una misión: imágenes georreferenciadas, una tabla con la pose de cada una, las huellas y un diario. Cada tesela se pide una vez.</translation>
     </message>
     <message>
@@ -4562,7 +4563,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Footprints are those of the pictures that a capture of the same mission writes. Coverage and overlap are counted on the pixels that the files will show; the error bound is that of the methods chosen.</source>
+        <source>Footprints are those of the images that a capture of the same mission writes. Coverage and overlap are counted on the pixels that the files will show; the error bound is that of the methods chosen.</source>
         <translation>Las huellas son las de las imágenes que escribe una captura de la misma misión. La cobertura y el solape se cuentan sobre los píxeles que mostrarán los archivos; la cota del error es la de los métodos elegidos.</translation>
     </message>
     <message>
@@ -4682,7 +4683,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/report.py"/>
-        <source>Measures the methods of footprints and pictures on captures of the mission itself, against an exact reference: error, bound and time of each, what was chosen, and what was left out. Writes a page with diagrams, and the numbers as tables.</source>
+        <source>Measures the methods of footprints and images on captures of the mission itself, against an exact reference: error, bound and time of each, what was chosen, and what was left out. Writes a page with diagrams, and the numbers as tables.</source>
         <translation>Mide los métodos de huellas e imágenes en capturas de la propia misión frente a una referencia exacta: error, cota y tiempo de cada uno, qué se eligió y qué se omitió. Escribe una página con diagramas, y los números como tablas.</translation>
     </message>
     <message>
@@ -4845,11 +4846,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Height</source>
         <translation>Altura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Image</source>
-        <translation>Imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5528,7 +5524,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/georeference.py"/>
-        <source>picture of {0} x {1} px: needs a pixel at least</source>
+        <source>image of {0} x {1} px: needs a pixel at least</source>
         <translation>imagen de {0} x {1} px: necesita al menos un píxel</translation>
     </message>
     <message>
@@ -5565,7 +5561,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
-        <source>folder {0}: holds this mission with other pictures, such as {1}, because the source or the version was another</source>
+        <source>folder {0}: holds this mission with other images, such as {1}, because the source or the version was another</source>
         <translation>carpeta {0}: contiene esta misión con otras imágenes, como {1}, porque la fuente o la versión era otra</translation>
     </message>
     <message>
@@ -5613,7 +5609,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/writers.py"/>
-        <source>description of a picture in {0} bytes: a JPEG has room for {1}</source>
+        <source>description of an image in {0} bytes: a JPEG has room for {1}</source>
         <translation>descripción de una imagen en {0} bytes: un JPEG tiene sitio para {1}</translation>
     </message>
     <message>
@@ -5739,6 +5735,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/ground.py"/>
         <location filename="../../core/files.py"/>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
@@ -6230,7 +6227,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
-        <source>heights {0}: is a source of pictures</source>
+        <source>heights {0}: is a source of images</source>
         <translation>alturas {0}: es una fuente de imágenes</translation>
     </message>
     <message>
@@ -6498,17 +6495,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
-        <source>height {0:g} m with a field of view of {1:g} deg: the picture reaches past the Earth's horizon</source>
+        <source>height {0:g} m with a field of view of {1:g} deg: the image reaches past the Earth's horizon</source>
         <translation>altura de {0:g} m con un campo de visión de {1:g} grados: la imagen rebasa el horizonte de la Tierra</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
-        <source>picture at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
+        <source>image at latitude {0!r} from {1:g} m: it holds a pole, which Web Mercator does not</source>
         <translation>imagen en la latitud {0!r} desde {1:g} m: contiene un polo, que Web Mercator no tiene</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
-        <source>picture at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show</source>
+        <source>image at latitude {0!r}, longitude {1!r}: lies beyond what the source's CRS {2} can show</source>
         <translation>imagen en latitud {0!r}, longitud {1!r}: queda fuera de lo que puede mostrar el SRC {2} de la fuente</translation>
     </message>
     <message>
@@ -6543,12 +6540,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
-        <source>give the part of the sensor that the picture shows</source>
+        <source>give the part of the sensor that the image shows</source>
         <translation>dar la parte del sensor que muestra la imagen</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
-        <source>sensor {0:g} by {1:g} mm and a picture of {2:.4g} to 1: pixels would not be square</source>
+        <source>sensor {0:g} by {1:g} mm and an image of {2:.4g} to 1: pixels would not be square</source>
         <translation>sensor de {0:g} por {1:g} mm e imagen de {2:.4g} a 1: los píxeles no serían cuadrados</translation>
     </message>
     <message>
@@ -6700,32 +6697,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>a WebP picture, which libwebp {0} would not read safely: install Pillow 10.0.1 or later</source>
+        <source>a WebP image, which libwebp {0} would not read safely: install Pillow 10.0.1 or later</source>
         <translation>una imagen WebP que la libwebp {0} no leería de forma segura: instale Pillow 10.0.1 o posterior</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>a WebP picture, which this installation of Pillow cannot read</source>
+        <source>a WebP image, which this installation of Pillow cannot read</source>
         <translation>una imagen WebP, que esta instalación de Pillow no puede leer</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>a picture of {0}x{1} px instead of {2}x{3}</source>
-        <translation>una imagen de {0}x{1} px en lugar de {2}x{3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/decode.py"/>
-        <source>an empty answer instead of a picture</source>
+        <source>an empty answer instead of an image</source>
         <translation>una respuesta vacía en lugar de una imagen</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>broken picture ({0})</source>
+        <source>an image of {0}x{1} px instead of {2}x{3}</source>
+        <translation>una imagen de {0}x{1} px en lugar de {2}x{3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/decode.py"/>
+        <source>broken image ({0})</source>
         <translation>imagen dañada ({0})</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>no imagery (a transparent picture)</source>
+        <source>no imagery (a transparent image)</source>
         <translation>no hay imágenes (una imagen transparente)</translation>
     </message>
     <message>
@@ -6735,12 +6732,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>{0} instead of a picture</source>
+        <source>{0} instead of an image</source>
         <translation>{0} en lugar de una imagen</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>{0} instead of a picture: {1}</source>
+        <source>{0} instead of an image: {1}</source>
         <translation>{0} en lugar de una imagen: {1}</translation>
     </message>
     <message>
@@ -7084,12 +7081,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>holds vector tiles (pbf); must hold pictures (png, jpg or webp)</source>
+        <source>holds vector tiles (pbf); must hold images (png, jpg or webp)</source>
         <translation>contiene teselas vectoriales (pbf); debe contener imágenes (png, jpg o webp)</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
-        <source>its tiles are no pictures ({0}); must be png, jpg or webp</source>
+        <source>its tiles are no images ({0}); must be png, jpg or webp</source>
         <translation>sus teselas no son imágenes ({0}); deben ser png, jpg o webp</translation>
     </message>
     <message>
@@ -7175,12 +7172,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>
-        <source>no imagery here: a picture of one colour, rgb({0}, {1}, {2})</source>
+        <source>no imagery here: an image of one colour, rgb({0}, {1}, {2})</source>
         <translation>no hay imágenes aquí: una imagen de un solo color, rgb({0}, {1}, {2})</translation>
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>
-        <source>no imagery here: the provider's placeholder picture</source>
+        <source>no imagery here: the provider's placeholder image</source>
         <translation>no hay imágenes aquí: la imagen de relleno del proveedor</translation>
     </message>
     <message>
@@ -7530,7 +7527,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
-        <source>{0} is of no format of pictures that a VRT may read here</source>
+        <source>{0} is of no format of images that a VRT may read here</source>
         <translation>{0} no es de ningún formato de imagen que un VRT pueda leer aquí</translation>
     </message>
     <message>
@@ -7742,12 +7739,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
-        <source>picture at {0},{1} zoom {2}</source>
+        <source>image at {0},{1} zoom {2}</source>
         <translation>imagen en {0},{1} zoom {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
-        <source>picture of {0}x{1} px: {2} gives up to {3} px times {4}</source>
+        <source>image of {0}x{1} px: {2} gives up to {3} px times {4}</source>
         <translation>imagen de {0}x{1} px: {2} da hasta {3} px por {4}</translation>
     </message>
     <message>
@@ -8271,6 +8268,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/methods.py"/>
+        <source>image</source>
+        <translation>imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>imagery</source>
         <translation>imágenes de la fuente</translation>
     </message>
@@ -8323,13 +8326,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/methods.py"/>
-        <source>picture</source>
-        <translation>imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3:.3g} times, pictures show nothing more; ask for {4}</source>
+        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3:.3g} times, images show nothing more; ask for {4}</source>
         <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3:.3g} veces, las imágenes no muestran nada más; pedir {4}</translation>
     </message>
     <message>
@@ -8530,7 +8527,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/waypoints.py"/>
-        <source>the tilt of {0:g} deg is flown with the aircraft turned around: same ground, pictures upside down</source>
+        <source>the tilt of {0:g} deg is flown with the aircraft turned around: same ground, images upside down</source>
         <translation>la inclinación de {0:g} grados se vuela con la aeronave dada la vuelta: mismo terreno, imágenes invertidas</translation>
     </message>
     <message>
@@ -8620,7 +8617,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>choose a less extreme aspect ratio or larger pictures ({0})</source>
+        <source>choose a less extreme aspect ratio or larger images ({0})</source>
         <translation>elegir una relación de aspecto menos extrema o permitir imágenes mayores ({0})</translation>
     </message>
     <message>
@@ -8661,27 +8658,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>picture at latitude {0!r} from {1:g} m</source>
+        <source>image at latitude {0!r} from {1:g} m</source>
         <translation>imagen en la latitud {0!r} desde {1:g} m</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>picture from {0:g} m at zoom {1}: under one pixel</source>
+        <source>image from {0:g} m at zoom {1}: under one pixel</source>
         <translation>imagen desde {0:g} m con zoom {1}: menos de un píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>picture of {0:.3g} x {1:.3g} px: under one pixel</source>
+        <source>image of {0:.3g} x {1:.3g} px: under one pixel</source>
         <translation>imagen de {0:.3g} x {1:.3g} px: menos de un píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>pictures of {0:,} px: the longest side allowed here is {1:,} px</source>
+        <source>images of {0:,} px: the longest side allowed here is {1:,} px</source>
         <translation>imágenes de {0:,} px: el lado mayor permitido aquí es de {1:,} px</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>pictures of {0:,} x {1:,} px: {2:,} px in all are allowed</source>
+        <source>images of {0:,} x {1:,} px: {2:,} px in all are allowed</source>
         <translation>imágenes de {0:,} x {1:,} px: se permiten {2:,} px en total</translation>
     </message>
     <message>
@@ -8696,7 +8693,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>{0}, or allow larger pictures ({1})</source>
+        <source>{0}, or allow larger images ({1})</source>
         <translation>{0}, o permitir imágenes mayores ({1})</translation>
     </message>
     <message>
@@ -8804,7 +8801,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
-        <source>area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)</source>
+        <source>area reaches latitude {0}: images end at ±{1:.4f} (Web Mercator)</source>
         <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
     </message>
     <message>
@@ -8909,6 +8906,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <source>image 'map' was asked for, but has no bound here: {0}</source>
+        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
+        <source>image as the camera sees it: {0}</source>
+        <translation>imagen como la ve la cámara: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/methods.py"/>
         <source>infinite (horizon)</source>
         <translation>infinito (horizonte)</translation>
     </message>
@@ -8941,16 +8948,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/methods.py"/>
         <source>nothing</source>
         <translation>nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
-        <source>picture 'map' was asked for, but has no bound here: {0}</source>
-        <translation>se pidió la imagen 'map', pero aquí no tiene cota: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/methods.py"/>
-        <source>picture as the camera sees it: {0}</source>
-        <translation>imagen como la ve la cámara: {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -9008,7 +9005,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/methods.py"/>
         <location filename="../../core/report/measure.py"/>
-        <source>the source gives pictures by their centre, not tiles that others can be made from</source>
+        <source>the source gives images by their centre, not tiles that others can be made from</source>
         <translation>la fuente da imágenes por su centro, no teselas con las que se puedan hacer otras</translation>
     </message>
     <message>
@@ -9834,7 +9831,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
-        <source>view of a map frame: its picture is a window of the source as it is</source>
+        <source>view of a map frame: its image is a window of the source as it is</source>
         <translation>vista de un encuadre de mapa: su imagen es una ventana de la fuente tal como es</translation>
     </message>
     <message>
@@ -10029,12 +10026,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/picture/camera_frame.py"/>
-        <source>no imagery at {0} of the samples that the picture is made of</source>
+        <source>no imagery at {0} of the samples that the image is made of</source>
         <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
     </message>
     <message>
         <location filename="../../core/picture/cost.py"/>
-        <source>footprints {0}, pictures {1} each, {2} of one core in all (timed here)</source>
+        <source>footprints {0}, images {1} each, {2} of one core in all (timed here)</source>
         <translation>huellas {0}, imágenes {1} cada una, {2} de un núcleo en total (medido aquí)</translation>
     </message>
     <message>
@@ -10044,7 +10041,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/picture/map_frame.py"/>
-        <source>no imagery at {0} of the picture's {1} pixels</source>
+        <source>no imagery at {0} of the image's {1} pixels</source>
         <translation>no hay imágenes en {0} de los {1} píxeles de la imagen</translation>
     </message>
     <message>
@@ -10391,7 +10388,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/report/measure.py"/>
-        <source>a picture</source>
+        <source>an image</source>
         <translation>una imagen</translation>
     </message>
     <message>
@@ -10551,7 +10548,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/layers.py"/>
-        <source>picture {0}: QGIS cannot open it</source>
+        <source>image {0}: QGIS cannot open it</source>
         <translation>imagen {0}: QGIS no puede abrirla</translation>
     </message>
     <message>
@@ -10581,17 +10578,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/rectify.py"/>
-        <source>picture {0}: cannot be read ({1})</source>
-        <translation>imagen {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
-        <source>picture {0}: cannot be written ({1})</source>
+        <source>image {0}: cannot be written ({1})</source>
         <translation>imagen {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/rectify.py"/>
-        <source>picture {0}: shows no ground that a map in {1} has</source>
+        <source>image {0}: shows no ground that a map in {1} has</source>
         <translation>imagen {0}: no muestra terreno que tenga un mapa en {1}</translation>
     </message>
     <message>
@@ -10641,7 +10633,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
-        <source>picture of {0}x{1} px: too large to be drawn</source>
+        <source>image of {0}x{1} px: too large to be drawn</source>
         <translation>imagen de {0}x{1} px: demasiado grande para dibujarla</translation>
     </message>
     <message>

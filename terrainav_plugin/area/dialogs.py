@@ -187,7 +187,7 @@ class PointsDialog(LayerDialog):
         self.all = named(QRadioButton(tr("&All")), "all")
         self.selected = named(QRadioButton(), "selected")
         for button in (self.all, self.selected):
-            button.setToolTip(tr("Features that become pictures"))
+            button.setToolTip(tr("Features that become images"))
         self.form.addRow(tr("Features"), row(self.all, self.selected, stretch=1))
         self.by_value, self.by_field = (
             QRadioButton(tr("&Height of all")),
@@ -224,7 +224,7 @@ class PointsDialog(LayerDialog):
             "time_field",
             tr(
                 "Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no "
-                "zone is stated; empty: the mission's start and airspeed tell. Pictures are in the order of times."
+                "zone is stated; empty: the mission's start and airspeed tell. Images are in the order of times."
             ),
             QgsFieldProxyModel.Filter.DateTime,
         )
@@ -246,7 +246,7 @@ class PointsDialog(LayerDialog):
         self.by_value.setChecked(True)
 
     def _words(self, layer: QgsVectorLayer) -> str:
-        return tr("One picture above each point ({crs}).").format(crs=layer.crs().authid() or tr("no CRS"))
+        return tr("One image above each point ({crs}).").format(crs=layer.crs().authid() or tr("no CRS"))
 
 
 class LineDialog(LayerDialog):
@@ -289,7 +289,7 @@ class LineDialog(LayerDialog):
             _MOST_INTERVAL,
             3,
             "",
-            tr("From picture to picture, the first at the beginning"),
+            tr("From image to image, the first at the beginning"),
         )
         self.interval_in = combo(
             "interval_in", (("every_s", tr("seconds")), ("every_m", tr("metres"))), tr("Time, or way flown")

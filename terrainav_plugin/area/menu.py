@@ -73,7 +73,7 @@ class AreaMenu(QPushButton):
                     Way.SINGLE,
                     "=test_shot",
                     tr("&Single capture here…"),
-                    tr("Click a point on the map: the mission is one picture, straight above it"),
+                    tr("Click a point on the map: the mission is one image, straight above it"),
                 ),
             ),
             (
@@ -87,19 +87,19 @@ class AreaMenu(QPushButton):
                     Way.POLYGON,
                     "/mIconPolygonLayer.svg",
                     tr("Selected pol&ygon…"),
-                    tr("One selected polygon, with its holes; pictures that do not touch it are left out"),
+                    tr("One selected polygon, with its holes; images that do not touch it are left out"),
                 ),
                 (
                     Way.POINTS,
                     "/mIconPointLayer.svg",
                     tr("P&oints of a layer…"),
-                    tr("One picture above each point, with height (AGL), attitude and time from fields"),
+                    tr("One image above each point, with height (AGL), attitude and time from fields"),
                 ),
                 (
                     Way.LINE,
                     "/mIconLineLayer.svg",
                     tr("L&ine of a layer…"),
-                    tr("A line flown at a speed, with a picture each so many seconds or metres"),
+                    tr("A line flown at a speed, with an image each so many seconds or metres"),
                 ),
             ),
             (

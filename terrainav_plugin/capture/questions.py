@@ -50,7 +50,7 @@ class Questions:
         """Whether there is a folder to write to; says so at the field where there is none."""
         if text.strip():
             return True
-        message = tr("folder is empty: choose where the pictures go")
+        message = tr("folder is empty: choose where the images go")
         self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False

@@ -218,7 +218,7 @@ class Cleaning(QObject):
         if self.task is not None or folder is None:
             return
         chosen = QFileDialog.getExistingDirectory(
-            self.panel, tr("TerrAInav: folder for the pictures"), str(folder)
+            self.panel, tr("TerrAInav: folder for the images"), str(folder)
         )
         if chosen and self.panel is not None and self.task is None:
             task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
@@ -265,7 +265,7 @@ class Cleaning(QObject):
             # Stopped before it began.
             return
         self._messages.success(
-            tr("{count} pictures written to {folder}.").format(count=len(task.written), folder=task.target),
+            tr("{count} images written to {folder}.").format(count=len(task.written), folder=task.target),
             (tr("Open folder"), lambda: open_in_system(task.target)),
         )
 

@@ -273,7 +273,7 @@ class CleanPanel(QgsDockWidget):
             button.clicked.connect(lambda _=False, action=action: self.action_wanted.emit(action))
         self.save = push_button(
             "save_pictures",
-            tr("Save pictures…"),
+            tr("Save images…"),
             tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
         )
         self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())

@@ -84,7 +84,7 @@ class PicturesTask(Task):
     """
 
     def __init__(self, folder: Path, target: Path, threshold: float) -> None:
-        super().__init__(tr("Pictures of {name}").format(name=folder.name))
+        super().__init__(tr("Images of {name}").format(name=folder.name))
         self.folder, self.target, self.threshold = folder, target, threshold
         self.written: list[Path] = []
 

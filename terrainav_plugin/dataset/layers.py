@@ -112,7 +112,7 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
     """Open a picture as a layer; raises OutputError."""
     layer = QgsRasterLayer(str(path), title, "gdal")
     if not layer.isValid():
-        raise OutputError("picture {0}: QGIS cannot open it", path)
+        raise OutputError("image {0}: QGIS cannot open it", path)
     # Smooth where several pixels of the picture share one of the screen; pixels stay pixels when enlarged.
     layer.resampleFilter().setZoomedOutResampler(QgsBilinearRasterResampler())
     return layer

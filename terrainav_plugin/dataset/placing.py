@@ -186,7 +186,7 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
         layer.actions().addAction(
             QgsAction(
                 QgsAction.ActionType.OpenUrl,
-                tr("Open the picture ({map_type})").format(map_type=map_type),
+                tr("Open the image ({map_type})").format(map_type=map_type),
                 f'[% "{name}" %]',
                 False,
             )

@@ -110,7 +110,7 @@ def _frame(plan: Plan) -> _Frame:
     south, north = max(float(y.min()), float(own_y) - reach_m), min(float(y.max()), float(own_y) + reach_m)
     if not (west < east and south < north):
         raise OutputError(
-            "picture {0}: shows no ground that a map in {1} has",
+            "image {0}: shows no ground that a map in {1} has",
             plan.names[0],
             plan.grid.plane.crs if own is None else own.name,
         )
@@ -212,7 +212,7 @@ def _read(picture: Path) -> Pixels:
     file = open_shown(picture)
     bands = None if file is None else file.ReadAsArray()
     if bands is None:
-        raise OutputError("picture {0}: cannot be read ({1})", picture, gdal.GetLastErrorMsg())
+        raise OutputError("image {0}: cannot be read ({1})", picture, gdal.GetLastErrorMsg())
     if bands.ndim == 2:
         bands = bands[np.newaxis]
     colours = np.broadcast_to(bands[: 1 if len(bands) < 3 else 3], (3, *bands.shape[1:]))
@@ -228,7 +228,7 @@ def _write(pixels: Pixels, frame: _Frame, target: Path, wkt: str) -> None:
                 str(partial), frame.width_px, frame.height_px, 4, gdal.GDT_Byte, list(_OPTIONS)
             )
             if raster is None:
-                raise OutputError("picture {0}: cannot be written ({1})", target, gdal.GetLastErrorMsg())
+                raise OutputError("image {0}: cannot be written ({1})", target, gdal.GetLastErrorMsg())
             raster.SetProjection(wkt)
             raster.SetGeoTransform((frame.west_m, frame.pixel_m, 0.0, frame.north_m, 0.0, -frame.pixel_m))
             raster.WriteArray(np.moveaxis(pixels, -1, 0))
@@ -236,4 +236,4 @@ def _write(pixels: Pixels, frame: _Frame, target: Path, wkt: str) -> None:
             raster.FlushCache()
             del raster
     except OSError as wrong:
-        raise OutputError("picture {0}: cannot be written ({1})", target, wrong.strerror) from wrong
+        raise OutputError("image {0}: cannot be written ({1})", target, wrong.strerror) from wrong

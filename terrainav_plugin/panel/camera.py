@@ -53,9 +53,7 @@ class CameraEntries(Entries):
         self._trouble = ""
         self._add_chooser()
         self._add_field_of_view()
-        self.aspect = line_edit(
-            "aspect", tr("Picture width to height, without unit: 4:3, 4000x3000 or 1.333")
-        )
+        self.aspect = line_edit("aspect", tr("Image width to height, without unit: 4:3, 4000x3000 or 1.333"))
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
         self.add_declared("image_px")
         self._fill_chooser()
@@ -116,9 +114,9 @@ class CameraEntries(Entries):
         )
         self.fov_mode = combo("fov_mode", modes, tip)
         self.fov_mode.setMinimumContentsLength(_MODE_LETTERS)
-        tip = tr("Field of view across the picture's diagonal, in degrees")
+        tip = tr("Field of view across the image's diagonal, in degrees")
         self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
-        tip = tr("Field of view across the picture's width or height, as chosen beside, in degrees")
+        tip = tr("Field of view across the image's width or height, as chosen beside, in degrees")
         self.fov_typed = spin("fov_typed_deg", 0.0, _DEGREES, 6, " °", tip)
         for name, widget in (
             ("fov_mode", self.fov_mode),
@@ -275,7 +273,7 @@ def _choice(preset: CameraPreset) -> CameraChoice:
     ]
     if preset.width_px is not None and preset.height_px is not None:
         lines.append(
-            tr("The real camera's pictures: {width} × {height} px").format(
+            tr("The real camera's images: {width} × {height} px").format(
                 width=preset.width_px, height=preset.height_px
             )
         )

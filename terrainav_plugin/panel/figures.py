@@ -59,7 +59,7 @@ class Figures(QScrollArea):
             label.setProperty("terrainavMark", "true")
         self.problem.setTextFormat(Qt.TextFormat.PlainText)
         self.warnings.linkActivated.connect(self.enlarging_wanted)
-        tip = tr("Picture size, methods with their error bounds, and what is left out")
+        tip = tr("Image size, methods with their error bounds, and what is left out")
         self.fold = tool_button("fold_details", QIcon(), tip, tr("Details"))
         self.fold.setCheckable(True)
         self.fold.setAutoRaise(True)
@@ -272,7 +272,7 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
 
 def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
     return [
-        (tr("Picture"), _picture(summary)),
+        (tr("Image"), _picture(summary)),
         *_overlap(summary),
         (tr("Tiles"), _tiles(summary)),
         (tr("On disk"), translate(size_text(summary.output_bytes))),

@@ -183,7 +183,7 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
 
     def _add_source(self) -> None:
         self.source = SourceCombo()
-        self.source.setToolTip(tr("Where the pictures come from; type a part of its name to find it"))
+        self.source.setToolTip(tr("Where the images come from; type a part of its name to find it"))
         self.source.setMinimumContentsLength(_TITLE_LETTERS)
         tip = tr("Add this source to the map as background and zoom to the area")
         self.show_on_map = tool_button("show_on_map", icon("show_on_map"), tip, tr("Show on map"))

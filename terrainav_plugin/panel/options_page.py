@@ -158,7 +158,7 @@ class OptionsPage(QgsOptionsPageWidget):
         limits, tip = Settings.connections, tr("Requests under way at once; fewer where a provider says so")
         self.connections = whole_spin("connections", limits.least, limits.most, tip)
         form.addRow(tr("Connections at once"), self.connections)
-        tip = tr("Pictures of the synthetic landscape that are shown as background")
+        tip = tr("Images of the synthetic landscape that are shown as background")
         place = str(self._settings.profile)
         self._folder(form, tr("Folder for backgrounds"), "backgrounds_folder", place, tip)
         return box

@@ -128,8 +128,8 @@ class OutputEntries(Entries):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("output", tr("Output"), marks)
-        tip = tr("Folder for the pictures; its last part names the mission on the map")
-        self.folder = folder_entry("folder", tr("Folder for the pictures"), tip)
+        tip = tr("Folder for the images; its last part names the mission on the map")
+        self.folder = folder_entry("folder", tr("Folder for the images"), tip)
         self.add("folder", tr("Folder"), self.folder)
         self.image_format = declared_choice("image_format")
         self.add_declared("image_format", self.image_format)
@@ -181,12 +181,12 @@ class PixelsSection(Section):
         bands.setPlaceholderText(tr("all, or those of colours"))
         self.add_declared("bands", bands)
         self.add_declared("stretch")
-        tip = tr("Resize every picture to the width and height below, in pixels (px)")
-        self.add("resize", "", tick("resize", tr("Resize pictures"), tip))
+        tip = tr("Resize every image to the width and height below, in pixels (px)")
+        self.add("resize", "", tick("resize", tr("Resize images"), tip))
         names = ("resize_width_px", "resize_height_px")
         tips = (
-            tr("Width of the resized pictures in pixels (px)"),
-            tr("Height of the resized pictures in pixels (px)"),
+            tr("Width of the resized images in pixels (px)"),
+            tr("Height of the resized images in pixels (px)"),
         )
         sizes = {name: spin(name, 0, _SIZE_PX, 0, " px", tip) for name, tip in zip(names, tips)}
         self._size = self.add_two(tr("To"), *names, sizes, "×")

@@ -99,7 +99,7 @@ def _map_tip(role: str) -> str:
             **{angle: f'[% round("{angle}", 2) %]' for angle in ("yaw", "tilt", "roll")}
         )
         overlap = tr("overlap count at the centre: {count}").format(count='[% "overlap" %]')
-        horizon = tr("the horizon is in the picture").replace("'", "''")
+        horizon = tr("the horizon is in the image").replace("'", "''")
         sky = f"[% CASE WHEN \"horizon\" THEN '<br/>{horizon}' ELSE '' END %]"
         return f"{name}{gsd}<br/>{attitude}{sky}<br/>{overlap}<br/>{time}"
     if role == "flight":

@@ -151,7 +151,7 @@ class Capture(_Capturing):
             tr("uav,drone,capture,images,dataset,tiles,download,georeferenced,photogrammetry,training"),
             (
                 tr(
-                    "Captures the images of a mission into a folder: georeferenced pictures, a table with the pose of "
+                    "Captures the images of a mission into a folder: georeferenced images, a table with the pose of "
                     "each, the footprints, and a journal. Each tile is fetched once."
                 ),
                 tr(

@@ -74,7 +74,7 @@ class Plan(Algorithm):
                     "the time and data that the capture needs."
                 ),
                 tr(
-                    "Footprints are those of the pictures that a capture of the same mission writes. Coverage and "
+                    "Footprints are those of the images that a capture of the same mission writes. Coverage and "
                     "overlap are counted on the pixels that the files will show; the error bound is that of the "
                     "methods chosen."
                 ),

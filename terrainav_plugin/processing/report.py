@@ -35,7 +35,7 @@ class AccuracyReport(WithImagery):
             tr("accuracy,error,bound,run time,report,footprint,reprojection"),
             (
                 tr(
-                    "Measures the methods of footprints and pictures on captures of the mission itself, against an "
+                    "Measures the methods of footprints and images on captures of the mission itself, against an "
                     "exact reference: error, bound and time of each, what was chosen, and what was left out. Writes a "
                     "page with diagrams, and the numbers as tables."
                 ),

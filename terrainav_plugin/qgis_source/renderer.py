@@ -150,7 +150,7 @@ def blank(width_px: int, height_px: int) -> QImage:
     """Image that shows nothing; raises PartError where it is too large for the memory."""
     image = QImage(width_px, height_px, _FORMAT)
     if image.isNull():
-        raise PartError("picture of {0}x{1} px: too large to be drawn", width_px, height_px)
+        raise PartError("image of {0}x{1} px: too large to be drawn", width_px, height_px)
     image.fill(0)
     return image
 

@@ -193,7 +193,7 @@ def test_a_service_is_listed_added_and_planned_with_when_it_is_gone(run):
 
 def test_a_layer_is_captured_in_the_system_that_is_named(run, tmp_path):
     pytest.importorskip("owslib")
-    gdal = pytest.importorskip("osgeo.gdal", reason="pictures are read by GDAL's Python module")
+    gdal = pytest.importorskip("osgeo.gdal", reason="images are read by GDAL's Python module")
     place = "52.09_5.12_100"
     with ServiceServer() as server:
         rest = f"{server.url}/{{TileMatrix}}/{{TileCol}}/{{TileRow}}.png"
@@ -312,5 +312,5 @@ def test_enlarged_pixels_are_warned_of(run):
     small = ("plan", "--coords", POINT, "--source", "usgs")
     assert "warning" not in good(run(*small))
     warned = good(run(*small, "--zoom", "16", "--img-size", "8000", "6000", "3"))
-    assert "times, pictures show nothing more; ask for --img-size " in warned
+    assert "times, images show nothing more; ask for --img-size " in warned
     assert json.loads(good(run(*small, "--json")))["warnings"] == []

@@ -48,7 +48,7 @@ def high(desk):
 def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     assert high.session.planned.plan.size_px is None
     bound = bound_text(high.session.planned.plan.accuracy.picture.method.bound_px)
-    assert f"picture: map, ≤ {bound} px" in shown(high)
+    assert f"image: map, ≤ {bound} px" in shown(high)
     assert "of a budget of 0.1 px" in shown(high)
     budget = high.form.accuracy.entries["error_budget_px"]
     budget.setFocus()
@@ -58,7 +58,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     planned = high.wait_planned()
     assert planned.mission.accuracy.error_budget_px == 0.02
     assert planned.plan.size_px == (640, 480)
-    assert "picture: camera, ≤" in shown(high)
+    assert "image: camera, ≤" in shown(high)
     assert "of a budget of 0.02 px" in shown(high)
     assert planned.plan.accuracy.bound_px <= 0.02
     # Why not a map frame stands in the tooltip.
@@ -67,7 +67,7 @@ def test_smaller_budget_turns_map_frames_into_camera_frames(high):
     assert "Condition number" in why
     budget.setValue(0.1)
     assert high.wait_planned().plan.size_px is None
-    assert "picture: map" in shown(high)
+    assert "image: map" in shown(high)
 
 
 def test_figures_hold_every_part_of_the_accuracy(high):

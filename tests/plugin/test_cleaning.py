@@ -657,7 +657,7 @@ def test_pictures_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
     written = sorted(target.iterdir())
     assert len(written) >= 4
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written)
-    assert any(f"{len(written)} pictures" in text for text in desk.messages())
+    assert any(f"{len(written)} images" in text for text in desk.messages())
 
 
 # --- never held up

@@ -121,7 +121,7 @@ def test_warnings_speak_of_entries_not_of_options():
     large = Mission(area=AREA, agl_m=120.0, img_size=(4000, 3000, 3), source=COARSE)
     summary, shown = readout_of(large, ONLINE)
     assert any("--img-size" in text for text in summary.warnings)
-    assert any("“Resize pictures”" in text for text in shown.warnings)
+    assert any("“Resize images”" in text for text in shown.warnings)
     assert not any("--" in text for text in shown.warnings)
 
 
@@ -135,7 +135,7 @@ def test_enlarged_pixels_are_offered_where_the_source_is_what_limits_a_picture()
 
 @pytest.mark.parametrize("option", sorted(options_in_messages()))
 def test_no_advice_of_the_core_names_an_option_in_the_dock(option):
-    said = translate(Message("larger pictures ({0}), or smaller ones", OptionName(option)))
+    said = translate(Message("larger images ({0}), or smaller ones", OptionName(option)))
     assert "--" not in said
     # Each is an entry of the dock, but the limit of images, which says where it is.
     assert "“" in said

@@ -207,7 +207,7 @@ def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
         # One that cannot be read says so where it would be, and the picture is shown all the same.
         path = desk.folder / "depth" / f"{seen.shot.name}.tif"
         whole = path.read_bytes()
-        for broken in (b"", b"no picture", whole[: len(whole) // 2]):
+        for broken in (b"", b"no image", whole[: len(whole) // 2]):
             path.write_bytes(broken)
             before = viewing.seen
             viewing._look_at(seen.shot)

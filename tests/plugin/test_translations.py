@@ -261,7 +261,7 @@ def test_every_message_of_the_core_is_translated_with_its_values(spanish, transl
 
 
 TILE = Message("tile {0}/{1}/{2}", 3, 4, 5)
-BROKEN = PartError("broken picture ({0})", "image file is truncated")
+BROKEN = PartError("broken image ({0})", "image file is truncated")
 
 
 @pytest.mark.parametrize(

@@ -147,7 +147,7 @@ def test_a_body_in_chunks_that_breaks_off_is_no_tile(server, transport_of, monke
     assert transport_of().get(server.url + "/").body == tile
     monkeypatch.setattr(Handler, "do_GET", lambda handler: chunks(handler, whole=False))
     # Where the end of the connection comes along with the data, Qt takes it for the end of the body.
-    with pytest.raises(PartError, match=r"broke off|broken picture"):
+    with pytest.raises(PartError, match=r"broke off|broken image"):
         XYZSource(template, client=Client(transport_of(), "tiles", tries=1)).fetch("satellite", window)
 
 

@@ -247,7 +247,7 @@ def test_broken_image_is_one_line(tmp_path):
     from terrainav.terrainav_plugin.dataset.picture import read_picture
 
     path = tmp_path / "broken.tif"
-    path.write_bytes(b"no picture")
+    path.write_bytes(b"no image")
     picture = read_picture(path, 1000)
     assert picture.image is None
     assert "cannot be read" in picture.problem

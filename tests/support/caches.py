@@ -27,6 +27,6 @@ def check_cache(folder, tile_px=256):
             y = (1 << zoom) - 1 - row
             with Image.open(io.BytesIO(data)) as image:
                 right = (np.asarray(image) == positions(map_type, zoom, x, y, tile_px)).all()
-            assert right, f"{path.name} holds a wrong picture of {zoom}/{x}/{y}"
+            assert right, f"{path.name} holds a wrong image of {zoom}/{x}/{y}"
             kept += 1
     return kept

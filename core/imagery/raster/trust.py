@@ -155,7 +155,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
             remedy="name the service itself: wms:URL, wmts:URL or a URL template",
         )
     elif depth and head and not head.startswith(_MAGIC):
-        raise InvalidInput("{0} is of no format of pictures that a VRT may read here", file.name)
+        raise InvalidInput("{0} is of no format of images that a VRT may read here", file.name)
     for ending in _COMPANIONS:
         beside = file.with_name(file.name + ending)
         if is_there(beside):

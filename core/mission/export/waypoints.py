@@ -116,7 +116,7 @@ def not_flown(plan: Plan) -> tuple[str, ...]:
         notes.append(
             Message(
                 "the tilt of {0:g} deg is flown with the aircraft turned around: same ground, "
-                "pictures upside down",
+                "images upside down",
                 tilt,
             )
         )

@@ -241,7 +241,7 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
         if not coarsest and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None:
             way_out = Message("{0}, or make them smaller ({1})", way_out, OptionName("max_px"))
         raise InvalidInput(
-            "pictures of {0:,} x {1:,} px: {2:,} px in all are allowed",
+            "images of {0:,} x {1:,} px: {2:,} px in all are allowed",
             width_px,
             height_px,
             MAX_PICTURE_PX,
@@ -249,9 +249,9 @@ def _check_size(width_px: int, height_px: int, mission: Mission, grid: PixelGrid
             remedy=way_out,
         )
     if mission.limit_px is not None and mission.limit_px * grid.scale == limit:
-        way_out = Message("{0}, or allow larger pictures ({1})", way_out, OptionName("max_px"))
+        way_out = Message("{0}, or allow larger images ({1})", way_out, OptionName("max_px"))
     raise InvalidInput(
-        "pictures of {0:,} px: the longest side allowed here is {1:,} px",
+        "images of {0:,} px: the longest side allowed here is {1:,} px",
         longest_px,
         limit,
         field="max_px",
@@ -396,7 +396,7 @@ class CameraFraming:
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
         mission = self.mission
-        text = Message("picture of {0:.3g} x {1:.3g} px: under one pixel", width_px, height_px)
+        text = Message("image of {0:.3g} x {1:.3g} px: under one pixel", width_px, height_px)
         if mission.pixels.zoom is not None:
             return InvalidInput(text, field="zoom", remedy="fly higher or choose a higher zoom")
         if mission.pixels.gsd_m_per_px is not None:
@@ -408,7 +408,7 @@ class CameraFraming:
                 text,
                 field="max_px",
                 remedy=Message(
-                    "choose a less extreme aspect ratio or larger pictures ({0})", OptionName("max_px")
+                    "choose a less extreme aspect ratio or larger images ({0})", OptionName("max_px")
                 ),
             )
         return InvalidInput(
@@ -503,7 +503,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
         beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
     if len(beyond):
         place = Message(
-            "picture at latitude {0!r} from {1:g} m",
+            "image at latitude {0!r} from {1:g} m",
             float(poses.lat_deg[beyond[0]]),
             float(poses.agl_m[beyond[0]]),
         )
@@ -526,7 +526,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     if small.any():
         at = int(np.flatnonzero(small)[0])
         raise InvalidInput(
-            "picture from {0:g} m at zoom {1}: under one pixel",
+            "image from {0:g} m at zoom {1}: under one pixel",
             float(poses.agl_m[at]),
             zoom,
             field="agl_m",

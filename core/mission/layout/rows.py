@@ -150,7 +150,7 @@ def refuse_beyond_mercator(box: Box) -> None:
     for lat in (box.north_deg, box.south_deg):
         if abs(lat) > MAX_LAT_DEG:
             raise InvalidInput(
-                "area reaches latitude {0}: pictures end at ±{1:.4f} (Web Mercator)",
+                "area reaches latitude {0}: images end at ±{1:.4f} (Web Mercator)",
                 lat,
                 MAX_LAT_DEG,
                 remedy=Message(

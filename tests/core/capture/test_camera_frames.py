@@ -150,7 +150,7 @@ def test_footprints_of_the_plan_are_polygons_cut_by_the_horizon(tmp_path):
 
 def test_pictures_by_their_centre_cannot_be_turned():
     grid = PixelGrid(max_zoom=21, native_zoom=21, centre_decimals=6, max_size_px=640)
-    with pytest.raises(InvalidInput, match="pictures by their centre"):
+    with pytest.raises(InvalidInput, match="images by their centre"):
         plan(Mission(SMALL, 120.0, tilt_deg=20.0), grid)
     high = Mission(Points(((40.0, -90.0, 16e3),)), 16e3)
     with pytest.raises(InvalidInput, match="times as much"):

@@ -61,7 +61,7 @@ def driver():
 def contents(folder: Path, *, noted_once: bool = True) -> dict[str, object]:
     files = {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     journal = files["journal.jsonl"].splitlines()
-    assert not noted_once or len(journal) == len(set(journal)), "a picture was noted twice"
+    assert not noted_once or len(journal) == len(set(journal)), "an image was noted twice"
     return {**files, "journal.jsonl": frozenset(journal)}
 
 

@@ -523,7 +523,7 @@ def test_the_same_mission_planned_at_another_zoom_is_left_alone(tmp_path):
             super().__init__()
             self.grid = PixelGrid(native_zoom=17)
 
-    with pytest.raises(OutputError, match="holds this mission with other pictures"):
+    with pytest.raises(OutputError, match="holds this mission with other images"):
         capture(planned(mission, Coarser()), Coarser(), tmp_path, resume=True)
     assert contents(tmp_path) == before
 

@@ -255,7 +255,7 @@ def test_infinite_and_missing_values_are_holes(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("osm", "is a source of pictures"),
+        ("osm", "is a source of images"),
         ("nowhere", "'nowhere' is unknown"),
         ("missing.tif", "there is no such file"),
         ("99999", "height 99999 m: must be from -12000 to 9500"),

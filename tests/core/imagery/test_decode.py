@@ -158,11 +158,11 @@ def test_a_bomb_is_not_unpacked_and_nobody_is_warned():
 @pytest.mark.parametrize(
     ("body", "kind", "message"),
     [
-        (b"", "image/png", "an empty answer instead of a picture"),
+        (b"", "image/png", "an empty answer instead of an image"),
         (
             b"<html><body><p>Sorry &amp; bye</p></body></html>",
             "text/html",
-            "text/html instead of a picture: Sorry & bye",
+            "text/html instead of an image: Sorry & bye",
         ),
         (
             b'{"errors": [{"message": "No such layer"}]}',
@@ -172,9 +172,9 @@ def test_a_bomb_is_not_unpacked_and_nobody_is_warned():
         (
             b"\x00\x01\x02\x03" * 100,
             "application/octet-stream",
-            "application/octet-stream instead of a picture$",
+            "application/octet-stream instead of an image$",
         ),
-        (b"II*\x00" + bytes(100), "", "something instead of a picture$"),
+        (b"II*\x00" + bytes(100), "", "something instead of an image$"),
     ],
 )
 def test_what_is_no_picture_is_quoted(body, kind, message):
@@ -335,7 +335,7 @@ def test_whatever_a_reader_of_pillow_raises_is_a_broken_picture(monkeypatch, err
         raise error
 
     monkeypatch.setattr(ImageFile.ImageFile, "load", load)
-    with pytest.raises(BrokenPictureError, match=r"^broken picture \((no png|\w+Error)\)$"):
+    with pytest.raises(BrokenPictureError, match=r"^broken image \((no png|\w+Error)\)$"):
         decode(to_bytes(PICTURE, "png"), 64, 48)
 
 

@@ -50,21 +50,21 @@ PASSING = [
 ]  # fmt: skip
 # Another copy may be right: these are asked for once more, however often an answer that does not come is tried for.
 SPOILT = dict.fromkeys(
-    ("truncated-jpeg", "corrupt-jpeg", "corrupt", "gif-bomb", "png-without-pixels"), "broken picture ("
+    ("truncated-jpeg", "corrupt-jpeg", "corrupt", "gif-bomb", "png-without-pixels"), "broken image ("
 )
 # Nothing brings these right: the part fails at once, and says why.
 BROKEN = {
     "204": "204 No Content",
     "404": "404 Not Found: no such tile",
     "410": "410 Gone",
-    "html": "text/html instead of a picture: Access blocked",
-    "wrong-size": "a picture of 100x120 px instead of 256x256",
-    "flat": "no imagery here: the provider's placeholder picture",
-    "transparent": "no imagery (a transparent picture)",
+    "html": "text/html instead of an image: Access blocked",
+    "wrong-size": "an image of 100x120 px instead of 256x256",
+    "flat": "no imagery here: the provider's placeholder image",
+    "transparent": "no imagery (a transparent image)",
     "redirects": "more than 5 redirects",
     "redirect-to-file": "redirect to something else than http or https",
     "200MB": "body beyond 33554432 bytes",
-    "bomb": "a picture of 40000x40000 px instead of 256x256",
+    "bomb": "an image of 40000x40000 px instead of 256x256",
     "packed-bomb": "body beyond 33554432 bytes",
     "brotli": "a body packed as br, which was not asked for",
     "redirect-to-nowhere": "redirect to something that is no URL",
@@ -166,7 +166,7 @@ def test_what_is_broken_fails_the_part_at_once(server, source_of, kind, reason):
 @pytest.mark.parametrize("kind", SPOILT)
 def test_a_picture_that_stays_broken_is_asked_for_twice(server, source_of, kind, tries):
     server.fail(kind)
-    with pytest.raises(PartError, match=rf"^{NAME}: broken picture \(.*\) \(tried 2 times\)$"):
+    with pytest.raises(PartError, match=rf"^{NAME}: broken image \(.*\) \(tried 2 times\)$"):
         source_of(server, tries=tries).fetch("satellite", TILE)
     assert sum(server.requests.values()) == 2
 

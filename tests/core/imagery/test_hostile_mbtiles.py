@@ -321,7 +321,7 @@ def test_tiles_beyond_measure_are_refused(tmp_path, width_px):
         TABLE,
         ("INSERT INTO tiles VALUES (?, ?, ?, ?)", (*ROW, header_only(width_px))),
     )
-    with pytest.raises(InvalidInput, match=r"must be square, of 4096 px at most|no pictures"):
+    with pytest.raises(InvalidInput, match=r"must be square, of 4096 px at most|no images"):
         open_mbtiles(path)
 
 

@@ -164,7 +164,7 @@ def test_what_is_not_there_or_broken_is_a_missing_part(tmp_path):
     source = open_mbtiles(write(tmp_path / "own.mbtiles", tiles))
     with pytest.raises(PartError, match=r"^tile 6/1/2: is not in own\.mbtiles$"):
         source.fetch("", window(1, 2))
-    with pytest.raises(PartError, match=r"^tile 6/21/30: broken picture"):
+    with pytest.raises(PartError, match=r"^tile 6/21/30: broken image"):
         source.fetch("", window(21, 30))
     with pytest.raises(PartError, match="tile 6/21/31"):
         source.fetch("", window(21, 31))
@@ -241,11 +241,11 @@ def zooms_that_are_none(path):
         (no_tables, r"is no MBTiles file, or is damaged \(no such table: metadata\)"),
         (a_schema_that_is_not_utf8, r"is no MBTiles file, or is damaged \('utf-8' codec"),
         (without_tiles, "holds no tiles"),
-        (vector_by_name, r"holds vector tiles \(pbf\); must hold pictures"),
-        (vector_by_content, r"holds vector tiles \(pbf\); must hold pictures"),
+        (vector_by_name, r"holds vector tiles \(pbf\); must hold images"),
+        (vector_by_content, r"holds vector tiles \(pbf\); must hold images"),
         (
             something_else,
-            r"its tiles are no pictures \(something instead of a picture: something else\); must be png",
+            r"its tiles are no images \(something instead of an image: something else\); must be png",
         ),
         (not_square, "its tiles are of 512x256 px; must be square"),
         (zooms_that_are_none, "its tiles are of zooms None to None; must be whole numbers"),

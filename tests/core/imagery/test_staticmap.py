@@ -59,7 +59,7 @@ def test_a_broken_picture_is_asked_for_once_more(server, source_of):
     assert sum(server.requests.values()) == 3
     server.heal()
     server.fail("corrupt")
-    with pytest.raises(PartError, match=r"broken picture \(.*\) \(tried 2 times\)$"):
+    with pytest.raises(PartError, match=r"broken image \(.*\) \(tried 2 times\)$"):
         source.fetch("satellite", part.window)
     assert sum(server.requests.values()) == 5
 
@@ -173,7 +173,7 @@ def test_a_picture_with_a_warning_is_no_picture(server, source_of, monkeypatch):
 
     monkeypatch.setitem(FAULTS, "404", warn)
     server.fail("404")
-    with pytest.raises(PartError, match=r"picture at 0\.000000,0\.000000 zoom 0: .*style is not valid"):
+    with pytest.raises(PartError, match=r"image at 0\.000000,0\.000000 zoom 0: .*style is not valid"):
         source_of(server).fetch("satellite", Window(0, 0.0, 0.0, 256, 256))
 
 

@@ -81,7 +81,7 @@ def test_what_was_chosen_and_left_out_in_words():
     chosen = plan(Mission(AGRICENTER, 120.0), PixelGrid()).accuracy
     said = dict(chosen.lines())
     assert said["method of footprint"] == "exact, ≤ 8.3e-09 px"
-    assert said["method of picture"] == "map, ≤ 0.0083 px"
+    assert said["method of image"] == "map, ≤ 0.0083 px"
     assert said["left out"].startswith("resampling (")
     assert "; wind (" in said["left out"]
     assert said["terrain"] == "not bounded, up to 3.4 px per metre of relief"
@@ -99,7 +99,7 @@ def test_more_than_the_budget_only_when_told_to():
     with refused(over, field="error_budget_px") as caught:
         plan(mission, PixelGrid())
     budget, closest, _, _ = caught.value.message.values
-    assert (budget, closest) == (0.1, "picture map")
+    assert (budget, closest) == (0.1, "image map")
     assert [option.name for option in caught.value.remedy.values] == ["error_budget", "accept_error"]
     accepted = plan(mission.with_(accept_error=True), PixelGrid())
     assert accepted.accuracy.bound_px > 0.1

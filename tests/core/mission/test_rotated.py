@@ -441,7 +441,7 @@ def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
         (
             SCENES["37"].with_(frame="map"),
             GRID,
-            "picture 'map' was asked for, but has no bound here: the rows are",
+            "image 'map' was asked for, but has no bound here: the rows are",
         ),
         (SCENES["37"], PixelGrid(centre_decimals=6, max_size_px=640), "choose a source of tiles"),
         (SCENES["37"].with_(overlap_along=0.9999999999), GRID, "overlap less"),

@@ -41,7 +41,7 @@ def test_a_picture_with_a_hole_is_none():
     source = PatternSource()
     parts = source.parts(window)
     pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
-    with pytest.raises(PartError, match=r"no imagery at \d+ of the picture's 90000 pixels"):
+    with pytest.raises(PartError, match=r"no imagery at \d+ of the image's 90000 pixels"):
         assemble(window, parts[:-1], pixels)
     shifted = [part._replace(dx_px=part.dx_px + 1) if part.dx_px < 0 else part for part in parts]
     assert assemble(window, shifted, pixels).shape == (
@@ -50,7 +50,7 @@ def test_a_picture_with_a_hole_is_none():
         3,
     )  # they overlap by a pixel and leave none open
     shifted = [part._replace(dx_px=part.dx_px - 1) if part.dx_px < 0 else part for part in parts]
-    with pytest.raises(PartError, match=r"no imagery at 300 of the picture's 90000 pixels"):
+    with pytest.raises(PartError, match=r"no imagery at 300 of the image's 90000 pixels"):
         assemble(window, shifted, pixels)
 
 
@@ -63,7 +63,7 @@ def test_transparent_pixels_are_no_imagery_where_the_picture_shows_them():
     assert picture.shape == (40, 50, 3)
     assert picture[0, 0].tolist() == [1, 2, 3]
     tile[25, 30, 3] = 0
-    with pytest.raises(PartError, match="no imagery at 1 of the picture's 2000 pixels"):
+    with pytest.raises(PartError, match="no imagery at 1 of the image's 2000 pixels"):
         assemble(Window(5, 10, 20, 50, 40), [part], {part.window: tile})
 
 

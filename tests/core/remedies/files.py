@@ -110,7 +110,7 @@ def described(attribution):
 
 @remedy(
     "capture/writers.py",
-    "description of a picture in {} bytes: a JPEG has room for {}; choose tif or png, or shorten the "
+    "description of an image in {} bytes: a JPEG has room for {}; choose tif or png, or shorten the "
     "source's attribution",
 )
 def _long_description(case: Case) -> None:
@@ -145,7 +145,7 @@ def _another_grid(case: Case) -> None:
 
 @remedy(
     "capture/runner.py",
-    "folder {}: holds this mission with other pictures, such as {}, because the source or the version "
+    "folder {}: holds this mission with other images, such as {}, because the source or the version "
     "was another; choose "
     "another folder",
 )

@@ -56,7 +56,7 @@ def _kept_waiting(case: Case) -> None:
 
 @remedy(
     "imagery/decode.py",
-    "a WebP picture, which libwebp {} would not read safely: install Pillow 10.0.1 or later",
+    "a WebP image, which libwebp {} would not read safely: install Pillow 10.0.1 or later",
 )
 def _old_libwebp(case: Case) -> None:
     picture = np.full((8, 8, 3), 90, np.uint8)

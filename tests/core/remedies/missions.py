@@ -212,7 +212,7 @@ def _beyond(case: Case) -> None:
 
 
 ENLARGED = (
-    "pixels of {} are asked for, and the source's own are {} here (zoom {}): enlarged {} times, pictures "
+    "pixels of {} are asked for, and the source's own are {} here (zoom {}): enlarged {} times, images "
     "show nothing more; "
     "ask for {}"
 )

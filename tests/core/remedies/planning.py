@@ -60,7 +60,7 @@ def planned(module, message, mission, ways, grid=GRID, room="mission"):
 
 planned(
     "layout/rows.py",
-    "area reaches latitude {}: pictures end at ±{} (Web Mercator); choose imagery in a polar CRS, such as the "
+    "area reaches latitude {}: images end at ±{} (Web Mercator); choose imagery in a polar CRS, such as the "
     "synthetic world with --crs {}",
     Mission(Box(-89.9, 0.0, -89.95, 40.0), 120.0),
     {
@@ -84,13 +84,13 @@ planned(
 )
 planned(
     "methods.py",
-    "picture as the camera sees it: {}; choose a source of tiles",
+    "image as the camera sees it: {}; choose a source of tiles",
     Mission(AREA, 120.0, tilt_deg=9.0),
     {"choose a source of tiles": GRID},
     PixelGrid(centre_decimals=6, max_size_px=640),
 )
 
-LARGER_PICTURES = "{}, or allow larger pictures (--max-px)"
+LARGER_PICTURES = "{}, or allow larger images (--max-px)"
 #: What is put together of parts: how many px are too many for a mission on a grid, and each thing advised for it.
 TOO_LARGE = {
     "fly lower": (Mission(AREA, 120.0, max_px=640), PixelGrid(min_zoom=19), {"agl_m": 60.0}),
@@ -107,7 +107,7 @@ def _larger_pictures(case: Case) -> None:
         case.refused(partial(plan, mission, grid))
     for mission, grid, _ in TOO_LARGE.values():
         assert len(plan(mission.with_(max_px=700), grid))
-    case.follow("allow larger pictures (--max-px)", partial(plan, mission.with_(max_px=700), grid))
+    case.follow("allow larger images (--max-px)", partial(plan, mission.with_(max_px=700), grid))
 
 
 for _advice, (_mission, _grid, _change) in TOO_LARGE.items():
@@ -162,7 +162,7 @@ planned(
 )
 planned(
     "layout/framing.py",
-    "picture from {} m at zoom {}: under one pixel; fly higher or choose a higher zoom",
+    "image from {} m at zoom {}: under one pixel; fly higher or choose a higher zoom",
     at(35.0, 1.0, zoom=5, **HIGH),
     {"fly higher": moved(35.0, 1e5), "choose a higher zoom": {"zoom": 22}},
 )
@@ -190,11 +190,11 @@ planned(
 )
 planned(
     "layout/framing.py",
-    "{}; choose a less extreme aspect ratio or larger pictures (--max-px)",
+    "{}; choose a less extreme aspect ratio or larger images (--max-px)",
     NARROW.with_(image_px=9_000, max_px=640),
     {
         "choose a less extreme aspect ratio": {"camera": Camera(20.0, 10.0)},
-        "larger pictures (--max-px)": {"max_px": 9_000},
+        "larger images (--max-px)": {"max_px": 9_000},
     },
 )
 planned(
@@ -260,7 +260,7 @@ planned(
 )
 planned(
     "frames.py",
-    "picture at latitude {}, longitude {}: lies beyond what the source's CRS {} can show; choose an area that the "
+    "image at latitude {}, longitude {}: lies beyond what the source's CRS {} can show; choose an area that the "
     "source shows",
     Mission(Points(((-90.0, 0.0, 120.0),)), 120.0),
     {"choose an area that the source shows": IN_FRANCE},
@@ -342,7 +342,7 @@ def level(lat, agl):
 
 @remedy(
     "geodesy/frames.py",
-    "height {} m with a field of view of {} deg: the picture reaches past the Earth's horizon; fly lower "
+    "height {} m with a field of view of {} deg: the image reaches past the Earth's horizon; fly lower "
     "or narrow the "
     "field of view",
 )
@@ -357,7 +357,7 @@ def _past_the_horizon(case: Case) -> None:
 
 @remedy(
     "geodesy/frames.py",
-    "picture at latitude {} from {} m: it holds a pole, which Web Mercator does not; fly lower or "
+    "image at latitude {} from {} m: it holds a pole, which Web Mercator does not; fly lower or "
     "farther from the pole",
 )
 def _holds_a_pole(case: Case) -> None:
@@ -380,14 +380,14 @@ def _sees_the_sky(case: Case) -> None:
 
 @remedy(
     "geodesy/lens.py",
-    "sensor {} by {} mm and a picture of {} to 1: pixels would not be square; give the part of the "
-    "sensor that the picture "
+    "sensor {} by {} mm and an image of {} to 1: pixels would not be square; give the part of the "
+    "sensor that the image "
     "shows",
 )
 def _not_square(case: Case) -> None:
     case.refused(lambda: Camera.from_sensor((13.2, 8.8), 8.8, 16 / 9))
     case.follow(
-        "give the part of the sensor that the picture shows",
+        "give the part of the sensor that the image shows",
         lambda: Camera.from_sensor((13.2, 13.2 * 9 / 16), 8.8, 16 / 9),
     )
 

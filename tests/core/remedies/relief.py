@@ -84,7 +84,7 @@ def _no_grid(case: Case) -> None:
 
 @remedy(
     "elevation/heights.py",
-    "heights {}: is a source of pictures; name a raster file of heights, terrarium or world, or write terrarium: or "
+    "heights {}: is a source of images; name a raster file of heights, terrarium or world, or write terrarium: or "
     "terrain-rgb: before the address of tiles whose colours are heights",
 )
 def _pictures(case: Case) -> None:

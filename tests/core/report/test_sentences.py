@@ -91,8 +91,8 @@ def test_conditions_and_terrain_are_put_into_words():
     ("area", "title"),
     [
         (Box(-16.5, 179.98, -16.502, -179.98), "around 16.5° S, 180° W"),
-        (Points(((35.14, -89.86, 120.0),)), "1 picture from 120 m, around 35.14° N, 89.86° W"),
-        (Points(((0.5, 10.0, 120.0), (0.6, 10.0, 120.0))), "2 pictures from 120 m, around 0.5° N, 10° E"),
+        (Points(((35.14, -89.86, 120.0),)), "1 image from 120 m, around 35.14° N, 89.86° W"),
+        (Points(((0.5, 10.0, 120.0), (0.6, 10.0, 120.0))), "2 images from 120 m, around 0.5° N, 10° E"),
     ],
 )
 def test_missions_are_put_into_words(area, title):

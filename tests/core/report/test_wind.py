@@ -226,7 +226,7 @@ def test_displacements_have_two_digits_and_no_powers_of_ten():
         "0 px",
         "3.2 px",
         "174 px",
-        "out of the picture",
+        "out of the image",
         "–",
     ]
     assert [displaced_text(value, unit) for value, unit in ((2.06, "m"), (0.0321, "m"), (11.3, "deg"))] == [

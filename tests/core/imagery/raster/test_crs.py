@@ -102,7 +102,7 @@ def test_a_folder_whose_mission_does_not_say_it_is_resumed_if_its_images_are_the
     captured(file, folder, resume=True)
     assert stated.read_text() == earlier
     captured(file, folder, OWN, resume=True)
-    with pytest.raises(OutputError, match="holds this mission with other pictures"):
+    with pytest.raises(OutputError, match="holds this mission with other images"):
         captured(file, folder, "EPSG:3857", resume=True)
     # Where it says it, the system is part of the mission.
     captured(file, tmp_path / "said")

@@ -467,9 +467,7 @@ def test_an_exception_with_status_200_is_no_picture(server):
     wms(server, "1.3.0", LAYERS_130)
     source = open_source(f"wms:{server.url}/ows#layers=ortho")
     server.answer = lambda *_: xml(report)
-    with pytest.raises(
-        PartError, match=r"text/xml instead of a picture: msDrawMap\(\): failed to draw layer"
-    ):
+    with pytest.raises(PartError, match=r"text/xml instead of an image: msDrawMap\(\): failed to draw layer"):
         source.fetch("", Window(1, 0, 0, 256, 256))
     # The server has said what is wrong: asking again is of no use.
     assert server.asked[-1].count("GetMap") == 1
@@ -505,7 +503,7 @@ def test_a_broken_picture_is_asked_for_once_more(server, kind):
     assert (tile == patterns.positions("satellite", 9, 1, 1, 256)).all()
     assert len(server.asked) - before == 2
     broken.extend([True] * 9)
-    with pytest.raises(PartError, match=r"broken picture \(.*\) \(tried 2 times\)"):
+    with pytest.raises(PartError, match=r"broken image \(.*\) \(tried 2 times\)"):
         source.fetch("", Window(9, 512, 256, 256, 256))
     assert len(server.asked) - before == 4
     source.close()

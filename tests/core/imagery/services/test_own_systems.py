@@ -41,7 +41,7 @@ from tests.support.services import (
     wmts_layer,
 )
 
-gdal = pytest.importorskip("osgeo.gdal", reason="pictures and services are read by GDAL's Python module")
+gdal = pytest.importorskip("osgeo.gdal", reason="images and services are read by GDAL's Python module")
 pytest.importorskip("owslib")
 with warnings.catch_warnings():
     # It imports a module that Python is going to drop; that is for it to change.
