@@ -641,7 +641,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>&amp;Corridor along a line…</source>
-        <translation>&amp;Corredor a lo largo de una línea…</translation>
+        <translation>C&amp;orredor a lo largo de una línea…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -663,11 +663,6 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>&amp;Single capture here…</source>
         <translation>Captura ú&amp;nica aquí…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>&amp;Structure around a polygon…</source>
-        <translation>E&amp;structura alrededor de un polígono…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -766,8 +761,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Rando&amp;m poses in the area…</source>
-        <translation>Poses aleatorias en el área…</translation>
+        <source>Ra&amp;ndom poses in the area…</source>
+        <translation>Poses aleator&amp;ias en el área…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -778,6 +773,11 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Selected pol&amp;ygon…</source>
         <translation>Polí&amp;gono seleccionado…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Str&amp;ucture around a polygon…</source>
+        <translation>E&amp;structura alrededor de un polígono…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>

@@ -126,13 +126,13 @@ class AreaMenu(QPushButton):
                 (
                     Way.STRUCTURE,
                     "/mActionFillRing.svg",
-                    tr("&Structure around a polygon…"),
+                    tr("Str&ucture around a polygon…"),
                     tr("Flights around a building, one above the other; the camera looks at its walls"),
                 ),
                 (
                     Way.RANDOM,
                     "/algorithms/mAlgorithmRandomPointsWithinPolygon.svg",
-                    tr("Rando&m poses in the area…"),
+                    tr("Ra&ndom poses in the area…"),
                     tr("Images at random places of the area, with random heights, directions and tilts"),
                 ),
             ),
