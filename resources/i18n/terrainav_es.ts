@@ -777,7 +777,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Str&amp;ucture around a polygon…</source>
-        <translation>E&amp;structura alrededor de un polígono…</translation>
+        <translation>Estructura: &amp;vuelo alrededor de un polígono…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
