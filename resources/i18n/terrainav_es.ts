@@ -2876,6 +2876,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Map type</source>
         <translation>Tipo de mapa</translation>
     </message>
@@ -4198,6 +4199,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a description of its files. A benchmark becomes the layout of a published one.</source>
+        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face o una descripción de sus archivos. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Clean a dataset</source>
         <translation>Limpiar un conjunto de datos</translation>
     </message>
@@ -4213,8 +4219,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Export a dataset or benchmark</source>
+        <translation>Exportar un conjunto de datos o de evaluación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Folder of the diagrams</source>
         <translation>Carpeta de los diagramas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Folder of the export</source>
+        <translation>Carpeta de la exportación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Format</source>
+        <translation>Formato</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4268,6 +4289,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Images, files or queries written</source>
+        <translation>Imágenes, archivos o consultas escritos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Least entropy (bits)</source>
         <translation>Entropía mínima (bits)</translation>
     </message>
@@ -4275,6 +4301,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Mark rejected images in the table, move them as well, or put all back.</source>
         <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out.</source>
+        <translation>Que aún no exista o esté vacía; si se omite, parquet y croissant van a la del propio conjunto de datos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4288,8 +4319,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of a capture, or of a benchmark.</source>
+        <translation>De una captura o de un conjunto de evaluación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them.</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.</source>
+        <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De un conjunto de evaluación: {benchmarks}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of several, the one that is exported. If empty: satellite, or all for formats of datasets.</source>
+        <translation>De varios, el que se exporta. Si está vacío: satellite, o todos en los formatos de conjuntos de datos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4398,6 +4444,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Writes a dataset or a benchmark in a format of other programs.</source>
+        <translation>Escribe un conjunto de datos o de evaluación en un formato de otros programas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Writes the part of each image to the column “split” of the tables: train, validation or test. Images of one place are in the same part in all map types; failed and rejected ones are in none.</source>
         <translation>Escribe la parte de cada imagen en la columna «split» de las tablas: train, validation o test. Las imágenes de un mismo lugar están en la misma parte en todos los tipos de mapa; las fallidas y las rechazadas no están en ninguna.</translation>
     </message>
@@ -4405,6 +4456,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>dataset,clean,entropy,filter,reject,training,machine learning</source>
         <translation>conjunto de datos,dataset,limpiar,entropía,filtro,rechazar,entrenamiento,aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,benchmark</source>
+        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,evaluación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -6422,6 +6478,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/formats.py"/>
+        <location filename="../../core/exports/kinds.py"/>
         <location filename="../../core/exports/localisers.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
@@ -6430,6 +6487,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/huggingface.py"/>
         <source>map type {0!r}: has no image to export</source>
         <translation>tipo de mapa {0!r}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>format {0}: needs the folder to write to</source>
+        <translation>formato {0}: necesita la carpeta en la que escribir</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>map type {0!r}: benchmarks have none to choose from</source>
+        <translation>tipo de mapa {0!r}: los conjuntos de evaluación no tienen ninguno que elegir</translation>
     </message>
     <message>
         <location filename="../../core/exports/localisers.py"/>
