@@ -14,6 +14,7 @@ In reading order:
 - `options`: what the command takes for it
 - `settings`: a mission from command line, environment and file
 - `layout`: where captures stand and what their pictures show of the area
+- `no_fly`: captures over no-fly areas, which are left out
 - `gusts`: gusts and the aircraft in them, discretised exactly
 - `flight`: legs and clock, and poses in wind
 - `relief`: how high captures over relief are, and what they surely see

@@ -67,6 +67,8 @@ class Summary:
     below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
     ground which images hold, but relief in front of it hides from all of them.
 
+    ``images_over_no_fly`` are those that were left out because their camera would stand inside a no-fly area.
+
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
 
@@ -108,6 +110,7 @@ class Summary:
     hidden_share: float | None = None
     filled_heights: int | None = None
     heights: int | None = None
+    images_over_no_fly: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -130,6 +133,7 @@ class Summary:
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
+            *self._over_no_fly(),
             (Message("rows, columns"), f"{self.rows}, {self.columns}"),
             (Message("image"), shape),
             (
@@ -173,6 +177,11 @@ class Summary:
             *((Message("warning"), text) for text in self.warnings),
         ]
         return lines
+
+    def _over_no_fly(self) -> list[tuple[str, str]]:
+        if not self.images_over_no_fly:
+            return []
+        return [(Message("left out over no-fly areas"), Message("{0:,} images", self.images_over_no_fly))]
 
     def _relief(self) -> list[tuple[str, str]]:
         if self.lowest_ground_m is None or self.finest_gsd_m_per_px is None:
@@ -261,6 +270,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
+        images_over_no_fly=plan.left_out,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
         **relief,
     )
