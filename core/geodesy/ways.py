@@ -61,7 +61,7 @@ def way_around(
     sides = np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in rings])
     inside = _inside(straight, polygons)
     if inside.any():
-        which = Message("start of a leg") if inside[0] else Message("end of a leg")
+        which = Message("the start of a leg") if inside[0] else Message("the end of a leg")
         raise InvalidInput("{0}: lies inside a no-fly area", which, remedy="move it outside")
     clearance = max(clearance_m, _LEAST_M)
     kept = np.minimum(_distances(straight, straight, sides).min(axis=1), clearance)

@@ -6606,11 +6606,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
-        <source>end of a leg</source>
-        <translation>final de un tramo</translation>
-    </message>
-    <message>
-        <location filename="../../core/geodesy/ways.py"/>
         <source>leave room between them, or keep less distance</source>
         <translation>dejar espacio entre ellas, o guardar menos distancia</translation>
     </message>
@@ -6626,8 +6621,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
-        <source>start of a leg</source>
-        <translation>inicio de un tramo</translation>
+        <source>the end of a leg</source>
+        <translation>el final de un tramo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>the start of a leg</source>
+        <translation>el inicio de un tramo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
