@@ -88,7 +88,7 @@ def _add_random(actions: Any) -> None:
         "--area",
         required=True,
         metavar="AREA",
-        help='GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+        help='GeoJSON, KML or KMZ file of polygons, or a box "latTL_lonTL_latBR_lonBR"',
     )
     drawing.add_argument("--count", type=int, required=True, metavar="N", help="number of poses")
     _add_output(drawing)
@@ -179,7 +179,7 @@ def _add_scans(actions: Any) -> None:
     structure = actions.add_parser(
         "structure", help="make a table of flights around structures, which it looks at"
     )
-    structure.add_argument("file", metavar="AREA", help="GeoJSON file of a polygon: the structure's outline")
+    structure.add_argument("file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: the structures' outlines")
     for command in (facade, structure):
         _add_output(command)
         for field in declared_fields(Scan):

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import is_there, read_limited, write_whole
 from ..limits import MAX_MISSION_BYTES
 from ..text import printable
@@ -16,7 +16,7 @@ from .pose_options import LOCAL
 
 if TYPE_CHECKING:
     from ..geodesy.camera import Camera
-    from ..mission.area import Box, Points, Polygon
+    from ..mission.area import Box, Points, Polygon, Polygons
     from ..poses.settings import Scan
     from ..poses.track import Track
 
@@ -185,11 +185,12 @@ def _facade(arguments: argparse.Namespace) -> int:
 
 
 def _structure(arguments: argparse.Namespace) -> int:
-    from ..mission.coords import load_polygon
+    from ..mission.area_files import load_polygons
     from ..poses.patterns import structure
 
     wanted = _scan(arguments)
-    _write(structure([load_polygon(arguments.file)], *_camera(arguments), wanted), arguments.output)
+    outlines = load_polygons(arguments.file, Message("area file {0}", arguments.file))
+    _write(structure(outlines, *_camera(arguments), wanted), arguments.output)
     return DONE
 
 
@@ -214,19 +215,19 @@ def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]
     return camera_from(values)[0], (along, across[0] if across else along)
 
 
-def _area(text: str) -> Box | Polygon:
+def _area(text: str) -> Box | Polygon | Polygons:
     from ..mission.area import Box
-    from ..mission.coords import load_polygon
+    from ..mission.area_files import load_area
 
     if is_there(text):
-        return load_polygon(text)
+        return load_area(text)
     try:
         north, west, south, east = (float(field) for field in re.split(r"[_,;\s]+", text.strip()))
     except ValueError as wrong:
         raise InvalidInput(
             "area {0!r}: no such file, and no box",
             text,
-            remedy='give a GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+            remedy='give a GeoJSON, KML or KMZ file of polygons, or a box "latTL_lonTL_latBR_lonBR"',
         ) from wrong
     return Box(north, west, south, east)
 

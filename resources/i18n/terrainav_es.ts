@@ -3626,8 +3626,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
-        <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
-        <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
+        <source>The area has {count} polygons: each has rows of its own.</source>
+        <translation>El área tiene {count} polígonos: cada uno tiene sus propias pasadas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -3658,6 +3658,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>fields of tilts and of gimbal pitches given: needs one of the two</source>
         <translation>campos de inclinaciones y de cabeceos del gimbal a la vez: se necesita uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>no-fly areas {name}</source>
+        <translation>zonas de exclusión aérea {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>no-fly areas {name}: no such layer</source>
+        <translation>zonas de exclusión aérea {name}: no existe esa capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>{layer}: has no polygons</source>
+        <translation>{layer}: no tiene polígonos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4654,8 +4669,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>One polygon (with holes) to be covered, or points, each of which is one capture; in any CRS.</source>
-        <translation>Un polígono (con huecos) que se ha de cubrir, o puntos, cada uno de los cuales es una captura; en cualquier SRC.</translation>
+        <source>No-fly areas</source>
+        <translation>Zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4666,6 +4681,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Pitch of each point instead of a tilt, degrees: -90 looks straight down.</source>
         <translation>Cabeceo de cada punto en lugar de una inclinación, en grados: -90 mira en vertical hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Polygons (with holes) to be covered, each with rows of its own; those that touch are one. Or points, each of which is one capture. In any CRS.</source>
+        <translation>Polígonos (con huecos) que se cubren, cada uno con sus propias pasadas; los que se tocan son uno solo. O puntos, cada uno de los cuales es una captura. En cualquier SRC.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Polygons where no camera may stand: images planned inside are left out.</source>
+        <translation>Polígonos donde no puede haber ninguna cámara: las imágenes planificadas dentro se omiten.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4789,8 +4814,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Give the area as an extent, as a layer of one polygon or of points, or as coordinates.</source>
-        <translation>Dar el área como extensión, como capa de un polígono o de puntos, o como coordenadas.</translation>
+        <source>Give the area as an extent, as a layer of polygons or of points, or as coordinates.</source>
+        <translation>Dar el área como extensión, como capa de polígonos o de puntos, o como coordenadas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5839,6 +5864,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/tables.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read ({1})</source>
         <translation>{0}: no se puede leer ({1})</translation>
     </message>
@@ -6804,6 +6830,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/mercator.py"/>
         <source>zooms {0} to {1}, native {2}: need 0 &lt;= minimum &lt;= native &lt;= maximum &lt;= {3}</source>
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>leave room between them, or keep less distance</source>
+        <translation>dejar espacio entre ellas, o guardar menos distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>move it outside</source>
+        <translation>moverlo fuera</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>no way leads around the no-fly areas</source>
+        <translation>ningún camino rodea las zonas de exclusión aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>the end of a leg</source>
+        <translation>el final de un tramo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>the start of a leg</source>
+        <translation>el inicio de un tramo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>{0}: lies inside a no-fly area</source>
+        <translation>{0}: está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -7895,51 +7951,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>a document type or entities of its own, which are not read</source>
-        <translation>tipo de documento o entidades propias, que no se leen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>encoding {0}: must be {1}</source>
-        <translation>codificación {0}: debe ser {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>is not {0}; must be {1}, and say which</source>
-        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>layers that pass on more than {0:,} properties to those within them</source>
-        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} attributes of one element</source>
-        <translation>más de {0:,} atributos de un elemento</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} different names</source>
-        <translation>más de {0:,} nombres distintos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} layers and styles</source>
-        <translation>más de {0:,} capas y estilos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} MB or {1:,} elements</source>
-        <translation>más de {0} MB o {1:,} elementos</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/source.py"/>
         <source>tile {0}/{1}/{2}</source>
         <translation>tesela {0}/{1}/{2}</translation>
@@ -8126,6 +8137,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>area of no polygons: needs at least one</source>
+        <translation>área sin polígonos: necesita al menos uno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: south lies above north</source>
         <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
     </message>
@@ -8198,6 +8214,81 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>{0} {1} of {2} points: give one for each, or none</source>
         <translation>{0} {1} de {2} puntos: dé una para cada uno, o ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>area file {0}</source>
+        <translation>archivo de área {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
+        <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>give a GeoJSON, KML or KMZ file with one or more</source>
+        <translation>dar un archivo GeoJSON, KML o KMZ con uno o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>no-fly file {0}</source>
+        <translation>archivo de zonas de exclusión {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: a corner is not longitude, latitude ({1})</source>
+        <translation>{0}: un vértice no es longitud, latitud ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
+        <translation>{0}: no se puede leer como GeoJSON, KML o KMZ ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as KML ({1})</source>
+        <translation>{0}: no se puede leer como KML ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as KMZ ({1})</source>
+        <translation>{0}: no se puede leer como KMZ ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: corner {1!r} is not longitude,latitude</source>
+        <translation>{0}: el vértice {1!r} no es longitud,latitud</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds more than {1:,} files</source>
+        <translation>{0}: contiene más de {1:,} archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds no polygon</source>
+        <translation>{0}: no contiene ningún polígono</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: is a zip without a KML file</source>
+        <translation>{0}: es un zip sin archivo KML</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: its KML is larger than {1} MB</source>
+        <translation>{0}: su KML ocupa más de {1} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: polygon {1:,}: {2}</source>
+        <translation>{0}: polígono {1:,}: {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: {1}, which reads KML, is not installed</source>
+        <translation>{0}: {1}, que lee KML, no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -8296,21 +8387,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: a corner is not longitude, latitude ({1})</source>
-        <translation>archivo de área {0}: un vértice no es longitud, latitud ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: cannot be read as GeoJSON ({1})</source>
-        <translation>archivo de área {0}: no se puede leer como GeoJSON ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: holds no Polygon</source>
-        <translation>archivo de área {0}: no contiene ningún Polygon</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
         <location filename="../../core/mission/pose_table.py"/>
         <source>coordinates</source>
         <translation>coordenadas</translation>
@@ -8359,11 +8435,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/coords.py"/>
         <source>file {0}: is a trajectory or a flight log</source>
         <translation>archivo {0}: es una trayectoria o un registro de vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>give a GeoJSON with one</source>
-        <translation>dar un GeoJSON con uno</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -8436,6 +8507,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>about {0}</source>
         <translation>unos {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>area</source>
+        <translation>área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8536,6 +8612,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>over no-fly areas</source>
+        <translation>sobre zonas de exclusión aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>over the relief</source>
         <translation>sobre el relieve</translation>
     </message>
@@ -8598,8 +8679,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} images left out</source>
+        <translation>{0:,} imágenes omitidas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} of {1:,} heights about the area ({2}), from the next source</source>
         <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} polygons, {1}</source>
+        <translation>{0:,} polígonos, {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8939,6 +9030,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: sobrepasa el mapa, que termina en ±{1:.4f}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <source>layout {0}: lays one grid over one polygon, and there are {1:,}</source>
+        <translation>disposición {0}: traza una sola cuadrícula sobre un polígono, y hay {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
         <translation>área: el SRC {0} de la fuente no alcanza la latitud {1!r}, longitud {2!r}</translation>
@@ -8991,8 +9094,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>points have no rows that could be turned</source>
-        <translation>los puntos no tienen pasadas que se puedan girar</translation>
+        <source>points have no rows that could be turned, and several polygons each their own</source>
+        <translation>los puntos no tienen pasadas que se puedan girar, y varios polígonos tienen cada uno las suyas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9009,12 +9112,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>tilt it less, fly lower or fly north-up rows</source>
         <translation>inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9085,6 +9182,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>several polygons have rows each by themselves</source>
+        <translation>varios polígonos tienen cada uno sus propias pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9268,8 +9370,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>area type {0!r}: must be box, polygon or points</source>
-        <translation>tipo de área {0!r}: debe ser box, polygon o points</translation>
+        <source>area type {0!r}: must be box, polygon, polygons or points</source>
+        <translation>tipo de área {0!r}: debe ser box, polygon, polygons o points</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
+        <translation>el campo {0!r} de la misión es {1!r}: debe ser una lista de polígonos</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -9315,6 +9422,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission without {0}: the field is needed</source>
         <translation>misión sin {0}: el campo es necesario</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/no_fly.py"/>
+        <source>all {0:,} images lie over no-fly areas</source>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/no_fly.py"/>
+        <source>choose another area, or smaller no-fly areas</source>
+        <translation>elegir otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -10878,6 +10995,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/safe_json.py"/>
         <source>{0}: JSON has finite numbers only</source>
         <translation>{0}: JSON solo tiene números finitos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>a document type or entities of its own, which are not read</source>
+        <translation>tipo de documento o entidades propias, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>encoding {0}: must be {1}</source>
+        <translation>codificación {0}: debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>is not {0}; must be {1}, and say which</source>
+        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>layers that pass on more than {0:,} properties to those within them</source>
+        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} attributes of one element</source>
+        <translation>más de {0:,} atributos de un elemento</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} different names</source>
+        <translation>más de {0:,} nombres distintos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} layers and styles</source>
+        <translation>más de {0:,} capas y estilos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0} MB or {1:,} elements</source>
+        <translation>más de {0} MB o {1:,} elementos</translation>
     </message>
     <message>
         <location filename="../../core/text.py"/>
