@@ -25,7 +25,7 @@ from ..mission import Mission
 from ..parts import GROUND
 from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, lay_out, point_angles_deg
+from .rows import Layout, from_entry, lay_out, point_angles_deg
 
 Floats = NDArray[np.float64]
 #: Places and nominal poses to the poses that are flown.
@@ -143,6 +143,7 @@ def framed(
         if lower != zoom:
             zoom = min(zoom, lower)
             layout = laid_out(1.0 / grid.world_px(zoom))
+    layout = from_entry(mission, layout, tuple(part.first for part in passes))
     flown = None
     if relief is not None:
         flown = relief.flown(layout)
