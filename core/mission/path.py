@@ -39,6 +39,9 @@ MOST_SORTIES = 999
 _FULL = 0.5
 #: What ways keep from no-fly areas, metres: about as much as the position of an aircraft is off by.
 _NO_FLY_M = 5.0
+#: Sides of no-fly areas are straight in longitude and latitude: pieces of this length leave their chords by 2 cm where
+#: parallels bend most; and no side is cut into more.
+_SIDE_M, _MOST_PIECES = 1000.0, 256
 #: Heights that are the same, metres.
 _LOW_M = 0.01
 #: Legs are looked at every half cell of the relief, but not finer than this, metres, and not at more places in all, of
@@ -133,7 +136,8 @@ class FlightPath:
         """Seconds of each sortie from its first point to its last."""
         first = np.searchsorted(self.sortie, np.arange(self.sorties))
         last = np.searchsorted(self.sortie, np.arange(self.sorties), side="right") - 1
-        return self.time_s[last] - self.time_s[first]
+        seconds: Floats = self.time_s[last] - self.time_s[first]
+        return seconds
 
     @property
     def distance_m(self) -> float:
@@ -229,7 +233,7 @@ class _Maker:
         asked = meant.agl_m if is_points else np.minimum(meant.agl_m, self._mission.flight.agl_m)
         self._asked_agl = np.asarray(asked)
         self._exposures_s = plan.exposures_s
-        self._own_times = is_points and bool(self._mission.area.times_s)
+        self._own_times = isinstance(self._mission.area, Points) and bool(self._mission.area.times_s)
         lat, lon = self._captures.lat, self._captures.lon
         middle = float(lat.min() + lat.max()) / 2.0, float(lon.min() + lon.max()) / 2.0
         self._plane = LocalPlane(*middle)
@@ -592,7 +596,17 @@ def _near(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:
     """Rings of a polygon, in the turn of the world that is next to a longitude."""
     rings = polygon.arrays()
     turn = 360.0 * round((lon_deg - float(rings[0][0].mean())) / 360.0)
-    return [(lon + turn, lat) for lon, lat in rings]
+    return [_cut(lon + turn, lat) for lon, lat in rings]
+
+
+def _cut(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
+    """Ring whose sides are cut so that straight lines between their pieces' ends in a plane are them."""
+    along = legs(np.append(lat_deg, lat_deg[0]), np.append(lon_deg, lon_deg[0])).distance_m
+    pieces = np.clip(np.ceil(along / _SIDE_M), 1, _MOST_PIECES).astype(np.int64)
+    side = np.repeat(np.arange(len(pieces)), pieces)
+    share = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[side]
+    lon, lat = (part[side] + share * (np.roll(part, -1) - part)[side] for part in (lon_deg, lat_deg))
+    return lon, lat
 
 
 def _with(points: _Points, added: list[tuple[int, _Points]]) -> _Points:

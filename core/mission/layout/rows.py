@@ -656,8 +656,8 @@ def _ways(layout: Layout, part: slice, order: str) -> list[Numbers]:
     found = []
     for rows in (row, row.max() - row):
         back = np.zeros_like(rows) if order == ONE_WAY else rows % 2
-        for column in (layout.column[part], -layout.column[part]):
-            found.append(np.lexsort((np.where(back, -column, column), rows)))
+        both = (layout.column[part], -layout.column[part])
+        found += [np.lexsort((np.where(back, -column, column), rows)) for column in both]
     return found
 
 
