@@ -170,7 +170,9 @@ def flight_path(plan: Planned) -> FlightPath:
         A place of take-off inside a no-fly area, or without ground; a capture that no battery reaches.
     """
     route = plan.mission.route
-    further = route.takeoff is not None or route.turnaround_m or route.lead_in_m or route.trigger == HOVER
+    further = (
+        route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
+    )
     return _Maker(plan).path() if further or plan.mission.no_fly else _captures_alone(plan)
 
 
@@ -559,7 +561,7 @@ class _Maker:
 
     @property
     def _hover_s(self) -> float:
-        return HOVER_S if self._route.trigger == HOVER else 0.0
+        return HOVER_S if self._mission.trigger == HOVER else 0.0
 
     def _legs_s(self, points: _Points) -> Floats:
         """Seconds of each leg, (m - 1,), with the hovering at the capture that it begins at."""

@@ -132,6 +132,12 @@ def _captures_ahead(capture: NDArray[np.int64]) -> NDArray[np.int64]:
     return ahead
 
 
+def takeoff_of(plan: Plan) -> tuple[float, float] | None:
+    """Latitude and longitude, in [-180, 180), of the place of take-off; None where there is none."""
+    place = plan.mission.route.takeoff
+    return None if place is None else (place[0], float(wrap_lon_deg(np.array(place[1]))))
+
+
 def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Floats, Floats]]:
     """Way from waypoint to waypoint as longitudes, latitudes and heights above ground, cut at the antimeridian.
 
