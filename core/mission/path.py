@@ -148,7 +148,7 @@ class FlightPath:
     @property
     def is_captures(self) -> bool:
         """Whether it has nothing but the captures, in one sortie."""
-        return bool((self.kind == CAPTURE).all()) and self.sorties == 1
+        return self.sorties == 1 and bool((self.kind == CAPTURE).all())
 
     def of(self, sortie: int) -> FlightPath:
         """One sortie alone; its number and its times stay."""

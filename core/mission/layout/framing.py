@@ -151,7 +151,9 @@ def framed(
     poses = disturbed(layout, nominal_poses(mission, layout))
     pixel = 1.0 / grid.world_px(zoom)
     if passes and mission.wind is None and grid.own is None and flown is None:
-        edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
+        # Of the first image of the first row, wherever the flight begins: the frames are the same then.
+        reference = int(np.lexsort((layout.column, layout.row))[0])
+        edges, run = _rounded_edges(framing, poses, pixel, reference), np.arange(len(poses.lat_deg))
     else:
         first, run = runs_on(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
@@ -176,8 +178,10 @@ def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
     return mission.with_(agl_m=float(least.min()))
 
 
-def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
+def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int) -> FrameEdges:
     """Edges of frames of turned rows, (n,): poses whose latitude and yaw are nearly the same share theirs.
+
+    How nearly is told from the frame of one of them.
 
     A frame no point of which is farther than r from the camera lies in the image of one that is turned by an angle, or
     stretched by a share, where it is smaller by r times that angle or share on every side.
@@ -189,7 +193,8 @@ def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
         down = np.maximum(np.abs(edges.top_v - v), np.abs(edges.bottom_v - v))
         return np.hypot(across, down), np.minimum(*edges.size) / 2.0
 
-    (far,), (near,) = far_and_near(framing.edges(poses.take(slice(0, 1)), pixel), poses.lat_deg[:1])
+    one = slice(reference, reference + 1)
+    (far,), (near,) = far_and_near(framing.edges(poses.take(one), pixel), poses.lat_deg[one])
     turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), _SMALLEST) / max(float(far), _SMALLEST))
     step_deg = turn_deg / (1.0 + math.tan(math.radians(float(np.abs(poses.lat_deg).max()))))
     lat, yaw = np.rint(poses.lat_deg / step_deg), np.rint(poses.yaw_deg / turn_deg)
