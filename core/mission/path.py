@@ -15,7 +15,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import LocalPlane, along_geodesics, geodesics
 from ..geodesy.ways import way_around
-from .area import Points, Polygon, crossed_and_held
+from .area import Points, Polygon, inside
 from .flight import legs
 from .mission import Mission
 from .parts import GROUND, HOVER, ONE_WAY
@@ -577,21 +577,10 @@ class _Maker:
 
     def _forbidden(self, lat: Floats, lon: Floats) -> NDArray[np.bool_]:
         """Which places lie inside a no-fly area."""
-        inside = np.zeros(len(lat), bool)
-        for polygon in self._no_fly:
-            _, held = crossed_and_held(_Rings(polygon), lon, lat, lon, lat)
-            inside |= held
-        return inside
-
-
-class _Rings(NamedTuple):
-    """A polygon's rings, with longitudes next to a path's."""
-
-    rings: list[tuple[Floats, Floats]]
-
-    def arrays(self) -> list[tuple[Floats, Floats]]:
-        """Longitudes and latitudes of each ring."""
-        return self.rings
+        found = np.zeros(len(lat), bool)
+        for polygon in self._mission.no_fly:
+            found |= inside(polygon, lat, lon)
+        return found
 
 
 def _near(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:

@@ -15,7 +15,7 @@ from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ...geodesy.projections import utm_zone
-from ..area import Box, Points, Polygon, row_spans, touching
+from ..area import Box, Points, Polygon, Polygons, row_spans, touching
 from ..mission import Mission
 from ..parts import COMPASS_CORNERS, FIRST, NEAREST, ONE_WAY
 
@@ -116,6 +116,8 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
     area = mission.area
     if isinstance(area, Points):
         return _points(mission, area)
+    if isinstance(area, Polygons):
+        raise InvalidInput("several polygons have rows each by themselves")
     refuse_beyond_mercator(area.bounds)
 
     aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
@@ -242,7 +244,7 @@ def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: floa
     west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
     south, north = v_to_lat(edges.bottom_v + rounding), v_to_lat(edges.top_v - rounding)
     keep = touching(area, west, south, east, north)
-    return _picked(layout, keep)
+    return picked(layout, keep)
 
 
 def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
@@ -596,7 +598,8 @@ class _Along(NamedTuple):
         return _Placed.joined(found)
 
 
-def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
+def picked(layout: Layout, which: NDArray[Any]) -> Layout:
+    """Some of the captures, by their indices or by whether they are taken."""
     column, row, *poses = layout
     column = column[which]
     # What is the same for all takes no memory.
@@ -610,7 +613,7 @@ def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
 def in_order(layout: Layout, order: str) -> Layout:
     """Rows one after the other: to and fro, or each from its first column."""
     column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
-    return _picked(layout, np.lexsort((column, layout.row)))
+    return picked(layout, np.lexsort((column, layout.row)))
 
 
 def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Layout:
@@ -623,12 +626,13 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
     Parameters
     ----------
     firsts : tuple of int
-        Index of the first capture of each pass; none for a single one.
+        Index of the first capture of each pass, and of each of several polygons, which keep their order; none for a
+        single one.
     """
     route = mission.route
     if isinstance(mission.area, Points) or route.entry == FIRST:
         return layout
-    starts = sorted({0, *firsts})
+    starts = sorted({0, *(first for first in firsts if first < len(layout.row))})
     north = layout.lat_deg - layout.lat_deg[0]
     east = (layout.lon_deg - layout.lon_deg[0]) * math.cos(math.radians(float(layout.lat_deg.mean())))
     place = np.stack([east, north], axis=1)
@@ -647,7 +651,7 @@ def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Lay
         else:
             chosen = _corners_of(begins, place[start:end])[list(COMPASS_CORNERS).index(route.entry)]
         orders.append(ways[chosen])
-    return _picked(layout, np.concatenate(orders))
+    return picked(layout, np.concatenate(orders))
 
 
 def _ways(layout: Layout, part: slice, order: str) -> list[Numbers]:
