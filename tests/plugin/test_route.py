@@ -24,7 +24,7 @@ def routed(desk):
     return desk
 
 
-def test_each_sortie_is_drawn_by_itself_with_its_ways_there_and_back(routed, screenshot):
+def test_each_sortie_is_drawn_by_itself_with_its_ways_there_and_back(routed, wait_until_drawn, screenshot):
     planned = routed.session.planned.plan
     path = planned.path
     assert planned.mission.route.takeoff == (35.1353, -89.8715)
@@ -42,6 +42,7 @@ def test_each_sortie_is_drawn_by_itself_with_its_ways_there_and_back(routed, scr
         assert line["length_m"] == pytest.approx(one.distance_m)
         assert line["start"].msecsTo(line["end"]) == pytest.approx(1000.0 * path.sorties_s[number], abs=2.0)
     assert layer.labelsEnabled()
+    wait_until_drawn()
     screenshot("route")
 
 
