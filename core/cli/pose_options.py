@@ -179,7 +179,9 @@ def _add_scans(actions: Any) -> None:
     structure = actions.add_parser(
         "structure", help="make a table of flights around structures, which it looks at"
     )
-    structure.add_argument("file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: the structures' outlines")
+    structure.add_argument(
+        "file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: the structures' outlines"
+    )
     for command in (facade, structure):
         _add_output(command)
         for field in declared_fields(Scan):

@@ -18,6 +18,8 @@ from .area import Area, Box, Points, Polygon, Polygons
 from .earlier import of_schema_1
 from .imageries import NamedImagery
 from .parts import (
+    BY_DISTANCE,
+    BY_WAYPOINT,
     FLAT_PARTS,
     PAPER,
     PAPER_MAX_PX,
@@ -27,6 +29,7 @@ from .parts import (
     Imagery,
     Output,
     Pixels,
+    Route,
     Terrain,
 )
 from .wind import Wind
@@ -83,6 +86,7 @@ class Mission:
     pixels: Pixels
     accuracy: Accuracy
     terrain: Terrain
+    route: Route
     output: Output
     no_fly: tuple[Polygon, ...]
     notes: tuple[str, ...] = field(compare=False, repr=False)
@@ -126,6 +130,12 @@ class Mission:
         return "raster"
 
     @property
+    def trigger(self) -> str:
+        """What releases the camera: waypoints where the route says distance, but points have no rows."""
+        is_points = isinstance(self.area, Points)
+        return BY_WAYPOINT if is_points and self.route.trigger == BY_DISTANCE else self.route.trigger
+
+    @property
     def by_imagery(self) -> dict[str, Mission]:
         """Mission of each of several imageries, by its name; empty where there is one source."""
         return {one.name: self.over(one) for one in self.imagery.named}
@@ -161,6 +171,8 @@ class Mission:
             del plain["output"]["products"]
         if self.terrain == Terrain():
             del plain["terrain"]
+        if self.route == Route():
+            del plain["route"]
         if self.no_fly:
             plain["no_fly"] = [asdict(polygon) for polygon in self.no_fly]
         if isinstance(self.area, Points):

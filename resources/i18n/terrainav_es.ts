@@ -1771,6 +1771,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>western edge</source>
         <translation>borde occidental</translation>
     </message>
@@ -2588,6 +2593,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{distance}, {duration} with turns</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{finest} per px at the highest, {coarsest} at the lowest</source>
         <translation>{finest} por px en lo más alto, {coarsest} en lo más bajo</translation>
     </message>
@@ -3080,6 +3090,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Flight path</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Folder</source>
         <translation>Carpeta</translation>
     </message>
@@ -3229,6 +3244,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>level ground</source>
         <translation>terreno llano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>none: from the first capture to the last</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3566,6 +3586,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Planned images</source>
         <translation>Imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Sortie {number}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4799,6 +4824,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight path with take-off and turns (metres)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight time (seconds)</source>
         <translation>Tiempo de vuelo (segundos)</translation>
     </message>
@@ -4864,6 +4894,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>The layer cannot be written: {reason}</source>
         <translation>No se puede escribir la capa: {reason}</translation>
     </message>
@@ -4876,6 +4911,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the capture (seconds)</source>
         <translation>Tiempo de la captura (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Time of the flight path (seconds)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6838,6 +6878,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
+        <location filename="../../core/mission/path.py"/>
         <source>move it outside</source>
         <translation>moverlo fuera</translation>
     </message>
@@ -8545,6 +8586,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>flight path</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>flight time</source>
         <translation>tiempo de vuelo</translation>
     </message>
@@ -8649,6 +8695,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>sun</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>the source has imagery of {0} of the area</source>
         <translation>la fuente tiene imágenes del {0} del área</translation>
     </message>
@@ -8736,6 +8792,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} {2} {3} or less</source>
         <translation>{0} {1} {2} {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}, {1} with turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9455,8 +9516,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>As laid out</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>As the source says</source>
         <translation>Lo que diga la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>At each waypoint</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9472,6 +9543,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Bilinear</source>
         <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>By distance along rows</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9515,6 +9591,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Hover and capture</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>JPEG (smaller)</source>
         <translation>JPEG (menor)</translation>
     </message>
@@ -9540,8 +9621,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Nearest to take-off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Normals of the ground</source>
         <translation>Normales del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>North-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>North-west</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9582,6 +9678,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Serpentine (to and fro)</source>
         <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>South-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>South-west</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9650,6 +9756,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
     </message>
@@ -9667,6 +9783,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>coordinate reference system {0!r}: must be a code such as EPSG:2056</source>
         <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9700,8 +9821,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>entry</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>entry nearest: needs a take-off point to be near to</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>error budget</source>
         <translation>error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9785,8 +9921,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>how far before the first capture of each row the flight is already on its line</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>how far the camera is rolled about its line of sight, right side down</source>
         <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the flight goes on beyond the end of each row before it turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9870,8 +10016,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>layout</source>
         <translation>disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>lead-in</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>least interval of images</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10015,6 +10176,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>set a take-off point{0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>several beside each other, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own</source>
         <translation>varias a la vez, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia</translation>
     </message>
@@ -10080,6 +10246,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>take-off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>the shortest time between two images that the camera can keep up</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <location filename="../../core/poses/settings.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
@@ -10091,6 +10272,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>trigger</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>turnaround</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>unit of heights</source>
         <translation>unidad de las alturas</translation>
     </message>
@@ -10098,6 +10289,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>vertical datum</source>
         <translation>dátum vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10148,6 +10344,126 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take a smaller area, a nearer take-off or a larger battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take off nearer to it, fly faster or take a larger battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north-west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south-west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.0f}° below the horizon in the {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.0f}° high in the {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.1f} to {1:.1f}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}, at the end {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: a bright spot, and glint on water, lie in the images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: long shadows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: night</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: {1} of {2:g} min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}; fly at {1:g} m/s or slower ({2})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}; overlap less or fly higher</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -11070,6 +11386,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>metres per second</source>
         <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>minutes</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

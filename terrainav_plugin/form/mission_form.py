@@ -8,14 +8,14 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.fields import field_named
-from ...core.mission.parts import FLAT_PARTS, Flight, Output
+from ...core.fields import declared_fields, field_named
+from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
 from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
 from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
-from .text import aspect_text, exact_degrees_text, parse_aspect, parse_number
+from .text import SEPARATORS, aspect_text, exact_degrees_text, parse_aspect, parse_number
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box
@@ -77,7 +77,9 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     from ...core.mission.area import Points
 
     checks = _Checks()
-    single = replace(state, map_types=state.map_types[:1])
+    # Nobody flies there: it needs no way from a take-off, and no battery.
+    route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
+    single = replace(state, map_types=state.map_types[:1], **route, takeoff="")
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
 
 
@@ -99,7 +101,9 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
             height=number_text(state.agl, "g"), unit=state.agl_unit
         )
     entries = {name: getattr(state, name) for name in ENTERED_AS_DECLARED}
-    entries.update(_pixels(state), source=state.source_name)
+    entries.update(
+        _pixels(state), source=state.source_name, takeoff=checks("takeoff", lambda: takeoff(state))
+    )
     for name, value in entries.items():
         checks(entry_of(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
@@ -123,6 +127,35 @@ def _check(name: str, value: Any) -> None:
             field=name,
         )
     field.settled(value)
+
+
+def takeoff(state: FormState) -> tuple[float, float] | None:
+    """Latitude and longitude of the place of take-off that is entered; None for none.
+
+    Raises
+    ------
+    InvalidInput
+        Not two numbers, or beyond the Earth.
+    """
+    text = state.takeoff.strip()
+    if not text:
+        return None
+    try:
+        lat, lon = map(parse_number, (part for part in SEPARATORS.split(text) if part))
+    except ValueError as wrong:
+        raise InvalidInput(
+            tr("take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9").format(
+                text=text
+            ),
+            field="takeoff",
+        ) from wrong
+    place: tuple[float, float] | None = field_named(Route, "takeoff").settled((lat, lon))
+    return place
+
+
+def takeoff_text(place: tuple[float, float] | None) -> str:
+    """Text of a place of take-off that `takeoff` reads back as the very same; empty for none."""
+    return "" if place is None else ", ".join(map(exact_degrees_text, place))
 
 
 def _pixels(state: FormState) -> dict[str, Any]:
@@ -228,6 +261,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
         aspect=aspect_text(mission.camera.aspect_ratio),
         agl=mission.flight.agl_m,
         folder=folder,
+        takeoff=takeoff_text(mission.route.takeoff),
         **{name: given[name] for name in ENTERED_AS_DECLARED},
     )
     if kind_of(mission.imagery.source).is_address:
