@@ -2914,6 +2914,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
     </message>
@@ -3086,6 +3087,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>&amp;Find layers</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>&amp;Test</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>256 px</source>
         <translation>256 px</translation>
     </message>
@@ -3096,13 +3107,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>API key for {key} in the address; kept in QGIS's authentication database</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Address of the provider's terms of use</source>
         <translation>Dirección de las condiciones de uso del proveedor</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key</source>
-        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; {key} representa una clave API</translation>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}, or of a WMTS, WMS, ArcGIS REST service or OGC API; {key} stands for an API key</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Ask the service what it is, and which layers it offers</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3127,6 +3148,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Coordinate reference system of the images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Credit that goes into every image's metadata</source>
         <translation>Crédito que figura en los metadatos de cada imagen</translation>
     </message>
@@ -3142,6 +3168,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Fetch one tile and show it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Fetching a tile of {name}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Highest zoom</source>
         <translation>Zoom máximo</translation>
     </message>
@@ -3149,6 +3185,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Highest zoom with detail of its own, 0 to 30</source>
         <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Key</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Layer</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3184,6 +3230,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Part of a layer's title or name</source>
         <translation>Parte del título o nombre de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Reference system</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3234,6 +3285,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Tile {tile}: {width} x {height} px, {format}, {kilobytes} kB, in {seconds} s. Zoom {least} to {most}. Attribution: {attribution}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Tiles may be kept in the cache</source>
         <translation>Las teselas se pueden guardar en la caché</translation>
     </message>
@@ -3254,8 +3310,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>address</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>must be lower-case letters, digits, hyphens and underscores, at most 64</source>
         <translation>debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>none stated</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3264,8 +3330,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>unknown format</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>{count} layers</source>
         <translation>{count} capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} layers: choose one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} more</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -4032,6 +4113,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds} s.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/choices.py"/>
+        <source>{title} {value!r}: must be one of {choices}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need.</source>
         <translation>Por un hash de la semilla y el nombre, en el orden de la tabla, o por bloques de terreno, como necesitan las imágenes que se solapan.</translation>
@@ -4398,6 +4484,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no network.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Field of gimbal pitches</source>
         <translation>Campo de los cabeceos del gimbal</translation>
     </message>
@@ -4435,6 +4526,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4478,8 +4574,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Used instead of the source above: one of your own sources by name, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
-        <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
+        <source>Used instead of the source above: one of your own sources by name or title, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL#collection=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4505,11 +4601,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
         <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>world is the embedded synthetic one, which needs no network.</source>
-        <translation>world es la fuente sintética incorporada, que no necesita red.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -6662,8 +6753,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well</source>
-        <translation>fuente {0!r} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {{z}}, {{x}}, {{y}}, wmts:URL y wms:URL</translation>
+        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -6674,6 +6765,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0!r}: is part of the catalogue, which stays as it is</source>
         <translation>fuente {0!r}: es parte del catálogo, que se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>source {0!r}: several have this title; name one of {1}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -7161,7 +7257,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
-        <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/services/service.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
@@ -7357,6 +7453,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/reading.py"/>
+        <location filename="../../core/imagery/services/arcgis.py"/>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>no reason given</source>
@@ -7561,6 +7658,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>description</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>every projected system of EPSG</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>it neither has tiles in this system nor draws: it offers {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>neither a map service nor an image service, nor a list of them</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>refused ({0})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>address of a {0}</source>
         <translation>dirección de un servicio {0}</translation>
@@ -7642,6 +7765,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>address</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>{0}: no service known here answers{1}; needs a WMTS, WMS, ArcGIS REST service or OGC API, or a URL template</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>JSON that cannot be read: {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>JSON that is no description of a service</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>a description of more than {0} MB</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>no description in JSON at this address{0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/matrices.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
         <source>layer {0!r} of {1}</source>
@@ -7666,6 +7819,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/ogc.py"/>
         <source>styles {0!r}: must be one for each of {1} layers</source>
         <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>a tile matrix set without matrices that can be used</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>a tileset without a link to its tiles</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>address in a description of {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>description of tiles</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>links to descriptions and no tiles, {0} deep</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>offers no tiles of images: a description of no links to tilesets-map</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>offers tiles of data, and none of images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>tile matrix set</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>tiles of {0}, which it does not describe</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
@@ -9776,8 +9974,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
-        <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+        <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

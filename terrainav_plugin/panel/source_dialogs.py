@@ -222,7 +222,7 @@ class AddSourceDialog(QDialog):
         layout.addLayout(form)
         layout.addWidget(self.limits)
         trial = QHBoxLayout()
-        trial.addWidget(self.test, 0, Qt.AlignmentFlag.AlignTop)
+        trial.addWidget(self.test, 0, Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
         trial.addWidget(self.tile)
         trial.addWidget(self.about_tile, 1)
         layout.addLayout(trial)
