@@ -3088,12 +3088,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>&amp;Find layers</source>
-        <translation type="unfinished"></translation>
+        <translation>&amp;Buscar capas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>&amp;Test</source>
-        <translation type="unfinished"></translation>
+        <translation>&amp;Probar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3108,7 +3108,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>API key for {key} in the address; kept in QGIS's authentication database</source>
-        <translation type="unfinished"></translation>
+        <translation>Clave de API que sustituye a {key} en la dirección; se guarda en la base de datos de autenticación de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3118,12 +3118,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Address of the tiles with {z}, {x} and {y} or {-y}, or of a WMTS, WMS, ArcGIS REST service or OGC API; {key} stands for an API key</source>
-        <translation type="unfinished"></translation>
+        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}, o de un servicio WMTS, WMS o ArcGIS REST o de una OGC API; {key} representa una clave de API</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Ask the service what it is, and which layers it offers</source>
-        <translation type="unfinished"></translation>
+        <translation>Preguntar al servicio de qué tipo es y qué capas ofrece</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3149,7 +3149,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Coordinate reference system of the images</source>
-        <translation type="unfinished"></translation>
+        <translation>Sistema de referencia de coordenadas de las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3169,12 +3169,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Fetch one tile and show it</source>
-        <translation type="unfinished"></translation>
+        <translation>Descargar una tesela y mostrarla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Fetching a tile of {name}</source>
-        <translation type="unfinished"></translation>
+        <translation>Descargando una tesela de {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3189,12 +3189,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Key</source>
-        <translation type="unfinished"></translation>
+        <translation>Clave</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Layer</source>
-        <translation type="unfinished"></translation>
+        <translation>Capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3234,7 +3234,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Reference system</source>
-        <translation type="unfinished"></translation>
+        <translation>Sistema de referencia</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3286,7 +3286,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Tile {tile}: {width} x {height} px, {format}, {kilobytes} kB, in {seconds} s. Zoom {least} to {most}. Attribution: {attribution}.</source>
-        <translation type="unfinished"></translation>
+        <translation>Tesela {tile}: {width} x {height} px, {format}, {kilobytes} kB, en {seconds} s. Zoom de {least} a {most}. Atribución: {attribution}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3311,7 +3311,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>address</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3321,7 +3321,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>none stated</source>
-        <translation type="unfinished"></translation>
+        <translation>no indicada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3331,7 +3331,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>unknown format</source>
-        <translation type="unfinished"></translation>
+        <translation>formato desconocido</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3341,12 +3341,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>{count} layers: choose one</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} capas: elija una</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>{count} more</source>
-        <translation type="unfinished"></translation>
+        <translation>{count} más</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -4115,7 +4115,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/choices.py"/>
         <source>{title} {value!r}: must be one of {choices}</source>
-        <translation type="unfinished"></translation>
+        <translation>{title} {value!r}: debe ser uno de {choices}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4485,7 +4485,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no network.</source>
-        <translation type="unfinished"></translation>
+        <translation>Por título o nombre, como «Synthetic (offline)» o «world», que es el paisaje incorporado y no necesita red.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4530,7 +4530,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given.</source>
-        <translation type="unfinished"></translation>
+        <translation>De guiones y modelos de versiones anteriores: una fracción, 0.6 para el 60 %. Vale cuando no se indica {name}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4575,7 +4575,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Used instead of the source above: one of your own sources by name or title, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL#collection=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
-        <translation type="unfinished"></translation>
+        <translation>Se usa en lugar de la fuente anterior: una fuente propia por nombre o título, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL#collection=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -6754,7 +6754,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well</source>
-        <translation type="unfinished"></translation>
+        <translation>fuente {0!r}: desconocida: {1}`terrainav sources` muestra los nombres; también sirven un archivo, una plantilla de URL con {{z}}, {{x}}, {{y}}, y wmts:URL, wms:URL, arcgis:URL y ogcapi:URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -6769,7 +6769,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0!r}: several have this title; name one of {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>fuente {0!r}: varias tienen este título; indique una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -7661,27 +7661,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/arcgis.py"/>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>description</source>
-        <translation type="unfinished"></translation>
+        <translation>descripción</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
         <source>every projected system of EPSG</source>
-        <translation type="unfinished"></translation>
+        <translation>todo sistema proyectado de EPSG</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
         <source>it neither has tiles in this system nor draws: it offers {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>ni tiene teselas en este sistema ni dibuja: ofrece {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
         <source>neither a map service nor an image service, nor a list of them</source>
-        <translation type="unfinished"></translation>
+        <translation>no es un servicio de mapas ni de imágenes, ni una lista de ellos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
         <source>refused ({0})</source>
-        <translation type="unfinished"></translation>
+        <translation>rechazado ({0})</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -7767,32 +7767,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/services/detecting.py"/>
         <source>address</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/detecting.py"/>
         <source>{0}: no service known here answers{1}; needs a WMTS, WMS, ArcGIS REST service or OGC API, or a URL template</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no responde ningún servicio conocido{1}; se necesita un servicio WMTS, WMS o ArcGIS REST, una OGC API o una plantilla de URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/json_service.py"/>
         <source>JSON that cannot be read: {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>JSON que no se puede leer: {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/json_service.py"/>
         <source>JSON that is no description of a service</source>
-        <translation type="unfinished"></translation>
+        <translation>JSON que no describe un servicio</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/json_service.py"/>
         <source>a description of more than {0} MB</source>
-        <translation type="unfinished"></translation>
+        <translation>una descripción de más de {0} MB</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/json_service.py"/>
         <source>no description in JSON at this address{0}</source>
-        <translation type="unfinished"></translation>
+        <translation>no hay ninguna descripción en JSON en esta dirección{0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/matrices.py"/>
@@ -7823,47 +7823,47 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>a tile matrix set without matrices that can be used</source>
-        <translation type="unfinished"></translation>
+        <translation>un conjunto de matrices de teselas sin matrices utilizables</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>a tileset without a link to its tiles</source>
-        <translation type="unfinished"></translation>
+        <translation>un conjunto de teselas sin enlace a sus teselas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>address in a description of {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección en una descripción de {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>description of tiles</source>
-        <translation type="unfinished"></translation>
+        <translation>descripción de las teselas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>links to descriptions and no tiles, {0} deep</source>
-        <translation type="unfinished"></translation>
+        <translation>enlaces a descripciones y ninguna tesela, hasta {0} niveles</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
-        <source>offers no tiles of images: a description of no links to tilesets-map</source>
-        <translation type="unfinished"></translation>
+        <source>offers no tiles of images: nothing links to tilesets-map</source>
+        <translation>no ofrece teselas de imágenes: nada enlaza con tilesets-map</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>offers tiles of data, and none of images</source>
-        <translation type="unfinished"></translation>
+        <translation>ofrece teselas de datos y ninguna de imágenes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>tile matrix set</source>
-        <translation type="unfinished"></translation>
+        <translation>conjunto de matrices de teselas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/ogcapi.py"/>
         <source>tiles of {0}, which it does not describe</source>
-        <translation type="unfinished"></translation>
+        <translation>teselas de {0}, que no describe</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
@@ -9975,7 +9975,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
-        <translation type="unfinished"></translation>
+        <translation>de dónde vienen las imágenes: un nombre o título (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

@@ -107,9 +107,7 @@ class OGCAPITiles(JSONService):
             else:
                 link = _link(root, _COLLECTIONS)
             if not link:
-                raise document.wrong(
-                    Message("offers no tiles of images: a description of no links to tilesets-map")
-                )
+                raise document.wrong(Message("offers no tiles of images: nothing links to tilesets-map"))
             document = self._json(self._with_key(link, document.url), Message("description"))
         raise document.wrong(Message("links to descriptions and no tiles, {0} deep", _MOST_STEPS))
 
