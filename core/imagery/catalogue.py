@@ -12,7 +12,15 @@ from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
-from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
+from ..text import listed
+from .entry import (
+    NAME,
+    CatalogueEntry,
+    shipped,
+    shipped_data,
+    shipped_entry,
+    under_provider,
+)
 from .opening import EntrySource, NamedSource, kind_of
 from .placeholder import Placeholder
 from .source import Source
@@ -74,7 +82,7 @@ def sources() -> tuple[CatalogueEntry, ...]:
 
 
 def name_of(text: str) -> str:
-    """Name of the source that a text names by its title, in any case; any other text as it is.
+    """Name of the source that a text names by its title, or as lists show it, in any case; any other text as it is.
 
     Parameters
     ----------
@@ -94,7 +102,11 @@ def name_of(text: str) -> str:
     wanted = " ".join(text.split()).casefold()
     titles = [(name, str(data["title"])) for name, data in shipped_data().items()]
     titles += [(entry.name, entry.title) for entry in own.entries]
-    found = [name for name, title in titles if " ".join(title.split()).casefold() == wanted]
+    found = [
+        name
+        for name, title in titles
+        if wanted in (" ".join(one.split()).casefold() for one in (title, listed(name, title)))
+    ]
     if len(found) > 1:
         raise InvalidInput("source {0!r}: several have this title; name one of {1}", text, ", ".join(found))
     return found[0] if found else text
@@ -131,7 +143,7 @@ def entry_named(name: str) -> CatalogueEntry:
 def alternatives(
     map_types: tuple[str, ...], bounds_deg: tuple[float, float, float, float] | None = None
 ) -> tuple[str, ...]:
-    """Names of sources that much may be had from, best first; those that ask for consent say so.
+    """Sources that much may be had from, by title and name, best first; those that ask for consent say so.
 
     Parameters
     ----------
@@ -152,7 +164,8 @@ def alternatives(
     found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
     hint = Message(" (with {0})", OptionName("accept_terms"))
     return tuple(
-        Message("{0}{1}", entry.name, hint) if entry.bulk_allowed == "ask" else entry.name for entry in found
+        Message("{0}{1}", entry.listed, hint) if entry.bulk_allowed == "ask" else entry.listed
+        for entry in found
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from qgis.core import QgsProcessingContext, QgsProcessingParameterEnum, QgsProperty
 
 from ...core.errors import InvalidInput
+from ...core.text import listed
 from ..i18n import tr
 
 #: Values of choices that others make at run time are known then.
@@ -47,13 +48,13 @@ class Choice(QgsProcessingParameterEnum):
         self._made_of = (name, description, dict(choices), usual)
         self._how = {"several": several, "titled": titled, "more": more}
         self.values = tuple(choices)
-        listed = [f"{title} [{value}]" if titled else value for value, title in choices.items()]
+        shows = [listed(value, title) if titled else value for value, title in choices.items()]
         # The number comes last: a value may be one.
         self._names: dict[str, set[str]] = {}
         for at, (value, title) in enumerate(choices.items()):
-            for known in (value, title, listed[at]):
+            for known in (value, title, shows[at]):
                 self._names.setdefault(_plain(known), set()).add(value)
-        shown = dict(zip(choices, listed))
+        shown = dict(zip(choices, shows))
         if isinstance(usual, (list, tuple)):
             default: object = [shown.get(one, one) for one in usual]
         else:
@@ -61,7 +62,7 @@ class Choice(QgsProcessingParameterEnum):
         super().__init__(
             name,
             description,
-            options=listed,
+            options=shows,
             allowMultiple=several,
             defaultValue=default,
             optional=usual is None,
