@@ -78,6 +78,14 @@ def one_line(text: str | None, most: int = MAX_LINE_CHARACTERS) -> str:
     return shortened(" ".join(printable(plain).split()), most)
 
 
+def listed(name: str, title: str) -> str:
+    """What lists show of a thing that has a title and a name, and what it can be named by, too.
+
+    ``Synthetic (offline) [world]`` of a source.
+    """
+    return f"{title} [{name}]"
+
+
 def printable(text: str) -> str:
     """Text with spaces for characters that steer terminals or the direction of writing, and other invisible ones."""
     return text if text.isprintable() else "".join(one if one.isprintable() else " " for one in text)

@@ -32,7 +32,7 @@ from .panel.form import FormMemory
 from .panel.planning import Planning
 from .panel.runs import RunPanel
 from .panel.source_list import SourceList
-from .paths import folder_of, open_in_system
+from .paths import folder_of, next_folder, open_in_system
 from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
@@ -96,7 +96,7 @@ class Session(QObject):
         self.viewing = Viewing(self.project, iface, messages)
         self.cleaning = Cleaning(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
-        self.source_list = SourceList(self.project, form.imagery, messages, window)
+        self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.looked_at)
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()
@@ -262,7 +262,9 @@ class Session(QObject):
         if not self.settings.form and self._units == "ft":
             state = replace(state, agl_unit="ft", agl=_USUAL_AGL_FT)
         if not state.folder:
-            state = replace(state, folder=str(self.settings.missions / "mission-1"))
+            first = self.settings.missions / "mission-1"
+            self.settings.suggested_folder = str(next_folder(first) if first.exists() else first)
+            state = replace(state, folder=self.settings.suggested_folder)
         self.dock.form.set_state(state)
         self._show_hint()
 
@@ -306,6 +308,7 @@ class Session(QObject):
         return [*reversed(self.runs.folders), folder_of(self.state().folder)]
 
     def _capture_into(self, folder: Path) -> None:
+        self.settings.suggested_folder = str(folder)
         self.dock.form.set_state(replace(self.state(), folder=str(folder)))
         self.capture()
 

@@ -88,6 +88,9 @@ class Settings:
     recent = _Text()
     """Mission files and datasets opened last, as JSON."""
 
+    suggested_folder = _Text()
+    """Folder that the panel has proposed last: it counts on where it is taken, and nobody is asked."""
+
     missions_folder = _Text()
     """Where missions are captured to by default; empty for a folder of the user's home."""
 

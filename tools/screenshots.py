@@ -641,7 +641,7 @@ def algorithms(stage: Stage) -> None:
     """The plan's algorithm, from the toolbox."""
     stage.begin(FIRST)
     dialog = processing.createAlgorithmDialog(
-        "terrainav:plan", {"COORDS": f"{AGRICENTER}_120", "OVERLAP_ALONG": 0.25}
+        "terrainav:plan", {"COORDS": f"{AGRICENTER}_120", "FRONT_OVERLAP": 25}
     )
     dialog.show()
     dialog.resize(980, 640)

@@ -12,13 +12,23 @@ from ..config import Shelf, config_file, read_named, read_shelf, write_named
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
-from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
-from .opening import EntrySource, NamedSource
+from ..text import listed
+from .entry import (
+    NAME,
+    CatalogueEntry,
+    shipped,
+    shipped_data,
+    shipped_entry,
+    under_provider,
+)
+from .opening import EntrySource, NamedSource, kind_of
 from .placeholder import Placeholder
 from .source import Source
 from .template import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
+#: Kind of the sources that go by a name, as `opening` has it.
+_BY_NAME = "catalogue"
 #: Zooms of a template of which nothing is said.
 DEFAULT_MAX_ZOOM = 22
 
@@ -71,15 +81,46 @@ def sources() -> tuple[CatalogueEntry, ...]:
     return (*shipped(), *user_sources())
 
 
+def name_of(text: str) -> str:
+    """Name of the source that a text names by its title, or as lists show it, in any case; any other text as it is.
+
+    Parameters
+    ----------
+    text : str
+        What a user gives for a source: a name, a title, an address, a file.
+
+    Raises
+    ------
+    InvalidInput
+        Several sources have this title.
+    """
+    if text.lower() in shipped_data() or kind_of(text).name != _BY_NAME:
+        return text
+    own = shelf()
+    if text.lower() in {*own.problems, *(entry.name for entry in own.entries)}:
+        return text
+    wanted = " ".join(text.split()).casefold()
+    titles = [(name, str(data["title"])) for name, data in shipped_data().items()]
+    titles += [(entry.name, entry.title) for entry in own.entries]
+    found = [
+        name
+        for name, title in titles
+        if wanted in (" ".join(one.split()).casefold() for one in (title, listed(name, title)))
+    ]
+    if len(found) > 1:
+        raise InvalidInput("source {0!r}: several have this title; name one of {1}", text, ", ".join(found))
+    return found[0] if found else text
+
+
 def entry_named(name: str) -> CatalogueEntry:
-    """Entry of a name, in any case.
+    """Entry of a name or a title, in any case.
 
     Raises
     ------
     InvalidInput
         Naming those that are close.
     """
-    wanted = name.lower()
+    wanted = name_of(name).lower()
     if wanted in shipped_data():
         return shipped_entry(wanted)
     # The user's file, which may be broken, is read only for what is not in the catalogue.
@@ -93,7 +134,7 @@ def entry_named(name: str) -> CatalogueEntry:
     hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
     raise InvalidInput(
         "source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with "
-        "{{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well",
+        "{{z}}, {{x}}, {{y}}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well",
         name,
         hint,
     )
@@ -102,7 +143,7 @@ def entry_named(name: str) -> CatalogueEntry:
 def alternatives(
     map_types: tuple[str, ...], bounds_deg: tuple[float, float, float, float] | None = None
 ) -> tuple[str, ...]:
-    """Names of sources that much may be had from, best first; those that ask for consent say so.
+    """Sources that much may be had from, by title and name, best first; those that ask for consent say so.
 
     Parameters
     ----------
@@ -123,7 +164,8 @@ def alternatives(
     found.sort(key=lambda entry: (entry.kind == "world", -entry.native_zoom))
     hint = Message(" (with {0})", OptionName("accept_terms"))
     return tuple(
-        Message("{0}{1}", entry.name, hint) if entry.bulk_allowed == "ask" else entry.name for entry in found
+        Message("{0}{1}", entry.listed, hint) if entry.bulk_allowed == "ask" else entry.listed
+        for entry in found
     )
 
 

@@ -16,6 +16,7 @@ from ..geodesy.mercator import PixelGrid, extent_of_box
 from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_TILE_PX
 from ..resources import read_json
+from ..text import listed
 from .placeholder import Placeholder
 from .policy import BULK, Policy
 from .systems import WORLD_DEG, box_on, plane_of
@@ -326,6 +327,11 @@ class CatalogueEntry:
         needed = {name: any(name in template.names for template in templates) for name in ("date", "key")}
         if needed["date"] != (self.dates is not None) or (needed["key"] and self.key_env is None):
             raise InvalidInput("{date} in a URL needs dates, {key} needs key_env")
+
+    @property
+    def listed(self) -> str:
+        """What lists show of it: title and name."""
+        return listed(self.name, self.title)
 
     @property
     def bulk_allowed(self) -> str:

@@ -1772,7 +1772,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2594,7 +2594,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{distance}, {duration} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{distance}, {duration} con los giros</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3085,13 +3085,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3248,7 +3249,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>none: from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>ninguno: de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3267,6 +3268,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>&amp;Find layers</source>
+        <translation>&amp;Buscar capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>&amp;Test</source>
+        <translation>&amp;Probar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>256 px</source>
         <translation>256 px</translation>
     </message>
@@ -3277,13 +3288,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>API key for {key} in the address; kept in QGIS's authentication database</source>
+        <translation>Clave de API que sustituye a {key} en la dirección; se guarda en la base de datos de autenticación de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Address of the provider's terms of use</source>
         <translation>Dirección de las condiciones de uso del proveedor</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key</source>
-        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; {key} representa una clave API</translation>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}, or of a WMTS, WMS, ArcGIS REST service or OGC API; {key} stands for an API key</source>
+        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}, o de un servicio WMTS, WMS o ArcGIS REST o de una OGC API; {key} representa una clave de API</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Ask the service what it is, and which layers it offers</source>
+        <translation>Preguntar al servicio de qué tipo es y qué capas ofrece</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3308,6 +3329,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Coordinate reference system of the images</source>
+        <translation>Sistema de referencia de coordenadas de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Credit that goes into every image's metadata</source>
         <translation>Crédito que figura en los metadatos de cada imagen</translation>
     </message>
@@ -3323,6 +3349,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Fetch one tile and show it</source>
+        <translation>Descargar una tesela y mostrarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Fetching a tile of {name}</source>
+        <translation>Descargando una tesela de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Highest zoom</source>
         <translation>Zoom máximo</translation>
     </message>
@@ -3330,6 +3366,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Highest zoom with detail of its own, 0 to 30</source>
         <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Key</source>
+        <translation>Clave</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Layer</source>
+        <translation>Capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3365,6 +3411,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Part of a layer's title or name</source>
         <translation>Parte del título o nombre de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Reference system</source>
+        <translation>Sistema de referencia</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3415,6 +3466,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Tile {tile}: {width} x {height} px, {format}, {kilobytes} kB, in {seconds} s. Zoom {least} to {most}. Attribution: {attribution}.</source>
+        <translation>Tesela {tile}: {width} x {height} px, {format}, {kilobytes} kB, en {seconds} s. Zoom de {least} a {most}. Atribución: {attribution}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Tiles may be kept in the cache</source>
         <translation>Las teselas se pueden guardar en la caché</translation>
     </message>
@@ -3435,8 +3491,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>address</source>
+        <translation>dirección</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>must be lower-case letters, digits, hyphens and underscores, at most 64</source>
         <translation>debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>none stated</source>
+        <translation>no indicada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3445,8 +3511,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>unknown format</source>
+        <translation>formato desconocido</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>{count} layers</source>
         <translation>{count} capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} layers: choose one</source>
+        <translation>{count} capas: elija una</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} more</source>
+        <translation>{count} más</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3590,7 +3671,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Sortie {number}</source>
-        <translation type="unfinished"></translation>
+        <translation>Salida {number}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4233,6 +4314,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds} s.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/choices.py"/>
+        <source>{title} {value!r}: must be one of {choices}</source>
+        <translation>{title} {value!r}: debe ser uno de {choices}</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need.</source>
         <translation>Por un hash de la semilla y el nombre, en el orden de la tabla, o por bloques de terreno, como necesitan las imágenes que se solapan.</translation>
@@ -4654,6 +4740,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no network.</source>
+        <translation>Por título o nombre, como «Synthetic (offline)» o «world», que es el paisaje incorporado y no necesita red.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Field of gimbal pitches</source>
         <translation>Campo de los cabeceos del gimbal</translation>
     </message>
@@ -4696,6 +4787,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>No-fly areas</source>
         <translation>Zonas de exclusión aérea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given.</source>
+        <translation>De guiones y modelos de versiones anteriores: una fracción, 0.6 para el 60 %. Vale cuando no se indica {name}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4744,8 +4840,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Used instead of the source above: one of your own sources by name, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
-        <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
+        <source>Used instead of the source above: one of your own sources by name or title, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL#collection=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
+        <translation>Se usa en lugar de la fuente anterior: una fuente propia por nombre o título, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL#collection=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4771,11 +4867,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
         <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>world is the embedded synthetic one, which needs no network.</source>
-        <translation>world es la fuente sintética incorporada, que no necesita red.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4825,7 +4916,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight path with take-off and turns (metres)</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo con despegue y giros (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4895,7 +4986,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>Salidas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4915,7 +5006,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the flight path (seconds)</source>
-        <translation type="unfinished"></translation>
+        <translation>Tiempo de la trayectoria de vuelo (segundos)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6986,8 +7077,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well</source>
-        <translation>fuente {0!r} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {{z}}, {{x}}, {{y}}, wmts:URL y wms:URL</translation>
+        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well</source>
+        <translation>fuente {0!r}: desconocida: {1}`terrainav sources` muestra los nombres; también sirven un archivo, una plantilla de URL con {{z}}, {{x}}, {{y}}, y wmts:URL, wms:URL, arcgis:URL y ogcapi:URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -6998,6 +7089,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0!r}: is part of the catalogue, which stays as it is</source>
         <translation>fuente {0!r}: es parte del catálogo, que se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>source {0!r}: several have this title; name one of {1}</source>
+        <translation>fuente {0!r}: varias tienen este título; indique una de {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -7485,7 +7581,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
-        <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/services/service.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
@@ -7681,6 +7777,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/reading.py"/>
+        <location filename="../../core/imagery/services/arcgis.py"/>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>no reason given</source>
@@ -7885,6 +7982,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>description</source>
+        <translation>descripción</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>every projected system of EPSG</source>
+        <translation>todo sistema proyectado de EPSG</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>it neither has tiles in this system nor draws: it offers {0}</source>
+        <translation>ni tiene teselas en este sistema ni dibuja: ofrece {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>neither a map service nor an image service, nor a list of them</source>
+        <translation>no es un servicio de mapas ni de imágenes, ni una lista de ellos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>refused ({0})</source>
+        <translation>rechazado ({0})</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>address of a {0}</source>
         <translation>dirección de un servicio {0}</translation>
@@ -7966,6 +8089,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>address</source>
+        <translation>dirección</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>{0}: no service known here answers{1}; needs a WMTS, WMS, ArcGIS REST service or OGC API, or a URL template</source>
+        <translation>{0}: no responde ningún servicio conocido{1}; se necesita un servicio WMTS, WMS o ArcGIS REST, una OGC API o una plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>JSON that cannot be read: {0}</source>
+        <translation>JSON que no se puede leer: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>JSON that is no description of a service</source>
+        <translation>JSON que no describe un servicio</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>a description of more than {0} MB</source>
+        <translation>una descripción de más de {0} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>no description in JSON at this address{0}</source>
+        <translation>no hay ninguna descripción en JSON en esta dirección{0}</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/matrices.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
         <source>layer {0!r} of {1}</source>
@@ -7990,6 +8143,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/ogc.py"/>
         <source>styles {0!r}: must be one for each of {1} layers</source>
         <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>a tile matrix set without matrices that can be used</source>
+        <translation>un conjunto de matrices de teselas sin matrices utilizables</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>a tileset without a link to its tiles</source>
+        <translation>un conjunto de teselas sin enlace a sus teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>address in a description of {0}</source>
+        <translation>dirección en una descripción de {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>description of tiles</source>
+        <translation>descripción de las teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>links to descriptions and no tiles, {0} deep</source>
+        <translation>enlaces a descripciones y ninguna tesela, hasta {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>offers no tiles of images: nothing links to tilesets-map</source>
+        <translation>no ofrece teselas de imágenes: nada enlaza con tilesets-map</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>offers tiles of data, and none of images</source>
+        <translation>ofrece teselas de datos y ninguna de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>tile matrix set</source>
+        <translation>conjunto de matrices de teselas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>tiles of {0}, which it does not describe</source>
+        <translation>teselas de {0}, que no describe</translation>
     </message>
     <message>
         <location filename="../../core/imagery/source.py"/>
@@ -8587,7 +8785,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8696,12 +8894,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sun</source>
-        <translation type="unfinished"></translation>
+        <translation>sol</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8796,7 +8994,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0}, {1} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, {1} con los giros</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9517,7 +9715,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>As laid out</source>
-        <translation type="unfinished"></translation>
+        <translation>Según la disposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9527,7 +9725,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>At each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>En cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9547,7 +9745,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>By distance along rows</source>
-        <translation type="unfinished"></translation>
+        <translation>Por distancia a lo largo de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9592,7 +9790,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Hover and capture</source>
-        <translation type="unfinished"></translation>
+        <translation>Detenerse y capturar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9622,7 +9820,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Nearest to take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>La más cercana al despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9632,12 +9830,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9682,12 +9880,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9757,12 +9955,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery</source>
-        <translation type="unfinished"></translation>
+        <translation>batería</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: necesita un punto de despegue, donde empieza y termina cada salida</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9787,7 +9985,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
-        <translation type="unfinished"></translation>
+        <translation>esquina de las pasadas por la que empieza el vuelo; en pasadas giradas, la más cercana a esa dirección. first: según la disposición de las pasadas; nearest: la esquina más cercana al despegue. Los puntos conservan su orden</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9822,12 +10020,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry nearest: needs a take-off point to be near to</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada nearest: necesita un punto de despegue del que estar cerca</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9837,7 +10035,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9922,7 +10120,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far before the first capture of each row the flight is already on its line</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto antes de la primera captura de cada pasada vuela ya en línea con ella</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9932,7 +10130,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far the flight goes on beyond the end of each row before it turns</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10017,7 +10215,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>latitud y longitud del lugar donde empieza y termina el vuelo; si se omite, el vuelo va de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10027,12 +10225,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>lead-in</source>
-        <translation type="unfinished"></translation>
+        <translation>tramo de entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>least interval of images</source>
-        <translation type="unfinished"></translation>
+        <translation>intervalo mínimo de imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10177,7 +10375,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>set a take-off point{0}</source>
-        <translation type="unfinished"></translation>
+        <translation>indique un punto de despegue{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10247,17 +10445,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue {0}: debe ser una latitud de -90 a 90 y una longitud de -360 a 360 grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>the shortest time between two images that the camera can keep up</source>
-        <translation type="unfinished"></translation>
+        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10273,12 +10471,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>trigger</source>
-        <translation type="unfinished"></translation>
+        <translation>disparo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>turnaround</source>
-        <translation type="unfinished"></translation>
+        <translation>prolongación para el giro</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10293,7 +10491,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>waypoint: una imagen en cada punto de ruta, sin detenerse; distance: la cámara se dispara según la distancia volada en cada pasada; hover: la aeronave se detiene en cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10317,8 +10515,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
-        <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+        <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
+        <translation>de dónde vienen las imágenes: un nombre o título (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10348,122 +10546,122 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: el vuelo necesita más de {1:,} salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take a smaller area, a nearer take-off or a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>tome un área menor, un despegue más cercano o una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take off nearer to it, fly faster or take a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue más cerca de ella, vuele más deprisa o tome una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue en la latitud {0:.6f}, longitud {1:.6f}: está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>east</source>
-        <translation type="unfinished"></translation>
+        <translation>este</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
-        <translation type="unfinished"></translation>
+        <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north</source>
-        <translation type="unfinished"></translation>
+        <translation>norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-east</source>
-        <translation type="unfinished"></translation>
+        <translation>noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-west</source>
-        <translation type="unfinished"></translation>
+        <translation>noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south</source>
-        <translation type="unfinished"></translation>
+        <translation>sur</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-east</source>
-        <translation type="unfinished"></translation>
+        <translation>sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-west</source>
-        <translation type="unfinished"></translation>
+        <translation>suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>west</source>
-        <translation type="unfinished"></translation>
+        <translation>oeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° below the horizon in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:.0f}° bajo el horizonte al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° high in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>a {0:.0f}° de altura al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.1f} to {1:.1f}</source>
-        <translation type="unfinished"></translation>
+        <translation>de {0:.1f} a {1:.1f}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}, at the end {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, al final {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: a bright spot, and glint on water, lie in the images</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: en las imágenes hay un punto brillante y reflejos en el agua</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: long shadows</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: sombras largas</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: night</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: noche</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: {1} of {2:g} min</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1} de {2:g} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; fly at {1:g} m/s or slower ({2})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; vuele a {1:g} m/s o más despacio ({2})</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; overlap less or fly higher</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; reduzca el solape o vuele más alto</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -11390,12 +11588,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/units.py"/>
         <source>min</source>
-        <translation type="unfinished"></translation>
+        <translation>min</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
         <source>minutes</source>
-        <translation type="unfinished"></translation>
+        <translation>minutos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +12,8 @@ from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
 from ..i18n import tr, translate
-from ..paths import next_folder, place_of
+from ..paths import folder_of, next_folder, place_of
+from ..settings import Settings
 from ..sources import credentials_problem, terms_problem
 
 if TYPE_CHECKING:
@@ -34,6 +35,8 @@ class Questions:
         Shows messages at the entries that they are about.
     capture_into : callable
         Captures what is entered into another folder.
+    taken : callable
+        Folders of runs of this session, which need not be there yet.
     """
 
     def __init__(
@@ -42,9 +45,10 @@ class Questions:
         window: QWidget,
         mark: Callable[[dict[str, str]], None],
         capture_into: Callable[[Path], None],
+        taken: Callable[[], Collection[Path]] = tuple,
     ) -> None:
         self._messages, self._window = messages, window
-        self._mark, self._capture_into = mark, capture_into
+        self._mark, self._capture_into, self._taken = mark, capture_into, taken
 
     def folder_is_given(self, text: str) -> bool:
         """Whether there is a folder to write to; says so at the field where there is none."""
@@ -66,8 +70,8 @@ class Questions:
             self._messages.refused(problem, tr("Nothing to capture yet."))
         return not problem
 
-    def belongs_to_another(self, plan: Plan, folder: Path) -> bool:
-        """Whether the folder holds another mission; offers one beside it."""
+    def belongs_to_another(self, plan: Plan, folder: Path, *, may_count_on: bool = False) -> bool:
+        """Whether the folder holds another mission; takes one beside it where that may be, or offers one."""
         from ...core.capture.folder import captured_mission, is_of
         from ...core.dataset.folder import MISSION_FILE
 
@@ -78,7 +82,8 @@ class Questions:
         except OSError:
             # The run itself says what is wrong with the folder.
             return False
-        self._offer_other(folder, tr("{folder} holds another mission; nothing was changed there."))
+        text = tr("{folder} holds another mission; nothing was changed there.")
+        self._offer_other(folder, text, may_count_on=may_count_on)
         return True
 
     def is_queued(self, mission: Mission, folder: Path, others: list[Run]) -> bool:
@@ -90,12 +95,24 @@ class Questions:
             self._messages.info(tr("{name} is being captured already.").format(name=folder.name))
             return True
         text = tr("{folder} is being captured already; a second mission needs a folder of its own.")
-        self._offer_other(folder, text)
+        self._offer_other(folder, text, may_count_on=True)
         return True
 
-    def _offer_other(self, folder: Path, text: str) -> None:
-        """Say why a folder is not free, and offer one beside it."""
-        other = next_folder(folder)
+    def _offer_other(self, folder: Path, text: str, *, may_count_on: bool) -> None:
+        """Take a folder beside one that is not free and that the panel has proposed; of any other, offer to.
+
+        Parameters
+        ----------
+        folder : Path
+        text : str
+            Why it is not free.
+        may_count_on : bool
+            Whether the mission as a whole is to be captured, which can be done in any folder.
+        """
+        other = next_folder(folder, self._taken())
+        if may_count_on and place_of(folder) == place_of(folder_of(Settings().suggested_folder)):
+            self._capture_into(other)
+            return
         self._messages.warning(
             text.format(folder=folder),
             action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),

@@ -82,7 +82,9 @@ class Runs(QObject):
     ) -> None:
         super().__init__()
         self._messages = messages
-        self.questions = Questions(messages, window, self.refused.emit, self.other_folder_wanted.emit)
+        self.questions = Questions(
+            messages, window, self.refused.emit, self.other_folder_wanted.emit, lambda: self.folders
+        )
         self.runs: list[Run] = []
         self._endings = Endings(messages, open_project, group, self)
         self._endings.shown.connect(self.results_shown)
@@ -119,7 +121,7 @@ class Runs(QObject):
 
     def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
-        if self.questions.belongs_to_another(planned.plan, folder):
+        if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
             return
         self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
 

@@ -251,7 +251,9 @@ class Missions(QObject):
 
         folder = self._settings.missions / path.stem
         try:
-            self._take_up(Mission.load(path), folder if not folder.exists() else next_folder(folder))
+            self._take_up(
+                Mission.load(path), self._suggested(folder if not folder.exists() else next_folder(folder))
+            )
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
@@ -289,7 +291,7 @@ class Missions(QObject):
         folder = self._folder() if state.folder.strip() else self._settings.missions / "mission-1"
         taken = {Path(saved.folder) for saved in saved_missions(self._open_project.project)}
         taken |= set(self._captures())
-        folder = next_folder(folder, taken | {folder})
+        folder = self._suggested(next_folder(folder, taken | {folder}))
         self.preview_wanted.emit(False)
         self._write(replace(state, folder=str(folder), **_NO_AREA))
 
@@ -301,7 +303,7 @@ class Missions(QObject):
         folder = self._folder()
         if state.folder.strip() and folder.exists():
             taken = set(self._captures())
-            state = replace(state, folder=str(next_folder(folder, taken)))
+            state = replace(state, folder=str(self._suggested(next_folder(folder, taken))))
         self._write(replace(state, **_NO_AREA))
 
     def save_as(self) -> None:
@@ -340,6 +342,11 @@ class Missions(QObject):
         self.clean_wanted.emit(self._folder())
 
     # --- how
+
+    def _suggested(self, folder: Path) -> Path:
+        """Folder that the panel proposes, which counts on by itself where it is taken."""
+        self._settings.suggested_folder = str(folder)
+        return folder
 
     def _folder(self) -> Path:
         return folder_of(self._read().folder)

@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -49,6 +50,8 @@ _AROUND = 2.0
 _NARROWEST = 0.75
 #: Least width and height in the world's own: even around a small area there is some land to see.
 _LEAST = 2.0**-16
+#: Zooms by which the first image is coarser: a 64th of the pixels.
+_COARSER = 3
 _OPTIONS = ("COMPRESS=JPEG", "JPEG_QUALITY=90", "PHOTOMETRIC=YCBCR", "TILED=YES")
 _OVERVIEWS = (2, 4, 8, 16, 32)
 
@@ -84,6 +87,9 @@ class SourceOnMap(QObject):
         self._background, self._messages = background, messages
         self._read, self._title = read, title
         self._task: WorldTask | None = None
+        self._begin: Callable[[], None] | None = None
+        self._then: Callable[[], None] | None = None
+        self._coarse: Callable[[], None] = lambda: None
 
     def show(self, then: Callable[[], None] | None = None) -> None:
         """Show what is entered, and zoom to the area; ``then`` is called once it is there."""
@@ -122,6 +128,9 @@ class SourceOnMap(QObject):
         folder = Settings().backgrounds
         task = self._background.world_task(box, map_type, seed, folder)
         title = self._title()
+        # The map goes there with the first image that there is, and stays where the user moves it then.
+        self._begin = None if stay else lambda: self._background.zoom_to(box)
+        self._then = then
 
         def show(task: WorldTask | None) -> None:
             self._task = None
@@ -129,34 +138,72 @@ class SourceOnMap(QObject):
             if task is not None and task.error:
                 self._messages.error(translate(task.error), task.trace)
             elif task is None or not task.isCanceled():
-                try:
-                    self._background.show_world(box, map_type, seed, folder, title)
-                    if not stay:
-                        self._background.zoom_to(box)
-                    if then is not None:
-                        then()
-                except TerrAInavError as wrong:
-                    self._messages.warning(translate(wrong))
+                self._show_image(choose_picture(box, map_type, seed), folder, title)
+                if task is not None:
+                    task.remove_coarse()
 
         if task is None:
             show(None)
             return
         self._task = task
         self.drawing.emit(True)
+        # To a method of an object of the main thread, so that it is called there.
+        self._coarse = lambda: self._show_image(task.coarse, folder, title)
+        task.coarse_drawn.connect(self._show_coarse)
         task.begin(show)
+
+    def _show_coarse(self) -> None:
+        if self._task is not None and not self._task.isCanceled():
+            self._coarse()
+
+    def _show_image(self, picture: WorldPicture, folder: Path, title: str) -> None:
+        """Show an image of the embedded world; the first one moves the map, and begins what comes after it."""
+        begin, then = self._begin, self._then
+        self._begin = self._then = None
+        try:
+            self._background.show_picture(picture, folder, title)
+            if begin is not None:
+                begin()
+            if then is not None:
+                then()
+        except TerrAInavError as wrong:
+            self._messages.warning(translate(wrong))
 
 
 class WorldTask(Task):
-    """Renders a picture of the embedded world."""
+    """Renders an image of the embedded world: a coarse one within a moment, then the fine one.
 
-    def __init__(self, picture: WorldPicture, path: Path) -> None:
+    Signals
+    -------
+    coarse_drawn()
+        The coarse image can be shown; emitted on the thread that draws.
+    """
+
+    coarse_drawn = pyqtSignal()
+
+    def __init__(self, picture: WorldPicture, folder: Path) -> None:
         super().__init__(tr("Drawing the synthetic landscape"))
-        self.picture = picture
-        self.path = path
+        self.picture, self.coarse = picture, coarser(picture)
+        self._folder = folder
+
+    @property
+    def path(self) -> Path:
+        """File of the fine image."""
+        return self._folder / self.picture.file_name
 
     def work(self) -> None:
         """Render."""
+        if self.coarse != self.picture:
+            if not (self._folder / self.coarse.file_name).is_file():
+                render(self.coarse, self._folder / self.coarse.file_name, lambda _: not self.isCanceled())
+            self.coarse_drawn.emit()
         render(self.picture, self.path, self.go_on)
+
+    def remove_coarse(self) -> None:
+        """Remove the coarse image, which the map does not show any more."""
+        if self.coarse != self.picture:
+            with suppress(OSError):
+                (self._folder / self.coarse.file_name).unlink()
 
 
 class Background:
@@ -178,15 +225,17 @@ class Background:
     def world_task(self, box: Box | None, map_type: str, seed: int, folder: Path) -> WorldTask | None:
         """Task that draws the embedded world around a box; None where that is there already."""
         picture = choose_picture(box, map_type, seed)
-        path = folder / picture.file_name
-        return None if path.is_file() else WorldTask(picture, path)
+        return None if (folder / picture.file_name).is_file() else WorldTask(picture, folder)
 
     def show_world(
         self, box: Box | None, map_type: str, seed: int, folder: Path, title: str
     ) -> QgsRasterLayer:
         """Show the embedded world as it was drawn for a box."""
-        path = folder / choose_picture(box, map_type, seed).file_name
-        return self._show(str(path), "gdal", title, WORLD)
+        return self.show_picture(choose_picture(box, map_type, seed), folder, title)
+
+    def show_picture(self, picture: WorldPicture, folder: Path, title: str) -> QgsRasterLayer:
+        """Show an image of the embedded world that has been drawn."""
+        return self._show(str(folder / picture.file_name), "gdal", title, WORLD)
 
     def show_tiles(self, source: str, map_type: str, title: str, date: str = "") -> QgsRasterLayer:
         """Show a source of tiles; raises InvalidInput where it cannot be shown."""
@@ -319,6 +368,17 @@ def choose_picture(box: Box | None, map_type: str, seed: int) -> WorldPicture:
             break
         zoom = candidate
     return WorldPicture(map_type, seed, zoom, *_tiles(west, east, north, south, zoom))
+
+
+def coarser(picture: WorldPicture) -> WorldPicture:
+    """Tiles of a lower zoom around an image: a few, which are drawn within a moment."""
+    steps = min(_COARSER, picture.zoom)
+    left, top = picture.left >> steps, picture.top >> steps
+    right = (picture.left + picture.columns - 1 >> steps) + 1
+    bottom = (picture.top + picture.rows - 1 >> steps) + 1
+    return picture._replace(
+        zoom=picture.zoom - steps, left=left, top=top, columns=right - left, rows=bottom - top
+    )
 
 
 def render(picture: WorldPicture, path: Path, progress: Callable[[float], bool]) -> None:

@@ -2,6 +2,7 @@
 
 provider            what QGIS lists in its toolbox
 algorithm           what all algorithms have in common; their work is kept off the main thread
+choices             choices, and every way in which a script, a model or a terminal may name one
 areas               areas out of what Processing hands over: extents, polygons and points
 mission_parameters  the parameters of a mission, and the mission that they ask for
 imagery             the imagery of a mission, taken on the main thread before an algorithm runs

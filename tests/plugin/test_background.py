@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -249,3 +250,63 @@ def test_picture_holds_the_box_and_stays_small(box):
         west, east = ((lon / 360.0 + 0.5) * count for lon in (box.west_deg, box.east_deg))
         assert picture.left <= west
         assert east <= picture.left + picture.columns
+
+
+def test_coarse_image_is_there_while_the_fine_one_is_drawn(desk, monkeypatch):
+    """Its places and colours are those of the fine one, as far as its pixels go."""
+    monkeypatch.setattr(background, "_MOST_PX", 40 * 256**2)
+    gate, drawn = threading.Event(), []
+    whole = background.render
+
+    def render_slowly(picture, path, progress):
+        if drawn:
+            assert gate.wait(60.0)
+        drawn.append(picture)
+        whole(picture, path, progress)
+
+    monkeypatch.setattr(background, "render", render_slowly)
+    desk.enter_box("35.16", "-89.90", "35.115", "-89.823")
+    desk.click(desk.form.show_on_map)
+    desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
+    (layer,) = QgsProject.instance().mapLayers().values()
+    coarse, fine_was_there = layer.source(), len(drawn) > 1
+    assert layer.isValid()
+    assert not fine_was_there
+    box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: fits(desk.canvas.extent(), box))
+    assert layer.extent().contains(box)
+    first = gdal.Open(coarse)
+    coarse_colours = first.ReadAsArray().astype(float)
+    place, size = first.GetGeoTransform(), (first.RasterXSize, first.RasterYSize)
+    del first
+    # What the user does meanwhile stays.
+    desk.canvas.zoomByFactor(0.5)
+    kept = desk.canvas.extent()
+    gate.set()
+    desk.wait_for_tasks()
+    assert [one.id() for one in QgsProject.instance().mapLayers().values()] == [layer.id()]
+    assert layer.source() != coarse
+    assert not Path(coarse).exists()
+    assert desk.canvas.extent() == kept
+    # The tiles of the place at a lower zoom, within what JPEG makes of them.
+    picture, source = drawn[0], open_source("world")
+    assert size == (picture.columns * 256, picture.rows * 256)
+    tile = source.fetch("satellite", Window(picture.zoom, picture.left * 256, picture.top * 256, 256, 256))
+    shown = np.moveaxis(coarse_colours[:, :256, :256], 0, -1)
+    assert np.abs(shown - tile).mean() < JPEG_MEAN_ERROR
+    edges = source.grid.edges(picture.left * 256, picture.top * 256, 0, 0, picture.zoom)
+    assert (place[0], place[3]) == pytest.approx((edges[0], edges[3]), abs=1e-6)
+
+
+def test_coarse_image_is_small_and_holds_the_fine_one():
+    for box in (Box(35.16, -89.90, 35.115, -89.823), Box(1.0, 179.9, -1.0, -179.9), None):
+        picture = choose_picture(box, "satellite", 2024)
+        coarse = background.coarser(picture)
+        times = 2 ** (picture.zoom - coarse.zoom)
+        assert coarse.left * times <= picture.left
+        assert coarse.top * times <= picture.top
+        assert (coarse.left + coarse.columns) * times >= picture.left + picture.columns
+        assert (coarse.top + coarse.rows) * times >= picture.top + picture.rows
+        # No tile that is not needed.
+        assert coarse.columns <= -(-picture.columns // times) + 1
+        assert coarse.rows <= -(-picture.rows // times) + 1

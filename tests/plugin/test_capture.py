@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -272,6 +273,27 @@ def test_folder_of_another_mission_is_left_alone(prepared):
     prepared.wait((other / "satellite.vrt").is_file)
     prepared.wait_for_run()
     assert Mission.load(other / "mission.json").flight.agl_m == 240.0
+    assert {path: path.read_bytes() for path in before} == before
+
+
+def test_folder_that_the_panel_proposed_counts_on_by_itself(prepared):
+    """One mission after the other, with nothing asked; a folder that is chosen is asked about."""
+    prepared.session.missions.begin_new()
+    first = Path(prepared.session.state().folder)
+    prepared.enter_small_mission()
+    prepared.form.folder.setFilePath(str(first))
+    capture(prepared)
+    before = {path: path.read_bytes() for path in first.rglob("*") if path.is_file()}
+    assert (first / "mission.json") in before
+    prepared.form.agl.setValue(240.0)
+    prepared.wait_planned()
+    prepared.click(prepared.dock.capture)
+    prepared.wait(lambda: len(prepared.session.runs.runs) == 2)
+    prepared.wait_for_run()
+    second = Path(prepared.session.state().folder)
+    assert (first.name, second) == ("mission-2", first.with_name("mission-3"))
+    assert Mission.load(second / "mission.json").flight.agl_m == 240.0
+    assert not any("holds another mission" in text for text in prepared.messages())
     assert {path: path.read_bytes() for path in before} == before
 
 

@@ -174,24 +174,29 @@ def test_no_means_no():
     assert source.policy.terms in text
     assert source.policy.terms_url in text
     assert "sources that allow it: " in text
-    assert text.endswith("world")
+    assert text.endswith("Synthetic (offline) [world]")
     source.close()
 
 
 def test_other_sources_are_named_that_show_the_same_of_the_same_place():
     vienna = (16.3, 48.1, 16.5, 48.3)
     assert alternatives(("satellite",), vienna) == (
-        "basemap-at (with --accept-terms)",
-        "s2cloudless (with --accept-terms)",
-        "nasa-gibs",
-        "world",
+        "basemap.at [basemap-at] (with --accept-terms)",
+        "EOX Sentinel-2 cloudless [s2cloudless] (with --accept-terms)",
+        "NASA GIBS, VIIRS true colour [nasa-gibs]",
+        "Synthetic (offline) [world]",
     )
     memphis = (-90.0, 35.0, -89.8, 35.2)
-    assert "usgs" in alternatives(("satellite",), memphis)
-    assert "usgs" not in alternatives(("roadmap",), memphis)
-    assert not {"osm", "esri-world-imagery", "mapbox-satellite"} & set(alternatives((), None))
+    assert "USGS National Map [usgs]" in alternatives(("satellite",), memphis)
+    assert "USGS National Map [usgs]" not in alternatives(("roadmap",), memphis)
+    forbidden = {"osm", "esri-world-imagery", "mapbox-satellite"}
+    assert not forbidden & {one.rpartition("[")[2].partition("]")[0] for one in alternatives((), None)}
+    # As they are listed, they can be named.
+    assert entry_named("synthetic (offline) [world]").name == "world"
     source = open_source("esri-world-imagery")
-    with pytest.raises(SourceError, match=r"sources that allow it: basemap-at \(with --accept-terms\)"):
+    with pytest.raises(
+        SourceError, match=r"sources that allow it: basemap.at \[basemap-at\] \(with --accept-terms\)"
+    ):
         check_policy(source, 101, map_types=("satellite",), bounds_deg=vienna)
     source.close()
 

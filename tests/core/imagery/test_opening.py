@@ -460,7 +460,7 @@ def test_terms_that_refuse_say_so_in_parts():
     refused = raised.value
     assert (refused.title, refused.policy, refused.requests) == (named.title, named.policy, 10_000)
     assert not refused.can_agree
-    assert "world" in refused.instead
+    assert "Synthetic (offline) [world]" in refused.instead
     with pytest.raises(TermsError) as raised:
         check_policy(named_source("google-static"), 10_000)
     assert raised.value.can_agree
