@@ -17,7 +17,7 @@ from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
 
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
-from ...core.mission.area import Box, Polygon
+from ...core.mission.area import Box, Polygon, Polygons
 from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS
@@ -253,7 +253,7 @@ class RandomDialog(QDialog):
         from ...core.poses.random_poses import Distribution, PoseDistributions, random_poses
 
         area, count, seed = self._area, int(self.count.value()), self._seed
-        if not isinstance(area, (Box, Polygon)):
+        if not isinstance(area, (Box, Polygon, Polygons)):
             raise InvalidInput(tr("no area to draw poses in: draw a box or a polygon first"))
         uniform = partial(Distribution, "uniform")
         poses = PoseDistributions(
