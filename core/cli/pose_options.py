@@ -180,7 +180,7 @@ def _add_scans(actions: Any) -> None:
         "structure", help="make a table of flights around structures, which it looks at"
     )
     structure.add_argument(
-        "file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: the structures' outlines"
+        "file", metavar="AREA", help="GeoJSON, KML or KMZ file of polygons: outlines of structures"
     )
     for command in (facade, structure):
         _add_output(command)

@@ -302,9 +302,7 @@ class Export(Algorithm):
         """Add its parameters and outputs."""
         self.add_dataset(tr("Of a capture, or of a benchmark."))
         self.add(
-            QgsProcessingParameterEnum(
-                "FORMAT", tr("Format"), options=list(KINDS), defaultValue="colmap", usesStaticStrings=True
-            ),
+            Choice("FORMAT", tr("Format"), KINDS, next(iter(KINDS))),
             tr("Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.").format(
                 **{
                     name: ", ".join(kinds)
