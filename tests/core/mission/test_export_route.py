@@ -126,7 +126,7 @@ def test_points_have_no_rows_to_fly_by_distance(tmp_path):
 
 
 def test_a_long_sortie_is_cut_further(tmp_path):
-    flown = worked_out(ROUTED.with_(overlap_along=0.8, overlap_across=0.8, battery_min=5.0))
+    flown = worked_out(ROUTED.with_(overlap_along=0.9, overlap_across=0.8, battery_min=5.0))
     exported = write_plan(flown, tmp_path / "n.litchi.csv")
     sizes = [len(table) for table in tables(exported)]
     assert max(sizes) <= 99
