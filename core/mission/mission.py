@@ -28,6 +28,7 @@ from .parts import (
     Imagery,
     Output,
     Pixels,
+    Route,
     Terrain,
 )
 from .wind import Wind
@@ -77,6 +78,7 @@ class Mission:
     pixels: Pixels
     accuracy: Accuracy
     terrain: Terrain
+    route: Route
     output: Output
     notes: tuple[str, ...] = field(compare=False, repr=False)
 
@@ -151,6 +153,8 @@ class Mission:
             del plain["output"]["products"]
         if self.terrain == Terrain():
             del plain["terrain"]
+        if self.route == Route():
+            del plain["route"]
         if isinstance(self.area, Points):
             for name in ("tilts_deg", "rolls_deg", "times_s"):
                 if not plain["area"][name]:
