@@ -39,6 +39,8 @@ FIRST, NEAREST = "first", "nearest"
 COMPASS_CORNERS = {"north-west": (-1, 1), "north-east": (1, 1), "south-east": (1, -1), "south-west": (-1, -1)}
 #: What releases the camera: each waypoint, the distance flown along a row, or each waypoint with a stop.
 BY_WAYPOINT, BY_DISTANCE, HOVER = "waypoint", "distance", "hover"
+#: Of the drones that a file for DJI's programs is for, those that DJI Fly flies.
+DJI_FLY = "dji-fly"
 #: What becomes of holes in the first source of heights.
 FILL, REFUSE = "fill", "refuse"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
@@ -681,6 +683,25 @@ class Route(Part):
         unit="s",
         above=0.0,
         suggested=1.0,
+        advanced=True,
+    )
+    drone: str = declared(
+        "mavic-3e",
+        title="drone",
+        help="drone that a file for DJI's programs (.kmz) is for: of DJI Pilot 2 and FlightHub 2, M300 and M350 with "
+        "the camera P1; dji-fly: those of DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3",
+        choices={
+            "mavic-3e": "Mavic 3E",
+            "mavic-3t": "Mavic 3T",
+            "mavic-3m": "Mavic 3M",
+            "m30": "M30",
+            "m30t": "M30T",
+            "m300": "M300 RTK (P1)",
+            "m350": "M350 RTK (P1)",
+            "m4e": "M4E",
+            "m4t": "M4T",
+            DJI_FLY: "DJI Fly (Mini 4 Pro, Air 3, Mavic 3)",
+        },
         advanced=True,
     )
     battery_min: float | None = declared(

@@ -260,7 +260,7 @@ class RouteSection(Section):
         self.add_declared("takeoff", self.takeoff)
         for name in (
             *("entry", "lead_in_m", "turnaround_m", "trigger"),
-            *("photo_interval_s", "battery_min"),
+            *("photo_interval_s", "battery_min", "drone"),
         ):
             self.add_declared(name)
 

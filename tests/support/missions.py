@@ -65,6 +65,7 @@ missions = st.builds(
     turnaround_m=st.floats(0, 1000),
     trigger=st.sampled_from(["waypoint", "distance", "hover"]),
     battery_min=st.one_of(st.none(), st.floats(0.1, 100)),
+    drone=st.sampled_from(["mavic-3e", "m300", "dji-fly"]),
     crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
 
