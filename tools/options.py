@@ -78,6 +78,7 @@ def schema() -> dict[str, Any]:
             "additionalProperties": False,
             **({"required": needed} if needed else {}),
         }
+    properties["no_fly"] = _no_fly()
     properties["pixels"]["not"] = {
         "type": "object",
         "required": ["zoom", "gsd_m_per_px"],
@@ -117,11 +118,40 @@ def _property(field: Field) -> dict[str, Any]:
     return {**said, **field.schema}
 
 
+#: Of a latitude and of a longitude.
+_LAT_LON: tuple[dict[str, Any], dict[str, Any]] = (
+    {"type": "number", "minimum": -90, "maximum": 90},
+    {"type": "number", "minimum": -360, "maximum": 360},
+)
+
+
+def _tuple_of(*items: Any) -> dict[str, Any]:
+    return {"type": "array", "prefixItems": list(items), "minItems": len(items), "items": False}
+
+
+def _polygon() -> dict[str, Any]:
+    lat, lon = _LAT_LON
+    ring = {"type": "array", "items": _tuple_of(lon, lat), "minItems": 3}
+    return {"rings": {"type": "array", "items": ring, "minItems": 1}}
+
+
+def _no_fly() -> dict[str, Any]:
+    polygon = _polygon()
+    return {
+        "description": "Polygons where no camera may stand: captures planned inside are left out.",
+        "type": ["array", "null"],
+        "items": {
+            "type": "object",
+            "properties": polygon,
+            "required": [*polygon],
+            "additionalProperties": False,
+        },
+        "default": [],
+    }
+
+
 def _area() -> dict[str, Any]:
-    lat, lon = (
-        {"type": "number", "minimum": -90, "maximum": 90},
-        {"type": "number", "minimum": -360, "maximum": 360},
-    )
+    lat, lon = _LAT_LON
     agl = _property(field_named(Flight, "agl_m"))
     own: dict[str, Any] = {"times_s": {"type": "number", "minimum": 0}}
     for name in ANGLES:
@@ -138,19 +168,18 @@ def _area() -> dict[str, Any]:
             "additionalProperties": False,
         }
 
-    def tuple_of(*items: Any) -> dict[str, Any]:
-        return {"type": "array", "prefixItems": list(items), "minItems": len(items), "items": False}
-
-    ring = {"type": "array", "items": tuple_of(lon, lat), "minItems": 3}
+    polygon = _polygon()
+    part = {"type": "object", "properties": polygon, "required": [*polygon], "additionalProperties": False}
     return {
         "description": "Ground to cover, or points to capture, in degrees; a box whose west exceeds its east crosses "
         "the antimeridian.",
         "oneOf": [
             of_type("box", north_deg=lat, west_deg=lon, south_deg=lat, east_deg=lon),
-            of_type("polygon", rings={"type": "array", "items": ring, "minItems": 1}),
+            of_type("polygon", **polygon),
+            of_type("polygons", parts={"type": "array", "items": part, "minItems": 1}),
             of_type(
                 "points",
-                poses={"type": "array", "items": tuple_of(lat, lon, agl), "minItems": 1},
+                poses={"type": "array", "items": _tuple_of(lat, lon, agl), "minItems": 1},
                 **{one: {"type": ["array", "null"], "items": value} for one, value in sorted(own.items())},
             ),
         ],

@@ -1,11 +1,11 @@
-"""Where a mission goes: a box, a polygon, or points, and what of it lies in bands and rectangles."""
+"""Where a mission goes: a box, a polygon or several, or points, and what of it lies in bands and rectangles."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol, Union
+from typing import Any, NamedTuple, Protocol, Union
 
 import numpy as np
 from numpy.typing import NDArray
@@ -158,6 +158,84 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
 
 
 @dataclass(frozen=True)
+class Polygons:
+    """Several polygons that one mission covers, each by rows of its own.
+
+    Parts that are the same polygon are one. Where two others overlap, the ground belongs to both: each of them is
+    covered, and the area counts it for each.
+
+    Parameters
+    ----------
+    parts : tuple of Polygon
+        One at least.
+    """
+
+    parts: tuple[Polygon, ...]
+
+    def __post_init__(self) -> None:
+        parts = tuple(dict.fromkeys(self.parts))
+        if not parts:
+            raise InvalidInput("area of no polygons: needs at least one")
+        object.__setattr__(self, "parts", parts)
+
+    def placed(self) -> tuple[Part, ...]:
+        """Return the parts, all their longitudes within those of the bounds, which go on beyond 180."""
+        west = self.bounds.west_deg
+        return tuple(Part.of(part, west) for part in self.parts)
+
+    @property
+    def bounds(self) -> Box:
+        """The smallest box around all parts: across the antimeridian where that is the shorter way."""
+        boxes = [part.bounds for part in self.parts]
+        if len(boxes) == 1:
+            return boxes[0]
+        west, east = _around([(box.west_deg, box.continuous_east_deg) for box in boxes])
+        north, south = max(box.north_deg for box in boxes), min(box.south_deg for box in boxes)
+        return Box(north, west, south, east - 360.0 if east > 180.0 else east)
+
+    def area_m2(self) -> float:
+        """Square metres of ellipsoid inside the parts."""
+        return sum(part.area_m2() for part in self.parts)
+
+
+class Part(NamedTuple):
+    """Rings of one polygon, the outer one first, with longitudes of a turn of the world of their own."""
+
+    rings: tuple[tuple[Floats, Floats], ...]
+
+    @classmethod
+    def of(cls, polygon: Polygon, west_deg: float) -> Part:
+        """Return a polygon whose westernmost longitude is in the turn eastward of a meridian."""
+        rings = polygon.arrays()
+        turn = 360.0 * math.ceil((west_deg - float(rings[0][0].min())) / 360.0)
+        return cls(tuple((lon + turn, lat) for lon, lat in rings))
+
+    def arrays(self) -> list[tuple[Floats, Floats]]:
+        """Longitudes and latitudes of each ring."""
+        return list(self.rings)
+
+    @property
+    def edges_deg(self) -> tuple[float, float, float, float]:
+        """West, south, east and north of the outer ring."""
+        lon, lat = self.rings[0]
+        return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
+
+
+def _around(spans: list[tuple[float, float]]) -> tuple[float, float]:
+    """West and east end, in continuous degrees, of the shortest stretch that holds all of some; west in [-180, 180)."""
+    spans = sorted(spans)
+    reach, gaps = spans[0][1], []
+    for west, east in spans[1:]:
+        gaps.append((west - reach, west))
+        reach = max(reach, east)
+    # The gap across the antimeridian, from the last back to the first, comes first: it wins where all are equal.
+    widest, first = max([(spans[0][0] + 360.0 - reach, spans[0][0]), *gaps], key=lambda gap: gap[0])
+    if widest <= 0.0:
+        return -180.0, 180.0
+    return first, max(east + 360.0 * (west < first) for west, east in spans)
+
+
+@dataclass(frozen=True)
 class Points:
     """Single captures, each with its own height.
 
@@ -253,7 +331,12 @@ def _shifted(ring: tuple[Position, ...], turns: int) -> tuple[Position, ...]:
     return tuple((lon + 360.0 * turns, lat) for lon, lat in ring) if turns else ring
 
 
-Area = Union[Box, Polygon, Points]
+Area = Union[Box, Polygon, Polygons, Points]
+
+
+def parts_of(area: Box | Polygon | Polygons) -> tuple[Box | Polygon, ...]:
+    """Return what of an area is covered by rows of its own: its parts, or all of it."""
+    return area.parts if isinstance(area, Polygons) else (area,)
 
 
 class Rings(Protocol):
@@ -392,13 +475,29 @@ def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     return held
 
 
+def inside(area: Box | Polygon | Polygons, lat_deg: Floats, lon_deg: Floats) -> Flags:
+    """Return which places are inside an area, (n,), whatever turn of the world their longitudes count from."""
+    west, south, _, north = area.bounds.edges_deg
+    if isinstance(area, Box):
+        in_turn = np.mod(lon_deg - west, 360.0) <= area.span_deg
+        return np.asarray((lat_deg >= south) & (lat_deg <= north) & in_turn)
+    found = np.zeros(np.shape(lat_deg), bool)
+    for polygon in area.parts if isinstance(area, Polygons) else (area,):
+        west, south, east, north = polygon.bounds.edges_deg
+        lon = lon_deg - 360.0 * np.floor((lon_deg - west) / 360.0)
+        # Only what is in the box around it is looked at.
+        near = np.flatnonzero((lat_deg >= south) & (lat_deg <= north) & (lon <= east) & ~found)
+        found[near] = holds(polygon, lat_deg[near], lon[near])
+    return found
+
+
 def _parts(count: int, each: int) -> Iterator[slice]:
     """Parts of so many values that each take so many numbers."""
     step = max(_CHUNK // each, 1)
     return (slice(start, start + step) for start in range(0, count, step))
 
 
-def area_within_m2(area: Box | Polygon, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
+def area_within_m2(area: Box | Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
     """Square metres of an area inside rectangles of degrees that do not pass its box, (n,)."""
     if isinstance(area, Box):
         return (east - west) * WGS84.zone_area_m2_per_deg(south, north)

@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
+from .area import Polygon, Polygons
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
+from .pilot import Sun, interval_s, sorties_text, sun_of, too_fast
 from .plan import Plan
 
 #: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.
@@ -67,6 +69,13 @@ class Summary:
     below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
     ground which images hold, but relief in front of it hides from all of them.
 
+    The flight is that from the first image to the last; the path also has the ways there and back, over all sorties,
+    and is None where the mission has no route. ``interval_s`` is the least time between two images of a row;
+    ``fov_deg`` is 0 where the camera does not look straight down.
+
+    ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out
+    because their camera would stand inside one of the ``no_fly_areas``.
+
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
 
@@ -108,11 +117,22 @@ class Summary:
     hidden_share: float | None = None
     filled_heights: int | None = None
     heights: int | None = None
+    path_m: float | None = None
+    path_s: float | None = None
+    sorties_s: tuple[float, ...] = ()
+    battery_min: float | None = None
+    interval_s: float | None = None
+    sun: Sun | None = None
+    fov_deg: float = 0.0
+    polygons: int = 0
+    no_fly_areas: int = 0
+    images_over_no_fly: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
         plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "accuracy"}
-        return {**plain, "accuracy": self.accuracy.to_dict()}
+        sun = None if self.sun is None else self.sun._asdict()
+        return {**plain, "sun": sun, "accuracy": self.accuracy.to_dict()}
 
     @property
     def lacks_imagery(self) -> bool:
@@ -130,6 +150,7 @@ class Summary:
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
+            *self._of_areas(),
             (Message("rows, columns"), f"{self.rows}, {self.columns}"),
             (Message("image"), shape),
             (
@@ -139,6 +160,7 @@ class Summary:
             *self._relief(),
             (Message("flight distance"), length_text(self.flight_distance_m)),
             (Message("flight time"), duration_text(self.flight_s)),
+            *self._flown(),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
             words = Message("complete but for missing imagery") if self.lacks_imagery else Message("complete")
@@ -172,6 +194,36 @@ class Summary:
             *self.accuracy.lines(),
             *((Message("warning"), text) for text in self.warnings),
         ]
+        return lines
+
+    def _flown(self) -> list[tuple[str, str]]:
+        lines: list[tuple[str, str]] = []
+        if self.path_m is not None and self.path_s is not None:
+            path = Message("{0}, {1} with turns", length_text(self.path_m), duration_text(self.path_s))
+            lines.append((Message("flight path"), path))
+        return lines + [(label, text) for label, text in self.piloting()]
+
+    def piloting(self) -> list[tuple[Message, Message]]:
+        """Label and value of sorties and sun, where there is something to say of them."""
+        lines = []
+        if self.battery_min is not None:
+            lines.append((Message("sorties"), sorties_text(self.sorties_s, self.battery_min)))
+        if self.sun is not None:
+            lines.append((Message("sun"), self.sun.text(self.fov_deg)))
+        return lines
+
+    def _of_areas(self) -> list[tuple[str, str]]:
+        """Number of several polygons, and what no-fly areas cost."""
+        lines: list[tuple[str, str]] = []
+        if self.polygons > 1 and self.area_m2 is not None:
+            lines.append(
+                (Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2)))
+            )
+        if self.no_fly_areas:
+            words = Message("{0:,} images", self.images_over_no_fly)
+            if self.no_fly_areas > 1:
+                words = Message("{0} ({1:,} areas)", words, self.no_fly_areas)
+            lines.append((Message("left out over no-fly areas"), words))
         return lines
 
     def _relief(self) -> list[tuple[str, str]]:
@@ -261,9 +313,30 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
-        warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
+        polygons=_polygons(plan),
+        no_fly_areas=len(mission.no_fly),
+        images_over_no_fly=plan.left_out,
+        warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
         **relief,
+        **_flown(plan),
     )
+
+
+def _flown(plan: Plan) -> dict[str, Any]:
+    path, attitude = plan.path, plan.mission.attitude
+    figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": sun_of(plan)}
+    if attitude.tilt_deg == 0.0 and attitude.roll_deg == 0.0:
+        figures["fov_deg"] = plan.mission.camera.fov_deg
+    if not path.is_captures:
+        seconds = tuple(path.sorties_s.tolist())
+        figures.update(path_m=path.distance_m, path_s=sum(seconds), sorties_s=seconds)
+        figures["battery_min"] = plan.mission.route.battery_min
+    return figures
+
+
+def _polygons(plan: Plan) -> int:
+    area = plan.mission.area
+    return len(area.parts) if isinstance(area, Polygons) else int(isinstance(area, Polygon))
 
 
 def _over_relief(plan: Plan) -> dict[str, Any]:

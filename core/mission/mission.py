@@ -14,10 +14,12 @@ from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
-from .area import Area, Box, Points, Polygon
+from .area import Area, Box, Points, Polygon, Polygons
 from .earlier import of_schema_1, with_row_azimuth
 from .imageries import NamedImagery
 from .parts import (
+    BY_DISTANCE,
+    BY_WAYPOINT,
     EASTWARD_DEG,
     FLAT_PARTS,
     PAPER,
@@ -37,7 +39,12 @@ _Part = TypeVar("_Part", Box, Camera, Wind)
 #: Version of the mission file; readers accept this one and the one before, and refuse newer ones.
 SCHEMA = 2
 #: Parts that are values of their own, with ways of their own to make them; each is given whole.
-WHOLE_PARTS: dict[str, Any] = {"area": (Box, Polygon, Points), "camera": Camera, "wind": Wind}
+WHOLE_PARTS: dict[str, Any] = {
+    "area": (Box, Polygon, Polygons, Points),
+    "camera": Camera,
+    "wind": Wind,
+    "no_fly": tuple,
+}
 #: The part that each field of `FLAT_PARTS` is in.
 _PART_OF = {one.name: name for name, part in FLAT_PARTS.items() for one in declared_fields(part)}
 
@@ -47,17 +54,19 @@ class Mission:
     """What the user asks for.
 
     It is written flat and read by its parts: ``Mission(Box(…), 120.0, overlap_along=0.6).flight.overlap_along``. Area,
-    camera and wind are given whole; every other field by its name, which no two parts share. What each field means is
-    declared in `parts`, `Lens` and `Wind`, and listed in ``docs/options.md``.
+    camera, wind and no-fly polygons are given whole; every other field by its name, which no two parts share. What each
+    field means is declared in `parts`, `Lens` and `Wind`, and listed in ``docs/options.md``.
 
     Parameters
     ----------
-    area : Box, Polygon or Points
+    area : Box, Polygon, Polygons or Points
         Ground to cover, or the points to capture (which carry their own heights).
     agl_m : float
         Height above ground in metres, > 0; of the first point where the area is Points.
     wind : Wind or None
         What moves the captures off their places; None for still air, which costs nothing.
+    no_fly : tuple of Polygon
+        Where no camera may stand: captures planned inside are left out.
     notes : tuple of str
         What a mission file asked for that this version does not have, and why; no part of the mission.
     **values
@@ -80,6 +89,7 @@ class Mission:
     terrain: Terrain
     route: Route
     output: Output
+    no_fly: tuple[Polygon, ...]
     notes: tuple[str, ...] = field(compare=False, repr=False)
 
     def __init__(
@@ -89,17 +99,20 @@ class Mission:
         camera: Camera = Camera(),  # noqa: B008  frozen
         *,
         wind: Wind | None = None,
+        no_fly: tuple[Polygon, ...] = (),
         notes: tuple[str, ...] = (),
         **values: Any,
     ) -> None:
         given = _by_part({"agl_m": agl_m, **values})
         made = {name: part(**given.get(name, {})) for name, part in FLAT_PARTS.items()}
-        self._keep(area=area, camera=camera, wind=wind, notes=notes, **made)
+        self._keep(area=area, camera=camera, wind=wind, no_fly=no_fly, notes=notes, **made)
 
     def _keep(self, **parts: Any) -> None:
         """Take parts that are right one by one, if they go together."""
         if parts["wind"] is not None:
             parts["wind"].flown_at(parts["flight"].airspeed_m_per_s)
+        # One polygon given more than once forbids no more, and a list is as good as a tuple.
+        parts["no_fly"] = tuple(dict.fromkeys(parts["no_fly"]))
         for name, part in parts.items():
             object.__setattr__(self, name, part)
 
@@ -116,6 +129,12 @@ class Mission:
         if isinstance(self.area, Points):
             return "single" if len(self.area.poses) == 1 else "list"
         return "raster"
+
+    @property
+    def trigger(self) -> str:
+        """What releases the camera: waypoints where the route says distance, but points have no rows."""
+        is_points = isinstance(self.area, Points)
+        return BY_WAYPOINT if is_points and self.route.trigger == BY_DISTANCE else self.route.trigger
 
     @property
     def by_imagery(self) -> dict[str, Mission]:
@@ -141,7 +160,9 @@ class Mission:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``."""
         parts = {one.name: getattr(self, one.name) for one in fields(self) if one.compare}
-        plain: dict[str, Any] = {name: None if part is None else asdict(part) for name, part in parts.items()}
+        plain: dict[str, Any] = {
+            name: None if part is None else asdict(part) for name, part in parts.items() if name != "no_fly"
+        }
         # Files of missions that go without what is new are those of versions that did not know it.
         if not self.imagery.crs:
             del plain["imagery"]["crs"]
@@ -155,6 +176,8 @@ class Mission:
             del plain["terrain"]
         if self.route == Route():
             del plain["route"]
+        if self.no_fly:
+            plain["no_fly"] = [asdict(polygon) for polygon in self.no_fly]
         if isinstance(self.area, Points):
             for name in ("tilts_deg", "rolls_deg", "times_s"):
                 if not plain["area"][name]:
@@ -198,7 +221,10 @@ class Mission:
             raise InvalidInput("mission without {0}: the field is needed", "'agl_m'")
         camera = _made(Camera, "camera", data.get("camera") or {})
         wind = None if data.get("wind") is None else _made(Wind, "wind", data["wind"])
-        return cls(area_from_dict(data["area"]), camera=camera, wind=wind, notes=notes, **values)
+        no_fly = _polygons("no_fly", data.get("no_fly") or [])
+        return cls(
+            area_from_dict(data["area"]), camera=camera, wind=wind, no_fly=no_fly, notes=notes, **values
+        )
 
     @classmethod
     def from_json(cls, text: str) -> Mission:
@@ -253,7 +279,9 @@ def area_from_dict(values: Any) -> Area:
         if kind == "box":
             return _made(Box, "area", area)
         if kind == "polygon":
-            return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in area["rings"]))
+            return _polygon(area)
+        if kind == "polygons":
+            return Polygons(tuple(_polygon(part) for part in area["parts"]))
         if kind == "points":
             own = {name: tuple(values or ()) for name, values in area.items() if name != "poses"}
             _check_names(own, "area.", [one.name for one in fields(Points)])
@@ -264,7 +292,29 @@ def area_from_dict(values: Any) -> Area:
         raise
     except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
         raise InvalidInput("mission with a value of the wrong type: {0}", wrong) from wrong
-    raise InvalidInput("area type {0!r}: must be box, polygon or points", kind)
+    raise InvalidInput("area type {0!r}: must be box, polygon, polygons or points", kind)
+
+
+def _polygon(values: Mapping[str, Any]) -> Polygon:
+    return Polygon(tuple(tuple((p[0], p[1]) for p in ring) for ring in values["rings"]))
+
+
+def _polygons(name: str, values: Any) -> tuple[Polygon, ...]:
+    """Polygons from the list of their JSON objects; raises InvalidInput."""
+    if not isinstance(values, list):
+        raise InvalidInput("mission field {0!r} is {1!r}: must be a list of polygons", name, values)
+    found = []
+    for at, one in enumerate(values):
+        _check_names(_object(f"{name}[{at}]", one), f"{name}[{at}].", ("rings",))
+        try:
+            found.append(_polygon(one))
+        except KeyError as missing:
+            raise InvalidInput("mission without {0}: the field is needed", missing) from missing
+        except InvalidInput:
+            raise
+        except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
+            raise InvalidInput("mission with a value of the wrong type: {0}", wrong) from wrong
+    return tuple(found)
 
 
 def _by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -97,6 +97,10 @@ class Plan:
         The relief that they are flown over; None where the ground is level.
     flown : Flown or None
         How high they are over that.
+    parts : tuple of int
+        Of an area of several polygons, the index of the first capture of each in flight order; empty for one.
+    left_out : int
+        Captures that no-fly areas have cost.
 
     Everything else is worked out when first asked for, and kept.
     """
@@ -116,6 +120,8 @@ class Plan:
     level_m: float = 0.0
     relief: ReliefBelow | None = None
     flown: Flown | None = None
+    parts: tuple[int, ...] = ()
+    left_out: int = 0
 
     def __len__(self) -> int:
         return len(self.column)
@@ -343,7 +349,11 @@ class Plan:
         if self.passes:
             return rotated_overlap(self.column, self.row, self.passes, self._rectangles)
         return overlap(
-            self.column, self.row, self.windows, rows_are_level=self.mission.flight.layout == "cover"
+            self.column,
+            self.row,
+            self.windows,
+            rows_are_level=self.mission.flight.layout == "cover",
+            parts=self.parts,
         )
 
     @cached_property
@@ -411,11 +421,11 @@ class Plan:
     @cached_property
     def flight_distance_m(self) -> float:
         """Geodesic length of the way from the first capture to the last, without climbs."""
-        way = self._legs if self.nominal is None else legs(self.lat_deg, self.lon_deg)
+        way = self.legs if self.nominal is None else legs(self.lat_deg, self.lon_deg)
         return float(np.sum(way.distance_m))
 
     @cached_property
-    def _legs(self) -> Legs:
+    def legs(self) -> Legs:
         """Legs as they were meant to be."""
         return legs(self.meant.lat_deg, self.meant.lon_deg)
 
@@ -424,10 +434,14 @@ class Plan:
         """Poses as they were meant to be, which wind has moved."""
         return self.poses if self.nominal is None else self.nominal
 
-    @property
+    @cached_property
     def times_s(self) -> Floats:
-        """Seconds of each exposure after the first one, (n,): the points' own, or along the flight as it was meant."""
-        return self.exposures_s
+        """Seconds of each exposure after the first one, (n,): the points' own, or along the path as it was meant.
+
+        So turns count where the mission has a route, and ways to the take-off and back between sorties.
+        """
+        path = self.path
+        return self.exposures_s if path.is_captures else path.time_s[path.capture >= 0]
 
     @cached_property
     def exposures_s(self) -> Floats:
@@ -436,13 +450,13 @@ class Plan:
         `flight.intervals_s` says what is counted: legs at the ground speed, climbs at the airspeed, no turns.
         """
         mission = self.mission
-        own = _times_s(mission)
+        own = _times_s(mission, self.column)
         if own is not None:
             since: Floats = own - own[0]
             return since
         times = np.zeros(len(self))
         np.cumsum(
-            intervals_s(self._legs, self.meant.agl_m, mission.flight.airspeed_m_per_s, mission.wind),
+            intervals_s(self.legs, self.meant.agl_m, mission.flight.airspeed_m_per_s, mission.wind),
             out=times[1:],
         )
         return times
@@ -455,12 +469,12 @@ class Plan:
     @property
     def has_times(self) -> bool:
         """Whether the captures are of points that say when they are."""
-        return _times_s(self.mission) is not None
+        return _times_s(self.mission, self.column) is not None
 
     @property
     def start(self) -> str:
         """UTC of the first exposure, as ISO 8601: that of the first point with a time, or the mission's."""
-        own = _times_s(self.mission)
+        own = _times_s(self.mission, self.column)
         if own is None:
             return self.mission.flight.start
         return f"{np.datetime64(round(float(own[0]) * 1e6), 'us')}Z"
@@ -574,6 +588,8 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         level_m=levelled.flight.ground_height_m,
         relief=relief,
         flown=over,
+        parts=flown.parts,
+        left_out=flown.left_out,
     )
 
 
@@ -593,10 +609,10 @@ def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ReliefBel
     return level, relief
 
 
-def _times_s(mission: Mission) -> Floats | None:
-    """When the points of a mission are captured, (n,); None where they do not say."""
+def _times_s(mission: Mission, column: Numbers) -> Floats | None:
+    """When points of a mission, by their columns, are captured, (n,); None where they do not say."""
     times = mission.area.times_s if isinstance(mission.area, Points) else ()
-    return np.array(times, np.float64) if times else None
+    return np.array(times, np.float64)[column] if times else None
 
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
@@ -604,7 +620,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     if mission.wind is None:
         return nominal
     way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
-    own = _times_s(mission)
+    own = _times_s(mission, layout.column)
     interval_s = np.diff(own) if own is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)

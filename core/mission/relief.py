@@ -18,7 +18,8 @@ from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
-from .area import ANGLES, Points, Polygon, crossed_and_held
+from .area import ANGLES, Points, Polygon, Polygons
+from .area import inside as inside_area
 from .flight import legs
 from .layout.rows import Layout, point_angles_deg
 from .mission import Mission
@@ -96,6 +97,32 @@ class ReliefFigures(NamedTuple):
     hidden_share: float
 
 
+class Overflown:
+    """Relief below a path that goes beyond the captures.
+
+    Parameters
+    ----------
+    ground, surface : Surface
+    clearance_distance_m : float
+    """
+
+    def __init__(self, ground: Surface, surface: Surface, clearance_distance_m: float) -> None:
+        self._ground, self._surface = ground, surface
+        self.cell_m = min(_cell_m(ground), _cell_m(surface))
+        self._near = _highest_around(surface, clearance_distance_m) if clearance_distance_m else None
+
+    def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Heights of the ground at positions (n,); NaN where there is none."""
+        return self._ground.heights(*self._ground.position(lat_deg, lon_deg))
+
+    def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Greatest height within the clearance's distance of positions (n,); minus infinity where there is none."""
+        found = self._surface.heights(*self._surface.position(lat_deg, lon_deg))
+        if self._near is not None:
+            found = np.fmax(found, self._near(lat_deg, lon_deg))
+        return np.where(np.isnan(found), -np.inf, found)
+
+
 class ReliefBelow:
     """What a mission's captures fly over and see, in cells as fine as the area allows.
 
@@ -153,6 +180,15 @@ class ReliefBelow:
         self._read(*self._stand)
         return False
 
+    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> Overflown:
+        """Relief about positions (n,), and so many metres around them."""
+        distance_m = self.mission.terrain.clearance_distance_m
+        around = _widened(lat_deg, lon_deg, room_m + distance_m)
+        ground = surface = self.heights.ground.surface(*around)
+        if self.heights.surface is not self.heights.ground:
+            surface = self.heights.surface.surface(*around)
+        return Overflown(ground, surface, distance_m)
+
     @property
     def is_level(self) -> bool:
         """Whether there is no relief at all."""
@@ -192,8 +228,8 @@ class ReliefBelow:
             inside = np.zeros(len(row), bool)
             for x, y in zip(own_column.tolist(), own_row.tolist()):
                 inside |= (np.abs(column - x) < 1.0) & (np.abs(row - y) < 1.0)
-        elif isinstance(area, Polygon):
-            _, inside = crossed_and_held(area, lon, lat, lon, lat)
+        elif isinstance(area, (Polygon, Polygons)):
+            inside = inside_area(area, lat, lon)
         else:
             south, north = float(self._ends[0].min()), float(self._ends[0].max())
             inside = (lat >= south) & (lat <= north) & (lon >= west) & (lon <= east)
@@ -477,8 +513,8 @@ class ReliefBelow:
             begin + (end - begin) * np.mod(count * step, 1.0)
             for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
         )
-        if isinstance(area, Polygon):
-            _, inside = crossed_and_held(area, lon, lat, lon, lat)
+        if isinstance(area, (Polygon, Polygons)):
+            inside = inside_area(area, lat, lon)
             lon, lat = lon[inside], lat[inside]
         height = self._surface.heights(*self._surface.position(lat, lon))
         known = np.isfinite(height)

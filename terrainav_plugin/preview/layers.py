@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from qgis.core import Qgis, QgsVectorLayer
+from qgis.core import Qgis, QgsPalLayerSettings, QgsVectorLayer, QgsVectorLayerSimpleLabeling
 
+from ..compat import LABELS_ALONG_LINE
 from ..i18n import tr
 from ..map.mission_group import ROLE
 from ..paths import style
@@ -25,7 +26,7 @@ FIELDS = {
     "centres": f"{_POSE}&field=gsd_m:double&field=yaw:double&{_TIMES}",
     "flight": (
         "field=length_m:double&field=images:integer&field=first_lat:double&field=first_lon:double"
-        "&field=start:datetime&field=end:datetime"
+        "&field=start:datetime&field=end:datetime&field=sortie:integer"
     ),
     "density": "field=images:double",
 }
@@ -119,6 +120,23 @@ def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
     layer.loadNamedStyle(style(name))
     layer.setMapTipTemplate(_map_tip(role))
     _set_times(layer, role)
+    if role == "flight":
+        _label_sorties(layer)
+
+
+def _label_sorties(layer: QgsVectorLayer) -> None:
+    """Write along the line of each of several sorties which one it is; colours repeat, and not all tell them apart."""
+    labels = QgsPalLayerSettings()
+    text = tr("Sortie {number}").format(number="' || \"sortie\" || '")
+    labels.fieldName, labels.isExpression = f"if(\"sortie\" > 0, '{text}', '')", True
+    labels.placement = LABELS_ALONG_LINE
+    style = labels.format()
+    halo = style.buffer()
+    halo.setEnabled(True)
+    style.setBuffer(halo)
+    labels.setFormat(style)
+    layer.setLabeling(QgsVectorLayerSimpleLabeling(labels))
+    layer.setLabelsEnabled(True)
 
 
 def _set_times(layer: QgsVectorLayer, role: str) -> None:
