@@ -50,7 +50,7 @@ class Command(NamedTuple):
 
 def check_qgroundcontrol(plan: Plan) -> None:
     """Raise InvalidInput for a mission of more items than MAVLink counts."""
-    by_distance = plan.mission.route.trigger == BY_DISTANCE
+    by_distance = plan.mission.trigger == BY_DISTANCE
     for sortie in sorties(plan):
         captures = int(np.count_nonzero(sortie.capture >= 0))
         own = 2 * _EACH * len(sortie.runs(plan)) if by_distance else _EACH * captures
@@ -162,7 +162,7 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
 
     The gimbal is turned on the way to the waypoint that asks for another pitch.
     """
-    trigger = plan.mission.route.trigger
+    trigger = plan.mission.trigger
     ends = dict(sortie.runs(plan)) if trigger == BY_DISTANCE else {}
     hold = _STEADY_S if trigger == HOVER else 0
     last, pitch_was = -1, float(sortie.gimbal_pitch_deg[0])

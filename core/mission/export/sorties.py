@@ -67,10 +67,11 @@ class Sortie:
         )
 
     def runs(self, plan: Plan) -> list[tuple[int, int]]:
-        """First and last point of each run of captures of one row, one after the other."""
+        """First and last point of each run of captures of one row, one after the other and none left out."""
         at = np.flatnonzero(self.capture >= 0)
         captures = self.capture[at]
-        ends = (np.diff(plan.row[captures]) != 0) | (np.diff(at) != 1) | (np.diff(captures) != 1)
+        ends = (np.diff(plan.row[captures]) != 0) | (np.abs(np.diff(plan.column[captures])) != 1)
+        ends |= np.diff(at) != 1
         starts = np.concatenate([[0], np.flatnonzero(ends) + 1]) if len(at) else at
         last = np.append(starts[1:] - 1, len(at) - 1)[: len(starts)]
         return list(zip(at[starts].tolist(), at[last].tolist()))

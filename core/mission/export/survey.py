@@ -169,7 +169,7 @@ def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
     """The complex item of the rows of a sortie, whose own items are numbered from ``first``."""
     rows = _rows(plan, sortie)
     polygon, spacing_m, entry = _polygon(plan, rows)
-    hovers = plan.mission.route.trigger == HOVER
+    hovers = plan.mission.trigger == HOVER
     turns = sortie.capture < 0
     inner: dict[str, Any] = {
         "CameraCalc": _camera(plan, rows, spacing_m),
@@ -220,7 +220,12 @@ def _rows(plan: Plan, sortie: Sortie) -> _Rows:
     captures = sortie.capture[at]
     if len(plan.passes) > 1 and captures[0] < plan.passes[1].first:
         at = at[captures < plan.passes[1].first]
-    runs = [run for run in sortie.runs(plan) if run[1] <= at[-1]]
+    ends_of: dict[int, tuple[int, int]] = {}
+    for start, end in (run for run in sortie.runs(plan) if run[1] <= at[-1]):
+        row = int(plan.row[sortie.capture[start]])
+        # Over relief, a row may have points between its captures.
+        ends_of[row] = ends_of.get(row, (start, end))[0], end
+    runs = list(ends_of.values())
     plane = LocalPlane(float(sortie.lat_deg[at[0]]), float(sortie.lon_deg[at[0]]))
     lon = plane.lon_deg + np.mod(sortie.lon_deg - plane.lon_deg + 180.0, 360.0) - 180.0
     east, north = plane.forward(sortie.lat_deg, lon)
@@ -235,7 +240,7 @@ def _rows(plan: Plan, sortie: Sortie) -> _Rows:
     sine, cosine = np.sin(np.radians(azimuth)), np.cos(np.radians(azimuth))
     along, right = east * sine + north * cosine, east * cosine - north * sine
     offset = (right[starts] + right[ends]) / 2.0
-    counts = ends - starts
+    counts = sortie.capture[ends] - sortie.capture[starts]
     # A row of one image has no direction; rows are flown to and fro.
     shown = int(np.argmax(counts > 0))
     forward = bool((along[ends] >= along[starts])[shown])
@@ -273,7 +278,7 @@ def _polygon(plan: Plan, rows: _Rows) -> tuple[list[list[float]], float, int]:
     margin = _END_SHARE * rows.interval_m
     # Beyond the ends the last image by distance is still made; where the aircraft hovers at the end itself, one more
     # would be.
-    sign = -1.0 if plan.mission.route.trigger == HOVER else 1.0
+    sign = -1.0 if plan.mission.trigger == HOVER else 1.0
     beyond = np.where(high - low < 4.0 * margin, margin, sign * margin)
     straight = _STRAIGHT_SHARE * rows.interval_m
     left = _straightened(offset, low - beyond, straight, -1.0)

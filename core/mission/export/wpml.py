@@ -149,7 +149,7 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
         notes.append(
             Message("DJI Fly opens no files: put this one in the place of a mission that you made there")
         )
-        if plan.mission.route.trigger == BY_DISTANCE:
+        if plan.mission.trigger == BY_DISTANCE:
             notes.append(
                 Message("DJI Fly releases no camera by distance: each image has a waypoint of its own")
             )
@@ -161,7 +161,7 @@ def _drone(plan: Plan) -> _Drone:
 
 
 def _by_distance(plan: Plan) -> bool:
-    return plan.mission.route.trigger == BY_DISTANCE and not _drone(plan).of_dji_fly
+    return plan.mission.trigger == BY_DISTANCE and not _drone(plan).of_dji_fly
 
 
 def _stops(plan: Plan) -> list[Sortie]:
@@ -307,7 +307,7 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
 
 def _passed(plan: Plan, sortie: Sortie) -> list[bool]:
     """Whether the aircraft flies through each waypoint without a stop."""
-    if plan.mission.route.trigger == HOVER or _by_distance(plan) or _drone(plan).of_dji_fly:
+    if plan.mission.trigger == HOVER or _by_distance(plan) or _drone(plan).of_dji_fly:
         return [False] * len(sortie)
     lat, lon = sortie.lat_deg, sortie.lon_deg
     far = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])[2] >= _SHORTEST_PASSED_M
@@ -318,7 +318,7 @@ def _passed(plan: Plan, sortie: Sortie) -> list[bool]:
 
 def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
     """Groups of actions of each waypoint: the gimbal is turned where its pitch changes, and images are taken."""
-    drone, hovers = _drone(plan), plan.mission.route.trigger == HOVER
+    drone, hovers = _drone(plan), plan.mission.trigger == HOVER
     rows = _rows_by_distance(plan, sortie)
     number, pitch_was = 0, math.nan
     for at, (pitch, capture) in enumerate(zip(sortie.gimbal_pitch_deg.tolist(), sortie.capture.tolist())):
@@ -362,9 +362,14 @@ def _rows_by_distance(plan: Plan, sortie: Sortie) -> _Rows:
     found = _Rows({}, set())
     if not _by_distance(plan):
         return found
+    ends = {
+        int(one.capture[first]): int(one.capture[last])
+        for one in sorties(plan)
+        for first, last in one.runs(plan)
+    }
     captures = sortie.capture.tolist()
     for at, (first, last) in enumerate(zip(captures, captures[1:])):
-        if min(first, last) < 0 or plan.row[first] != plan.row[last] or at in found.inside:
+        if first == last or ends.get(first) != last:
             continue
         places = (sortie.lat_deg[at], sortie.lon_deg[at], sortie.lat_deg[at + 1], sortie.lon_deg[at + 1])
         length_m = float(geodesics(*places)[2])
