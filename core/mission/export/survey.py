@@ -135,14 +135,14 @@ def survey_notes(plan: Plan) -> tuple[str, ...]:
     """What QGroundControl makes of the survey, one line each."""
     notes = [
         Message(
-            "QGroundControl works rows out anew when you edit the survey, or open it at another speed than its own: "
-            "they then lie within a metre or two of the planned ones, with the nose along the flight"
+            "QGroundControl lays the rows anew when you edit the survey, or open it at another speed than its own: "
+            "within a metre or two of the planned ones, with the nose along the flight"
         )
     ]
     if plan.mission.flight.order == ONE_WAY:
-        notes.append(Message("worked out anew, rows are flown to and fro"))
+        notes.append(Message("rows laid anew are flown to and fro"))
     if plan.mission.flight.crosshatch:
-        notes.append(Message("worked out anew, the rows across are as far apart as the first ones"))
+        notes.append(Message("crossing rows laid anew are as far apart as the first ones"))
     return (*qgroundcontrol_notes(plan), *notes)
 
 

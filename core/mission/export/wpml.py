@@ -132,7 +132,7 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
     drone, flight = _drone(plan), plan.mission.flight
     notes = [
         Message(
-            "not flown: files for DJI's programs are checked by their structure and by reading them back"
+            "not flown yet: files for DJI's programs were checked by their structure and by reading them back"
         ),
         Message(
             "heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there",

@@ -195,5 +195,5 @@ def test_what_is_no_survey_is_refused_with_what_to_do(tmp_path, mission, said):
 
 def test_what_becomes_of_an_edited_survey_is_said(tmp_path, plans):
     notes = " ".join(map(str, exported(plans["one way"], tmp_path)[0].notes))
-    assert "works rows out anew" in notes
+    assert "lays the rows anew" in notes
     assert "to and fro" in notes
