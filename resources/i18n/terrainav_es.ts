@@ -8681,8 +8681,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>
-        <source>QGroundControl survey with a tilt of {0:g} and a roll of {1:g} deg: looks straight down</source>
-        <translation>levantamiento de QGroundControl con una inclinación de {0:g} y un alabeo de {1:g} grados: mira en vertical hacia abajo</translation>
+        <source>QGroundControl survey with a tilt of {0:g} and a roll of {1:g} deg: must look straight down</source>
+        <translation>levantamiento de QGroundControl con una inclinación de {0:g} y un alabeo de {1:g} grados: debe mirar en vertical hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>

@@ -110,7 +110,7 @@ def check_survey(plan: Plan) -> None:
     tilt, roll = (float(np.abs(angle).max()) for angle in (meant.tilt_deg, meant.roll_deg))
     if max(tilt, roll) > 0.0:
         raise InvalidInput(
-            "QGroundControl survey with a tilt of {0:g} and a roll of {1:g} deg: looks straight down",
+            "QGroundControl survey with a tilt of {0:g} and a roll of {1:g} deg: must look straight down",
             tilt,
             roll,
             remedy="choose the ending .plan",

@@ -181,7 +181,7 @@ def test_ways_there_and_back_are_outside_the_survey(tmp_path):
             BOX.with_(area=Polygon((*FIELD.rings, ((47.402, 8.505), (47.403, 8.506), (47.402, 8.507))))),
             "an area of one polygon without holes",
         ),
-        (BOX.with_(tilt_deg=20.0), "looks straight down"),
+        (BOX.with_(tilt_deg=20.0), "must look straight down"),
         (BOX.with_(yaw_deg=30.0), "30 deg off the direction of rows"),
     ],
     ids=["points", "hole", "tilt", "yaw"],

@@ -370,7 +370,7 @@ def _survey_of_points(case: Case) -> None:
 
 @remedy(
     "mission/export/survey.py",
-    "QGroundControl survey with a tilt of {} and a roll of {} deg: looks straight down; choose the ending .plan",
+    "QGroundControl survey with a tilt of {} and a roll of {} deg: must look straight down; choose the ending .plan",
 )
 def _survey_tilted(case: Case) -> None:
     _not_a_survey(case, AREA, tilt_deg=20.0)
