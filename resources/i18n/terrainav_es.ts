@@ -1611,6 +1611,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>western edge</source>
         <translation>borde occidental</translation>
     </message>
@@ -1712,11 +1717,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>As KML, GPX, GeoPackage, GeoJSON or a table; as a mission for Litchi or QGroundControl</source>
-        <translation>Como KML, GPX, GeoPackage, GeoJSON o tabla; como misión para Litchi o QGroundControl</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture only the &amp;failed images</source>
         <translation>Capturar solo las imágenes &amp;fallidas</translation>
     </message>
@@ -1724,6 +1724,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture the images of the panel's mission that failed earlier</source>
         <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table</source>
+        <translation>Para DJI Pilot 2, QGroundControl, Litchi o Google Earth; como GPX, GeoPackage, GeoJSON o tabla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -1808,6 +1813,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>DJI Pilot 2, FlightHub 2, DJI Fly</source>
+        <translation>DJI Pilot 2, FlightHub 2, DJI Fly</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>GPX route</source>
         <translation>Ruta GPX</translation>
     </message>
@@ -1823,13 +1833,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>KML for Google Earth</source>
-        <translation>KML para Google Earth</translation>
+        <source>Google Earth</source>
+        <translation>Google Earth</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>Litchi mission</source>
-        <translation>Misión Litchi</translation>
+        <source>Litchi</source>
+        <translation>Litchi</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -1843,8 +1853,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>QGroundControl plan</source>
-        <translation>Plan de QGroundControl</translation>
+        <source>QGroundControl survey</source>
+        <translation>Levantamiento (survey) de QGroundControl</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>QGroundControl waypoints</source>
+        <translation>Puntos de ruta de QGroundControl</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -2114,6 +2129,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Export plan…</source>
+        <translation>Exportar plan…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Help</source>
         <translation>Ayuda</translation>
     </message>
@@ -2153,6 +2173,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Write all images; goes on where an earlier run was stopped</source>
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Write the plan as a file for drones, ground stations and other programs</source>
+        <translation>Guarda el plan en un archivo para drones, estaciones de tierra y otros programas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
@@ -2425,6 +2450,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{distance}, {duration}</source>
         <translation>{distance}, {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{distance}, {duration} with turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2919,6 +2949,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Flight path</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Folder</source>
         <translation>Carpeta</translation>
     </message>
@@ -3068,6 +3103,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>level ground</source>
         <translation>terreno llano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>none: from the first capture to the last</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3405,6 +3445,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Planned images</source>
         <translation>Imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Sortie {number}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4558,6 +4603,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight path with take-off and turns (metres)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight time (seconds)</source>
         <translation>Tiempo de vuelo (segundos)</translation>
     </message>
@@ -4623,6 +4673,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>The layer cannot be written: {reason}</source>
         <translation>No se puede escribir la capa: {reason}</translation>
     </message>
@@ -4635,6 +4690,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the capture (seconds)</source>
         <translation>Tiempo de la captura (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Time of the flight path (seconds)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5623,6 +5683,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/tables.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read ({1})</source>
         <translation>{0}: no se puede leer ({1})</translation>
     </message>
@@ -6577,6 +6638,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/mercator.py"/>
         <source>zooms {0} to {1}, native {2}: need 0 &lt;= minimum &lt;= native &lt;= maximum &lt;= {3}</source>
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>leave room between them, or keep less distance</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <location filename="../../core/mission/path.py"/>
+        <source>move it outside</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>no way leads around the no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>{0} of a leg lies inside a no-fly area</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -7668,51 +7750,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>a document type or entities of its own, which are not read</source>
-        <translation>tipo de documento o entidades propias, que no se leen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>encoding {0}: must be {1}</source>
-        <translation>codificación {0}: debe ser {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>is not {0}; must be {1}, and say which</source>
-        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>layers that pass on more than {0:,} properties to those within them</source>
-        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} attributes of one element</source>
-        <translation>más de {0:,} atributos de un elemento</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} different names</source>
-        <translation>más de {0:,} nombres distintos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} layers and styles</source>
-        <translation>más de {0:,} capas y estilos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} MB or {1:,} elements</source>
-        <translation>más de {0} MB o {1:,} elementos</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/source.py"/>
         <source>tile {0}/{1}/{2}</source>
         <translation>tesela {0}/{1}/{2}</translation>
@@ -7899,6 +7936,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>area of no polygons: needs at least one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: south lies above north</source>
         <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
     </message>
@@ -7971,6 +8013,81 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>{0} {1} of {2} points: give one for each, or none</source>
         <translation>{0} {1} de {2} puntos: dé una para cada uno, o ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>area file {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>give a GeoJSON, KML or KMZ file with one or more</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>no-fly file {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: a corner is not longitude, latitude ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as KML ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as KMZ ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: corner {1!r} is not longitude,latitude</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds more than {1:,} files</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds no polygon</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: is a zip without a KML file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: its KML is larger than {1} MB</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: polygon {1:,}: {2}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: {1}, which reads KML, is not installed</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -8069,21 +8186,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: a corner is not longitude, latitude ({1})</source>
-        <translation>archivo de área {0}: un vértice no es longitud, latitud ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: cannot be read as GeoJSON ({1})</source>
-        <translation>archivo de área {0}: no se puede leer como GeoJSON ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: holds no Polygon</source>
-        <translation>archivo de área {0}: no contiene ningún Polygon</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
         <location filename="../../core/mission/pose_table.py"/>
         <source>coordinates</source>
         <translation>coordenadas</translation>
@@ -8135,11 +8237,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>give a GeoJSON with one</source>
-        <translation>dar un GeoJSON con uno</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
         <source>make a table of poses from it (terrainav poses read)</source>
         <translation>haga de él una tabla de poses (terrainav poses read)</translation>
     </message>
@@ -8186,6 +8283,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
+        <source>grid angle {0!r}: must be a number from -180 to 180</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
         <source>mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
         <translation>se pasa por alto la malla {0!r} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
     </message>
@@ -8194,6 +8296,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r}: not one of {1}</source>
         <translation>campo de misión {0!r}: no es ninguno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8209,6 +8316,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>about {0}</source>
         <translation>unos {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>area</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8239,6 +8351,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>flight distance</source>
         <translation>distancia de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>flight path</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8286,6 +8403,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>least {0:.2f} %, median {1:.2f} %</source>
         <translation>mínimo {0:.2f} %, mediana {1:.2f} %</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>left out over no-fly areas</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8341,6 +8463,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>sun</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>the source has imagery of {0} of the area</source>
         <translation>la fuente tiene imágenes del {0} del área</translation>
     </message>
@@ -8371,8 +8503,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} of {1:,} heights about the area ({2}), from the next source</source>
         <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} polygons, {1}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8383,6 +8525,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:.0f} bytes</source>
         <translation>{0:.0f} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} ({1:,} areas)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8418,6 +8565,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} {2} {3} or less</source>
         <translation>{0} {1} {2} {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}, {1} with turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8486,12 +8638,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
+        <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a list or an area</source>
         <translation>planificar una lista o un área</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a smaller area, a greater height or less overlap</source>
         <translation>planificar un área menor, una altura mayor o menos solape</translation>
     </message>
@@ -8521,6 +8675,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>inicio {0!r}: el vuelo de {1:.3g} s rebasa el año 9999</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl lays the rows anew when you edit the survey, or open it at another speed than its own: within a metre or two of the planned ones, with the nose along the flight</source>
+        <translation>QGroundControl vuelve a trazar las filas cuando se edita el levantamiento o se abre con una velocidad distinta de la suya: a uno o dos metros de las planificadas, con el morro en el sentido del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey with a tilt of {0:g} and a roll of {1:g} deg: must look straight down</source>
+        <translation>levantamiento de QGroundControl con una inclinación de {0:g} y un alabeo de {1:g} grados: debe mirar en vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey with images {0:g} deg off the direction of rows: must be along or across them</source>
+        <translation>levantamiento de QGroundControl con imágenes giradas {0:g} grados respecto a las filas: deben estar a lo largo o a través de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey without rows</source>
+        <translation>levantamiento de QGroundControl sin filas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey: needs an area of one polygon without holes</source>
+        <translation>levantamiento de QGroundControl: necesita un área de un solo polígono sin huecos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>choose the ending .plan</source>
+        <translation>elija la extensión .plan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>crossing rows laid anew are as far apart as the first ones</source>
+        <translation>las filas cruzadas que vuelve a trazar quedan a la misma distancia que las primeras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>rows laid anew are flown to and fro</source>
+        <translation>las filas que vuelve a trazar se vuelan de ida y vuelta</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/waypoints.py"/>
         <source>the roll of {0:g} deg is left out: waypoints have none</source>
         <translation>se omite el alabeo de {0:g} grados: los puntos de ruta no lo tienen</translation>
@@ -8534,6 +8728,56 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/waypoints.py"/>
         <source>wind is left out: waypoints are at the planned positions</source>
         <translation>se omite el viento: los lugares son los previstos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI Fly opens no files: put this one in the place of a mission that you made there</source>
+        <translation>DJI Fly no abre archivos: ponga este en lugar de una misión creada allí</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI Fly releases no camera by distance: each image has a waypoint of its own</source>
+        <translation>DJI Fly no dispara la cámara por distancia: cada imagen tiene su propio punto de ruta</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission at {0:g} m/s: must be {1:g} to {2:g} m/s</source>
+        <translation>misión DJI a {0:g} m/s: debe ser de {1:g} a {2:g} m/s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission at {0:g} m: must be {1:g} m above the take-off or less</source>
+        <translation>misión DJI a {0:g} m: debe ser de {1:g} m sobre el despegue como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission of one waypoint: takes two or more</source>
+        <translation>misión DJI de un solo punto de ruta: admite dos o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission of {0:,} waypoints: takes {1:,} or fewer, in {2} files</source>
+        <translation>misión DJI de {0:,} puntos de ruta: admite {1:,} como máximo, en {2} archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less</source>
+        <translation>misión DJI con el estabilizador elevado a {0:g} grados: debe ser de {1:g} a {2:g}, una inclinación de {3:g} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
+        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
+        <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>the speed of {0:g} m/s is cut to DJI's {1:g} m/s</source>
+        <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de DJI</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
@@ -8712,6 +8956,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: sobrepasa el mapa, que termina en ±{1:.4f}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <source>layout {0}: lays one grid over one polygon, and there are {1:,}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
         <translation>área: el SRC {0} de la fuente no alcanza la latitud {1!r}, longitud {2!r}</translation>
@@ -8744,16 +9000,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0:g} deg</source>
-        <translation>ángulo de cuadrícula de {0:g} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
-        <translation>ángulo de cuadrícula de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
         <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
         <translation>disposición {0}: está en el mapa Web Mercator, y la fuente tiene píxeles propios en {1}</translation>
     </message>
@@ -8764,8 +9010,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>points have no rows that could be turned</source>
-        <translation>los puntos no tienen pasadas que se puedan girar</translation>
+        <source>points have no rows that could be turned, and several polygons each their own</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>row azimuth {0:g} deg</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -8782,12 +9038,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>tilt it less, fly lower or fly north-up rows</source>
         <translation>inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -8858,6 +9108,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>several polygons have rows each by themselves</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9041,8 +9296,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>area type {0!r}: must be box, polygon or points</source>
-        <translation>tipo de área {0!r}: debe ser box, polygon o points</translation>
+        <source>area type {0!r}: must be box, polygon, polygons or points</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -9090,6 +9350,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>misión sin {0}: el campo es necesario</translation>
     </message>
     <message>
+        <location filename="../../core/mission/no_fly.py"/>
+        <source>all {0:,} images lie over no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/no_fly.py"/>
+        <source>choose another area, or smaller no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/mission/options.py"/>
         <source>{0} {1!r}: must be true or false</source>
         <translation>{0} {1!r}: debe ser verdadero o falso</translation>
@@ -9111,8 +9381,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>As laid out</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>As the source says</source>
         <translation>Lo que diga la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>At each waypoint</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9131,6 +9411,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>By distance along rows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Camera frame (as seen)</source>
         <translation>Encuadre de cámara (como se ve)</translation>
     </message>
@@ -9138,6 +9423,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Cover (no gaps)</source>
         <translation>Cubrir (sin huecos)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>DJI Fly (Mini 4 Pro, Air 3, Mavic 3)</source>
+        <translation>DJI Fly (Mini 4 Pro, Air 3, Mavic 3)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9171,6 +9461,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Hover and capture</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>JPEG (smaller)</source>
         <translation>JPEG (menor)</translation>
     </message>
@@ -9181,8 +9476,53 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>M30</source>
+        <translation>M30</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M300 RTK (P1)</source>
+        <translation>M300 RTK (P1)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M30T</source>
+        <translation>M30T</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M350 RTK (P1)</source>
+        <translation>M350 RTK (P1)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M4E</source>
+        <translation>M4E</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M4T</source>
+        <translation>M4T</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Map frame (north-up)</source>
         <translation>Encuadre de mapa (norte arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Mavic 3E</source>
+        <translation>Mavic 3E</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Mavic 3M</source>
+        <translation>Mavic 3M</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Mavic 3T</source>
+        <translation>Mavic 3T</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9196,8 +9536,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Nearest to take-off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Normals of the ground</source>
         <translation>Normales del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>North-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>North-west</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9238,6 +9593,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Serpentine (to and fro)</source>
         <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>South-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>South-west</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9306,6 +9671,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
     </message>
@@ -9326,6 +9701,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
         <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
     </message>
@@ -9341,8 +9721,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
-        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte propio de la cuadrícula donde un ángulo gira las filas, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
+        <source>direction of an area's rows, clockwise from north: 90 flies them east; points have none</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9351,13 +9736,38 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>drone</source>
+        <translation>dron</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>drone that a file for DJI's programs (.kmz) is for: of DJI Pilot 2 and FlightHub 2, M300 and M350 with the camera P1; dji-fly: those of DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3</source>
+        <translation>dron para el que es un archivo de los programas de DJI (.kmz): de DJI Pilot 2 y FlightHub 2, M300 y M350 con la cámara P1; dji-fly: los de DJI Fly, como Mini 4 Pro, Air 3 y Mavic 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>elevation</source>
         <translation>elevación</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>entry</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>entry nearest: needs a take-off point to be near to</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>error budget</source>
         <translation>error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9373,11 +9783,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>go on beyond the budget</source>
         <translation>seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>grid angle</source>
-        <translation>ángulo de cuadrícula</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9441,13 +9846,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>how far before the first capture of each row the flight is already on its line</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>how far the camera is rolled about its line of sight, right side down</source>
         <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>how far the rows of an area, and the images with them, are turned clockwise from east; points have none</source>
-        <translation>cuánto se giran las pasadas de un área, y con ellas las imágenes, en sentido horario desde el este; los puntos no tienen</translation>
+        <source>how far the flight goes on beyond the end of each row before it turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9526,8 +9936,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>layout</source>
         <translation>disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>lead-in</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>least interval of images</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9661,6 +10086,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>row azimuth</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>seed</source>
         <translation>semilla</translation>
     </message>
@@ -9668,6 +10098,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>serpentine: every other row is flown back; one-way: every row is flown from its beginning</source>
         <translation>en zigzag: una de cada dos pasadas se vuela de vuelta; un solo sentido: cada pasada se vuela desde su comienzo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>set a take-off point{0}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9736,6 +10171,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>take-off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>the shortest time between two images that the camera can keep up</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
     </message>
@@ -9746,6 +10196,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>trigger</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>turnaround</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>unit of heights</source>
         <translation>unidad de las alturas</translation>
     </message>
@@ -9753,6 +10213,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>vertical datum</source>
         <translation>dátum vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9803,6 +10268,126 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take a smaller area, a nearer take-off or a larger battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take off nearer to it, fly faster or take a larger battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north-west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south-west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.0f}° below the horizon in the {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.0f}° high in the {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.1f} to {1:.1f}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}, at the end {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: a bright spot, and glint on water, lie in the images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: long shadows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: night</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: {1} of {2:g} min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}; fly at {1:g} m/s or slower ({2})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}; overlap less or fly higher</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -10447,6 +11032,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: JSON solo tiene números finitos</translation>
     </message>
     <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>a document type or entities of its own, which are not read</source>
+        <translation>tipo de documento o entidades propias, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>encoding {0}: must be {1}</source>
+        <translation>codificación {0}: debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>is not {0}; must be {1}, and say which</source>
+        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>layers that pass on more than {0:,} properties to those within them</source>
+        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} attributes of one element</source>
+        <translation>más de {0:,} atributos de un elemento</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} different names</source>
+        <translation>más de {0:,} nombres distintos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} layers and styles</source>
+        <translation>más de {0:,} capas y estilos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0} MB or {1:,} elements</source>
+        <translation>más de {0} MB o {1:,} elementos</translation>
+    </message>
+    <message>
         <location filename="../../core/text.py"/>
         <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
         <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
@@ -10475,6 +11105,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>metres per second</source>
         <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>minutes</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
