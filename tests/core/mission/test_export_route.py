@@ -58,7 +58,7 @@ def test_waypoints_are_the_points_of_each_sortie():
 
 
 def test_between_captures_heading_and_gimbal_are_those_of_the_capture_ahead():
-    flown = worked_out(ROUTED.with_(grid_angle_deg=30.0, tilt_deg=10.0))
+    flown = worked_out(ROUTED.with_(row_azimuth_deg=120.0, tilt_deg=10.0))
     ahead = None
     for one in reversed(list(waypoints(flown, 0))):
         if one.is_capture:
