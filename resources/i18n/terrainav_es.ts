@@ -1612,7 +1612,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2454,7 +2454,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{distance}, {duration} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{distance}, {duration} con los giros</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2950,7 +2950,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3107,7 +3107,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>none: from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>ninguno: de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3449,7 +3449,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Sortie {number}</source>
-        <translation type="unfinished"></translation>
+        <translation>Salida {number}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4604,7 +4604,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight path with take-off and turns (metres)</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo con despegue y giros (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4674,7 +4674,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>Salidas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4694,7 +4694,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the flight path (seconds)</source>
-        <translation type="unfinished"></translation>
+        <translation>Tiempo de la trayectoria de vuelo (segundos)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6648,7 +6648,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/ways.py"/>
         <location filename="../../core/mission/path.py"/>
         <source>move it outside</source>
-        <translation type="unfinished"></translation>
+        <translation>sáquelo de ella</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
@@ -8355,7 +8355,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8464,12 +8464,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sun</source>
-        <translation type="unfinished"></translation>
+        <translation>sol</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8569,7 +8569,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0}, {1} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, {1} con los giros</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8648,6 +8648,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a smaller area, a greater height or less overlap</source>
         <translation>planificar un área menor, una altura mayor o menos solape</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>sorties begin with the parts {0}</source>
+        <translation>las salidas empiezan con las partes {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
@@ -9382,7 +9387,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>As laid out</source>
-        <translation type="unfinished"></translation>
+        <translation>Según la disposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9392,7 +9397,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>At each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>En cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9412,7 +9417,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>By distance along rows</source>
-        <translation type="unfinished"></translation>
+        <translation>Por distancia a lo largo de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9462,7 +9467,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Hover and capture</source>
-        <translation type="unfinished"></translation>
+        <translation>Detenerse y capturar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9537,7 +9542,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Nearest to take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>La más cercana al despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9547,12 +9552,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9597,12 +9602,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9672,12 +9677,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery</source>
-        <translation type="unfinished"></translation>
+        <translation>batería</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: necesita un punto de despegue, donde empieza y termina cada salida</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9702,7 +9707,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
-        <translation type="unfinished"></translation>
+        <translation>esquina de las pasadas por la que empieza el vuelo; en pasadas giradas, la más cercana a esa dirección. first: según la disposición de las pasadas; nearest: la esquina más cercana al despegue. Los puntos conservan su orden</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9752,12 +9757,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry nearest: needs a take-off point to be near to</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada nearest: necesita un punto de despegue del que estar cerca</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9767,7 +9772,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9847,7 +9852,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far before the first capture of each row the flight is already on its line</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto antes de la primera captura de cada pasada vuela ya en línea con ella</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9857,7 +9862,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far the flight goes on beyond the end of each row before it turns</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9937,7 +9942,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>latitud y longitud del lugar donde empieza y termina el vuelo; si se omite, el vuelo va de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9947,12 +9952,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>lead-in</source>
-        <translation type="unfinished"></translation>
+        <translation>tramo de entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>least interval of images</source>
-        <translation type="unfinished"></translation>
+        <translation>intervalo mínimo de imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10102,7 +10107,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>set a take-off point{0}</source>
-        <translation type="unfinished"></translation>
+        <translation>indique un punto de despegue{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10172,17 +10177,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue {0}: debe ser una latitud de -90 a 90 y una longitud de -360 a 360 grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>the shortest time between two images that the camera can keep up</source>
-        <translation type="unfinished"></translation>
+        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10197,12 +10202,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>trigger</source>
-        <translation type="unfinished"></translation>
+        <translation>disparo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>turnaround</source>
-        <translation type="unfinished"></translation>
+        <translation>prolongación para el giro</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10217,7 +10222,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>waypoint: una imagen en cada punto de ruta, sin detenerse; distance: la cámara se dispara según la distancia volada en cada pasada; hover: la aeronave se detiene en cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10272,122 +10277,122 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: el vuelo necesita más de {1:,} salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take a smaller area, a nearer take-off or a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>tome un área menor, un despegue más cercano o una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take off nearer to it, fly faster or take a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue más cerca de ella, vuele más deprisa o tome una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue en la latitud {0:.6f}, longitud {1:.6f}: está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>east</source>
-        <translation type="unfinished"></translation>
+        <translation>este</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
-        <translation type="unfinished"></translation>
+        <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north</source>
-        <translation type="unfinished"></translation>
+        <translation>norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-east</source>
-        <translation type="unfinished"></translation>
+        <translation>noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-west</source>
-        <translation type="unfinished"></translation>
+        <translation>noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south</source>
-        <translation type="unfinished"></translation>
+        <translation>sur</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-east</source>
-        <translation type="unfinished"></translation>
+        <translation>sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-west</source>
-        <translation type="unfinished"></translation>
+        <translation>suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>west</source>
-        <translation type="unfinished"></translation>
+        <translation>oeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° below the horizon in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:.0f}° bajo el horizonte al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° high in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>a {0:.0f}° de altura al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.1f} to {1:.1f}</source>
-        <translation type="unfinished"></translation>
+        <translation>de {0:.1f} a {1:.1f}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}, at the end {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, al final {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: a bright spot, and glint on water, lie in the images</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: en las imágenes hay un punto brillante y reflejos en el agua</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: long shadows</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: sombras largas</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: night</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: noche</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: {1} of {2:g} min</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1} de {2:g} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; fly at {1:g} m/s or slower ({2})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; vuele a {1:g} m/s o más despacio ({2})</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; overlap less or fly higher</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; reduzca el solape o vuele más alto</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -11109,12 +11114,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/units.py"/>
         <source>min</source>
-        <translation type="unfinished"></translation>
+        <translation>min</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
         <source>minutes</source>
-        <translation type="unfinished"></translation>
+        <translation>minutos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
