@@ -252,6 +252,7 @@ class Session(QObject):
         missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
         missions.clean_wanted.connect(self.cleaning.open)
         missions.plan_export.plan_wanted.connect(self.planning.with_plan)
+        self.dock.export_plan_clicked.connect(missions.plan_export.ask)
         self.cleaning.dataset_wanted.connect(missions.open_dataset)
         preview.closed.connect(lambda: self._show_preview_state(False))
         preview.visibility_changed.connect(lambda _visible: self._show_preview_state(self._previewing))

@@ -84,7 +84,8 @@ def _add_flying(commands: Any) -> None:
         metavar="FILE",
         action="append",
         default=[],
-        help="write .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .plan (QGroundControl) or mission .json",
+        help="write .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .kmz (DJI Pilot 2, FlightHub 2, DJI Fly), .plan "
+        "(QGroundControl), .survey.plan (which it edits as a survey) or mission .json",
     )
     planning.add_argument("--json", action="store_true", help="print the figures as JSON")
 

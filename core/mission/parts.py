@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: Rows to and fro, or each from its beginning.
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
+#: Azimuth of rows along parallels.
+EASTWARD_DEG = 90.0
 #: Rows that leave nothing out, or the published UTM grid.
 COVER, PAPER = "cover", "paper"
 #: The cheapest that fits the error budget.
@@ -37,6 +39,8 @@ FIRST, NEAREST = "first", "nearest"
 COMPASS_CORNERS = {"north-west": (-1, 1), "north-east": (1, 1), "south-east": (1, -1), "south-west": (-1, -1)}
 #: What releases the camera: each waypoint, the distance flown along a row, or each waypoint with a stop.
 BY_WAYPOINT, BY_DISTANCE, HOVER = "waypoint", "distance", "hover"
+#: Of the drones that a file for DJI's programs is for, those that DJI Fly flies.
+DJI_FLY = "dji-fly"
 #: What becomes of holes in the first source of heights.
 FILL, REFUSE = "fill", "refuse"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
@@ -186,8 +190,8 @@ class Attitude(Part):
     yaw_deg: float = declared(
         0.0,
         title="yaw",
-        help="direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid "
-        "angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws",
+        help="direction of the image's top edge, clockwise from north; counted from across the rows where these are "
+        "turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws",
         unit="deg",
         least=-360.0,
         most=360.0,
@@ -260,13 +264,13 @@ class Flight(Part):
         help="cover: rows that leave nothing out; paper: the grid in UTM as published",
         choices={COVER: "Cover (no gaps)", PAPER: "Paper (UTM grid)"},
     )
-    grid_angle_deg: float = declared(
-        0.0,
-        title="grid angle",
-        help="how far the rows of an area, and the images with them, are turned clockwise from east; points have none",
+    row_azimuth_deg: float = declared(
+        EASTWARD_DEG,
+        title="row azimuth",
+        help="direction of an area's rows, clockwise from north: 90 flies them east; points have none",
         unit="deg",
-        least=-180.0,
-        most=180.0,
+        least=0.0,
+        most=360.0,
     )
     crosshatch: bool = declared(
         False,
@@ -679,6 +683,25 @@ class Route(Part):
         unit="s",
         above=0.0,
         suggested=1.0,
+        advanced=True,
+    )
+    drone: str = declared(
+        "mavic-3e",
+        title="drone",
+        help="drone that a file for DJI's programs (.kmz) is for: of DJI Pilot 2 and FlightHub 2, M300 and M350 with "
+        "the camera P1; dji-fly: those of DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3",
+        choices={
+            "mavic-3e": "Mavic 3E",
+            "mavic-3t": "Mavic 3T",
+            "mavic-3m": "Mavic 3M",
+            "m30": "M30",
+            "m30t": "M30T",
+            "m300": "M300 RTK (P1)",
+            "m350": "M350 RTK (P1)",
+            "m4e": "M4E",
+            "m4t": "M4T",
+            DJI_FLY: "DJI Fly (Mini 4 Pro, Air 3, Mavic 3)",
+        },
         advanced=True,
     )
     battery_min: float | None = declared(

@@ -481,8 +481,8 @@ class Plan:
 
     @property
     def flight_s(self) -> float:
-        """Seconds from the first exposure to the last."""
-        return float(self.times_s[-1])
+        """Seconds from the first exposure to the last, without turns and ways to the take-off: see `path` for these."""
+        return float(self.exposures_s[-1])
 
     @property
     def rows(self) -> int:

@@ -1877,11 +1877,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>As KML, GPX, GeoPackage, GeoJSON or a table; as a mission for Litchi or QGroundControl</source>
-        <translation>Como KML, GPX, GeoPackage, GeoJSON o tabla; como misión para Litchi o QGroundControl</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture only the &amp;failed images</source>
         <translation>Capturar solo las imágenes &amp;fallidas</translation>
     </message>
@@ -1889,6 +1884,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture the images of the panel's mission that failed earlier</source>
         <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table</source>
+        <translation>Para DJI Pilot 2, QGroundControl, Litchi o Google Earth; como GPX, GeoPackage, GeoJSON o tabla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -1973,6 +1973,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>DJI Pilot 2, FlightHub 2, DJI Fly</source>
+        <translation>DJI Pilot 2, FlightHub 2, DJI Fly</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>GPX route</source>
         <translation>Ruta GPX</translation>
     </message>
@@ -1988,13 +1993,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>KML for Google Earth</source>
-        <translation>KML para Google Earth</translation>
+        <source>Google Earth</source>
+        <translation>Google Earth</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>Litchi mission</source>
-        <translation>Misión Litchi</translation>
+        <source>Litchi</source>
+        <translation>Litchi</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -2008,8 +2013,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
-        <source>QGroundControl plan</source>
-        <translation>Plan de QGroundControl</translation>
+        <source>QGroundControl survey</source>
+        <translation>Levantamiento (survey) de QGroundControl</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>QGroundControl waypoints</source>
+        <translation>Puntos de ruta de QGroundControl</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -2279,6 +2289,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Export plan…</source>
+        <translation>Exportar plan…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Help</source>
         <translation>Ayuda</translation>
     </message>
@@ -2318,6 +2333,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Write all images; goes on where an earlier run was stopped</source>
         <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Write the plan as a file for drones, ground stations and other programs</source>
+        <translation>Guarda el plan en un archivo para drones, estaciones de tierra y otros programas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
@@ -8723,6 +8743,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
+        <source>grid angle {0!r}: must be a number from -180 to 180</source>
+        <translation>ángulo de cuadrícula {0!r}: debe ser un número de -180 a 180</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
         <source>mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
         <translation>se pasa por alto la malla {0!r} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
     </message>
@@ -8731,6 +8756,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r}: not one of {1}</source>
         <translation>campo de misión {0!r}: no es ninguno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9063,14 +9093,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
+        <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a list or an area</source>
         <translation>planificar una lista o un área</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a smaller area, a greater height or less overlap</source>
         <translation>planificar un área menor, una altura mayor o menos solape</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>sorties begin with the parts {0}</source>
+        <translation>las salidas empiezan con las partes {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
@@ -9098,6 +9135,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>inicio {0!r}: el vuelo de {1:.3g} s rebasa el año 9999</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl lays the rows anew when you edit the survey, or open it at another speed than its own: within a metre or two of the planned ones, with the nose along the flight</source>
+        <translation>QGroundControl vuelve a trazar las filas cuando se edita el levantamiento o se abre con una velocidad distinta de la suya: a uno o dos metros de las planificadas, con el morro en el sentido del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey with a tilt of {0:g} and a roll of {1:g} deg: must look straight down</source>
+        <translation>levantamiento de QGroundControl con una inclinación de {0:g} y un alabeo de {1:g} grados: debe mirar en vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey with images {0:g} deg off the direction of rows: must be along or across them</source>
+        <translation>levantamiento de QGroundControl con imágenes giradas {0:g} grados respecto a las filas: deben estar a lo largo o a través de ellas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey without rows</source>
+        <translation>levantamiento de QGroundControl sin filas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>QGroundControl survey: needs an area of one polygon without holes</source>
+        <translation>levantamiento de QGroundControl: necesita un área de un solo polígono sin huecos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>choose the ending .plan</source>
+        <translation>elija la extensión .plan</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>crossing rows laid anew are as far apart as the first ones</source>
+        <translation>las filas cruzadas que vuelve a trazar quedan a la misma distancia que las primeras</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/survey.py"/>
+        <source>rows laid anew are flown to and fro</source>
+        <translation>las filas que vuelve a trazar se vuelan de ida y vuelta</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/waypoints.py"/>
         <source>the roll of {0:g} deg is left out: waypoints have none</source>
         <translation>se omite el alabeo de {0:g} grados: los puntos de ruta no lo tienen</translation>
@@ -9111,6 +9188,56 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/waypoints.py"/>
         <source>wind is left out: waypoints are at the planned positions</source>
         <translation>se omite el viento: los lugares son los previstos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI Fly opens no files: put this one in the place of a mission that you made there</source>
+        <translation>DJI Fly no abre archivos: ponga este en lugar de una misión creada allí</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI Fly releases no camera by distance: each image has a waypoint of its own</source>
+        <translation>DJI Fly no dispara la cámara por distancia: cada imagen tiene su propio punto de ruta</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission at {0:g} m/s: must be {1:g} to {2:g} m/s</source>
+        <translation>misión DJI a {0:g} m/s: debe ser de {1:g} a {2:g} m/s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission at {0:g} m: must be {1:g} m above the take-off or less</source>
+        <translation>misión DJI a {0:g} m: debe ser de {1:g} m sobre el despegue como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission of one waypoint: takes two or more</source>
+        <translation>misión DJI de un solo punto de ruta: admite dos o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission of {0:,} waypoints: takes {1:,} or fewer, in {2} files</source>
+        <translation>misión DJI de {0:,} puntos de ruta: admite {1:,} como máximo, en {2} archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>DJI mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less</source>
+        <translation>misión DJI con el estabilizador elevado a {0:g} grados: debe ser de {1:g} a {2:g}, una inclinación de {3:g} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
+        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
+        <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>the speed of {0:g} m/s is cut to DJI's {1:g} m/s</source>
+        <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de DJI</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
@@ -9333,16 +9460,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0:g} deg</source>
-        <translation>ángulo de cuadrícula de {0:g} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
-        <translation>ángulo de cuadrícula de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
         <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
         <translation>disposición {0}: está en el mapa Web Mercator, y la fuente tiene píxeles propios en {1}</translation>
     </message>
@@ -9355,6 +9472,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>points have no rows that could be turned, and several polygons each their own</source>
         <translation>los puntos no tienen pasadas que se puedan girar, y varios polígonos tienen cada uno las suyas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>row azimuth {0:g} deg</source>
+        <translation>acimut de las pasadas de {0:g} grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
+        <translation>acimut de las pasadas de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9759,6 +9886,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>DJI Fly (Mini 4 Pro, Air 3, Mavic 3)</source>
+        <translation>DJI Fly (Mini 4 Pro, Air 3, Mavic 3)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Depth along the optical axis</source>
         <translation>Profundidad a lo largo del eje óptico</translation>
     </message>
@@ -9804,8 +9936,53 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>M30</source>
+        <translation>M30</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M300 RTK (P1)</source>
+        <translation>M300 RTK (P1)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M30T</source>
+        <translation>M30T</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M350 RTK (P1)</source>
+        <translation>M350 RTK (P1)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M4E</source>
+        <translation>M4E</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>M4T</source>
+        <translation>M4T</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Map frame (north-up)</source>
         <translation>Encuadre de mapa (norte arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Mavic 3E</source>
+        <translation>Mavic 3E</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Mavic 3M</source>
+        <translation>Mavic 3M</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>Mavic 3T</source>
+        <translation>Mavic 3T</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10004,13 +10181,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
-        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte propio de la cuadrícula donde un ángulo gira las filas, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
+        <source>direction of an area's rows, clockwise from north: 90 flies them east; points have none</source>
+        <translation>dirección de las pasadas de un área, en sentido horario desde el norte: con 90 se vuelan hacia el este; los puntos no tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde la perpendicular a las pasadas donde estas se apartan del este, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>distance of the clearance</source>
         <translation>alcance de la distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>drone</source>
+        <translation>dron</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>drone that a file for DJI's programs (.kmz) is for: of DJI Pilot 2 and FlightHub 2, M300 and M350 with the camera P1; dji-fly: those of DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3</source>
+        <translation>dron para el que es un archivo de los programas de DJI (.kmz): de DJI Pilot 2 y FlightHub 2, M300 y M350 con la cámara P1; dji-fly: los de DJI Fly, como Mini 4 Pro, Air 3 y Mavic 3</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10051,11 +10243,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>go on beyond the budget</source>
         <translation>seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>grid angle</source>
-        <translation>ángulo de cuadrícula</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10131,11 +10318,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>how far the flight goes on beyond the end of each row before it turns</source>
         <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how far the rows of an area, and the images with them, are turned clockwise from east; points have none</source>
-        <translation>cuánto se giran las pasadas de un área, y con ellas las imágenes, en sentido horario desde el este; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10361,6 +10543,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>roll</source>
         <translation>alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>row azimuth</source>
+        <translation>acimut de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

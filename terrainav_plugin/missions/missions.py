@@ -193,7 +193,9 @@ class Missions(QObject):
         menu.addAction(tr("&Save mission as file…"), self.save_as)
         export = menu.addAction(tr("&Export plan…"), self.plan_export.ask)
         export.setToolTip(
-            tr("As KML, GPX, GeoPackage, GeoJSON or a table; as a mission for Litchi or QGroundControl")
+            tr(
+                "For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table"
+            )
         )
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)

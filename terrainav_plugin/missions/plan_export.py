@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from ..messages import Messages
     from ..planner import Planned
 
-#: Ending of a name that has none.
-_USUAL = ".kml"
-
 
 class ExportTask(Task):
     """Writes a plan.
@@ -91,17 +88,23 @@ class PlanExport(QObject):
                 )
             )
             return
-        folder = Settings().missions
+        settings, known = Settings(), formats()
+        folder = settings.missions
         name = self._mission_folder().name or tr("mission")
+        usual = settings.plan_ending if settings.plan_ending in known else next(iter(known))
+        filters = {ending: f"{title} (*{ending})" for ending, title in known.items()}
         chosen, kind = QFileDialog.getSaveFileName(
             self._parent.window(),
             tr("TerrAInav: export plan"),
-            str((folder if folder.is_dir() else Path.home()) / f"{name}{_USUAL}"),
-            ";;".join(f"{title} (*{ending})" for ending, title in formats().items()),
+            # Of an ending in two parts the last: the dialog puts the others in its place by the last dot.
+            str((folder if folder.is_dir() else Path.home()) / f"{name}{Path(usual).suffix or usual}"),
+            ";;".join(filters.values()),
+            filters[usual],
         )
         if not chosen:
             return
-        path = with_ending(Path(chosen), kind)
+        path = with_ending(Path(chosen), kind, usual)
+        settings.plan_ending = _ending(path.name) or usual
         refusal = tr("Nothing to export yet.")
         self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
 
@@ -135,11 +138,13 @@ class PlanExport(QObject):
 
 
 def formats() -> dict[str, str]:
-    """Endings of the files that plans are written to, and what they are for."""
+    """Endings of the files that plans are written to, and the programs that they are for."""
     return {
-        ".kml": tr("KML for Google Earth"),
-        ".litchi.csv": tr("Litchi mission"),
-        ".plan": tr("QGroundControl plan"),
+        ".kml": tr("Google Earth"),
+        ".kmz": tr("DJI Pilot 2, FlightHub 2, DJI Fly"),
+        ".survey.plan": tr("QGroundControl survey"),
+        ".plan": tr("QGroundControl waypoints"),
+        ".litchi.csv": tr("Litchi"),
         ".gpx": tr("GPX route"),
         ".gpkg": tr("GeoPackage"),
         ".csv": tr("Table"),
@@ -147,12 +152,18 @@ def formats() -> dict[str, str]:
     }
 
 
-def with_ending(path: Path, kind: str) -> Path:
+def with_ending(path: Path, kind: str, usual: str = ".kml") -> Path:
     """File with the ending of the kind that is chosen in the dialog, unless it has one of a plan's."""
-    if any(path.name.lower().endswith(ending) for ending in formats()):
-        # Where Litchi is chosen, a .csv is Litchi's; the dialog completes names by the last dot only.
-        if "*.litchi.csv" in kind and not path.name.lower().endswith(".litchi.csv"):
-            return path.with_suffix(".litchi.csv") if path.suffix.lower() == ".csv" else path
-        return path
-    ending = next((ending for ending in formats() if f"(*{ending})" in kind), _USUAL)
-    return path.with_name(path.name + ending)
+    chosen = next((ending for ending in formats() if f"(*{ending})" in kind), usual)
+    own = _ending(path.name)
+    if not own:
+        return path.with_name(path.name + chosen)
+    # Where Litchi is chosen, a .csv is Litchi's; the dialog completes names by the last dot only.
+    if chosen.endswith(own) and chosen != own:
+        return path.with_name(path.name[: -len(own)] + chosen)
+    return path
+
+
+def _ending(name: str) -> str:
+    """Ending of a plan's file, the longest one that its name has; empty for none."""
+    return max((one for one in formats() if name.lower().endswith(one)), key=len, default="")

@@ -34,7 +34,7 @@ class Dock(QgsDockWidget):
 
     Signals
     -------
-    preview_toggled(bool), test_shot_clicked(), capture_clicked()
+    preview_toggled(bool), test_shot_clicked(), capture_clicked(), export_plan_clicked()
     hint_followed(str)
         Address of the link in the hint.
     """
@@ -42,6 +42,7 @@ class Dock(QgsDockWidget):
     preview_toggled = pyqtSignal(bool)
     test_shot_clicked = pyqtSignal()
     capture_clicked = pyqtSignal()
+    export_plan_clicked = pyqtSignal()
     hint_followed = pyqtSignal(str)
 
     def __init__(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
@@ -103,8 +104,15 @@ class Dock(QgsDockWidget):
             icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
-        tip = tr("Missions of this project, mission files and datasets: open, save, begin")
         of_qgis = QgsApplication.getThemeIcon
+        self.export_plan = push_button(
+            "export_plan",
+            tr("Export plan…"),
+            tr("Write the plan as a file for drones, ground stations and other programs"),
+            of_qgis("/mActionSharingExport.svg"),
+        )
+        self.export_plan.clicked.connect(lambda _checked: self.export_plan_clicked.emit())
+        tip = tr("Missions of this project, mission files and datasets: open, save, begin")
         self.missions = tool_button("missions", of_qgis("/mActionFileOpen.svg"), tip, tr("Missions"))
         self.missions.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.missions.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -119,7 +127,8 @@ class Dock(QgsDockWidget):
         buttons = QGridLayout()
         buttons.addWidget(self.preview, 0, 0)
         buttons.addWidget(self.test_shot, 0, 1)
-        buttons.addWidget(self.capture, 1, 0, 1, 2)
+        buttons.addWidget(self.capture, 1, 0)
+        buttons.addWidget(self.export_plan, 1, 1)
         buttons.setColumnStretch(0, 1)
         buttons.setColumnStretch(1, 1)
         top = QHBoxLayout()

@@ -36,7 +36,8 @@ def test_other_endings_are_refused_before_anything_is_worked_out(run, tmp_path, 
     done = run(*BOX, "--output", "a.csv", "--output", name)
     assert done.returncode == 2
     assert done.stderr == (
-        f"terrainav: plan file {name!r}: must end in .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .plan\n"
+        f"terrainav: plan file {name!r}: must end in .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .kmz, .plan, "
+        ".survey.plan\n"
     )
     assert list(tmp_path.iterdir()) == []
 

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 from osgeo import ogr
 from qgis.PyQt.QtWidgets import QFileDialog
+from terrainav.terrainav_plugin.settings import Settings
 
+from tests.core.mission.wpml_reader import Wpml
 from tests.plugin.test_project import choose_in_menu
 
 
@@ -59,18 +61,60 @@ def test_plan_for_qgroundcontrol_says_what_it_cannot_hold(desk, tmp_path, choose
 @pytest.mark.parametrize(
     ("chosen", "kind", "written"),
     [
-        ("survey", "Litchi mission (*.litchi.csv)", "survey.litchi.csv"),
-        ("survey.csv", "Litchi mission (*.litchi.csv)", "survey.litchi.csv"),
+        ("survey", "Litchi (*.litchi.csv)", "survey.litchi.csv"),
+        ("survey.csv", "Litchi (*.litchi.csv)", "survey.litchi.csv"),
         ("survey.csv", "Table (*.csv)", "survey.csv"),
         ("survey.litchi.csv", "Table (*.csv)", "survey.litchi.csv"),
         ("survey 1.5", "GPX route (*.gpx)", "survey 1.5.gpx"),
         ("survey", "", "survey.kml"),
+        ("survey", "DJI Pilot 2, FlightHub 2, DJI Fly (*.kmz)", "survey.kmz"),
+        ("survey", "QGroundControl survey (*.survey.plan)", "survey.survey.plan"),
+        ("field.plan", "QGroundControl survey (*.survey.plan)", "field.survey.plan"),
+        ("field.plan", "QGroundControl waypoints (*.plan)", "field.plan"),
+        ("field.survey.plan", "QGroundControl waypoints (*.plan)", "field.survey.plan"),
+        ("field.kml", "DJI Pilot 2, FlightHub 2, DJI Fly (*.kmz)", "field.kml"),
     ],
 )
 def test_name_gets_the_ending_of_the_kind(chosen, kind, written):
     from terrainav.terrainav_plugin.missions.plan_export import with_ending
 
     assert with_ending(Path(chosen), kind) == Path(written)
+
+
+def test_the_button_beside_capture_exports_for_dji(desk, tmp_path, choose_file):
+    desk.enter_small_mission()
+    plan = desk.wait_planned().plan
+    choose_file(tmp_path / "survey.kmz")
+    button = desk.dock.export_plan
+    assert button.isVisibleTo(desk.dock)
+    button.click()
+    exporting = desk.session.missions.plan_export
+    desk.wait(lambda: not desk.session.planner.busy and not exporting.busy)
+    read = Wpml(tmp_path / "survey.kmz")
+    assert len(read.marks) == len(plan)
+    (text,) = (text for text in desk.messages() if "Plan exported as survey.kmz." in text)
+    assert "not flown" in text
+
+
+def test_the_dialog_names_programs_and_begins_with_the_last_ending(desk, tmp_path, monkeypatch):
+    desk.enter_small_mission()
+    desk.wait_planned()
+    Settings().plan_ending = ".kml"
+    asked = []
+
+    def answer(_parent, _title, path, filters, chosen=""):
+        asked.append((Path(path).name, filters.split(";;"), chosen))
+        return str(tmp_path / "field.plan"), "QGroundControl survey (*.survey.plan)"
+
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", answer)
+    export(desk)
+    export(desk)
+    (first, filters, chosen), (second, _, chosen_then) = asked
+    assert "DJI Pilot 2, FlightHub 2, DJI Fly (*.kmz)" in filters
+    assert "QGroundControl survey (*.survey.plan)" in filters
+    assert (first.endswith(".kml"), chosen) == (True, "Google Earth (*.kml)")
+    assert (second, chosen_then) == (first.replace(".kml", ".plan"), "QGroundControl survey (*.survey.plan)")
+    assert (tmp_path / "field.survey.plan").is_file()
 
 
 def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):

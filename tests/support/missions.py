@@ -60,7 +60,7 @@ missions = st.builds(
     mesh=st.sampled_from(["auto", "rays"]),
     resampling=st.sampled_from(["nearest", "bilinear", "bicubic", "lanczos"]),
     wind=st.one_of(st.none(), st.builds(Wind, st.floats(0, 10), st.floats(0, 359), st.floats(0, 0.5))),
-    grid_angle_deg=st.floats(-180, 180),
+    row_azimuth_deg=st.floats(0, 360),
     crosshatch=st.booleans(),
     order=st.sampled_from(["serpentine", "one-way"]),
     airspeed_m_per_s=st.floats(11, 340),
@@ -73,6 +73,7 @@ missions = st.builds(
     turnaround_m=st.floats(0, 1000),
     trigger=st.sampled_from(["waypoint", "distance", "hover"]),
     battery_min=st.one_of(st.none(), st.floats(0.1, 100)),
+    drone=st.sampled_from(["mavic-3e", "m300", "dji-fly"]),
     crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
 

@@ -4,9 +4,9 @@ In reading order:
 
 - `writing`: a file by its ending
 - `rows`: the table, and rows, times and rings for others
-- `waypoints`: captures as an autopilot is asked for them
+- `waypoints`, `sorties`: captures, and the path through them, as an autopilot is asked for them
 - `geojson`, `geopackage`, `kml`: for GIS and Google Earth
-- `gpx`, `litchi`, `qgroundcontrol`: for those who fly
+- `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: for those who fly
 """
 
 from .rows import COLUMNS

@@ -7,54 +7,79 @@ of MAVLink's common messages.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
-from itertools import chain, islice
-from typing import Any, Union
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import islice
+from typing import Any, NamedTuple, Union
+
+import numpy as np
 
 from ...errors import InvalidInput, Message
+from ...geodesy.projections import geodesics
+from ..parts import BY_DISTANCE, HOVER
 from ..plan import Plan
 from .rows import BATCH
-from .waypoints import not_flown, waypoints
+from .sorties import Sortie, sorties
+from .waypoints import not_flown
 
 #: Items that a MAVLink mission can count (16 bits).
 MOST_ITEMS = 65_535
 NAV_WAYPOINT, NAV_RETURN_TO_LAUNCH, NAV_TAKEOFF = 16, 20, 22
-DO_CHANGE_SPEED, DO_MOUNT_CONTROL, IMAGE_START_CAPTURE = 178, 205, 2000
+DO_CHANGE_SPEED, DO_MOUNT_CONTROL, DO_SET_CAM_TRIGG_DIST, IMAGE_START_CAPTURE = 178, 205, 206, 2000
 #: Frames of an item: none; latitude, longitude and height over the place of take-off.
 FRAME_MISSION, FRAME_RELATIVE = 2, 3
 #: The gimbal holds what the mission says; the speed is that over ground.
 _MOUNT_BY_MAVLINK, _GROUND_SPEED = 2, 1
 _PX4, _QUADROTOR = 12, 2
-#: QGroundControl's name for heights over the place of take-off.
-_ALTITUDE_RELATIVE = 1
+#: QGroundControl's names for heights over the place of take-off, and for a mission that mixes heights.
+_ALTITUDE_RELATIVE, _ALTITUDE_MIXED = 1, 0
 #: Items before and after those of the captures, and of each capture.
 _AROUND, _EACH = 4, 2
+#: How long an aircraft that hovers for an image is left to come to rest.
+_STEADY_S = 1.0
 
 Number = Union[float, int, None]
 
 
+class Command(NamedTuple):
+    """An item of a mission: MAVLink's command, frame and seven parameters."""
+
+    command: int
+    frame: int
+    params: Sequence[Number]
+
+
 def check_qgroundcontrol(plan: Plan) -> None:
     """Raise InvalidInput for a mission of more items than MAVLink counts."""
-    most = (MOST_ITEMS - _AROUND) // _EACH
-    if len(plan) > most:
-        raise InvalidInput(
-            "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
-            len(plan),
-            most,
-            remedy="plan a smaller area, a greater height or less overlap",
-        )
+    by_distance = plan.mission.trigger == BY_DISTANCE
+    for sortie in sorties(plan):
+        captures = int(np.count_nonzero(sortie.capture >= 0))
+        own = 2 * _EACH * len(sortie.runs(plan)) if by_distance else _EACH * captures
+        turned = int(np.count_nonzero(np.diff(sortie.gimbal_pitch_deg)))
+        if len(sortie) - captures + own + turned + _AROUND > MOST_ITEMS:
+            raise InvalidInput(
+                "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
+                len(sortie),
+                (MOST_ITEMS - _AROUND) // _EACH,
+                remedy="plan a smaller area, a greater height or less overlap",
+            )
 
 
-def qgroundcontrol_text(plan: Plan) -> Iterator[str]:
-    """Text of the plan, in blocks."""
-    whole = json.dumps(_whole(plan), indent=1)
+def qgroundcontrol_texts(plan: Plan) -> list[Iterator[str]]:
+    """Text of the plan of each sortie, in blocks."""
+    return [
+        text_of(plan_object(plan, sortie), simple_items(_commands(plan, sortie), first=1))
+        for sortie in sorties(plan)
+    ]
+
+
+def text_of(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[str]:
+    """Text of a plan with its items, in blocks."""
     # The items come in between, one a line, and are never all in memory.
-    before, after = whole.split('"items": []')
+    before, after = json.dumps(whole, indent=1).split('"items": []')
     yield before + '"items": [\n'
-    flown = _items(plan)
-    first = True
+    first, rest = True, iter(items)
     while True:
-        block = list(islice(flown, BATCH))
+        block = list(islice(rest, BATCH))
         if not block:
             break
         yield ("" if first else ",\n") + ",\n".join(json.dumps(item) for item in block)
@@ -72,9 +97,10 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     )
 
 
-def _whole(plan: Plan) -> dict[str, Any]:
-    first = next(waypoints(plan))
+def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict[str, Any]:
+    """What a plan of QGroundControl holds, without its items."""
     speed = plan.mission.flight.airspeed_m_per_s
+    home = sortie.takeoff or (float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
     return {
         "fileType": "Plan",
         "geoFence": {"circles": [], "polygons": [], "version": 2},
@@ -82,10 +108,10 @@ def _whole(plan: Plan) -> dict[str, Any]:
         "mission": {
             "cruiseSpeed": speed,
             "firmwareType": _PX4,
-            "globalPlanAltitudeMode": _ALTITUDE_RELATIVE,
+            "globalPlanAltitudeMode": _ALTITUDE_MIXED if mixed_heights else _ALTITUDE_RELATIVE,
             "hoverSpeed": speed,
             "items": [],
-            "plannedHomePosition": [first.lat_deg, first.lon_deg, float(plan.ground_m[0])],
+            "plannedHomePosition": [*home, sortie.base_m],
             "vehicleType": _QUADROTOR,
             "version": 2,
         },
@@ -94,8 +120,9 @@ def _whole(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _items(plan: Plan) -> Iterator[dict[str, Any]]:
-    for number, (command, frame, params) in enumerate(_commands(plan), start=1):
+def simple_items(commands: Iterable[Command], first: int, placed: bool = True) -> Iterator[dict[str, Any]]:
+    """Items of commands, numbered from ``first``; ``placed`` ones say their height for the editor as well."""
+    for number, (command, frame, params) in enumerate(commands, start=first):
         item: dict[str, Any] = {
             "autoContinue": True,
             "command": command,
@@ -104,22 +131,78 @@ def _items(plan: Plan) -> Iterator[dict[str, Any]]:
             "params": list(params),
             "type": "SimpleItem",
         }
-        if frame == FRAME_RELATIVE:
+        if placed and frame == FRAME_RELATIVE:
             item.update(AMSLAltAboveTerrain=None, Altitude=params[6], AltitudeMode=_ALTITUDE_RELATIVE)
         yield item
 
 
-def _commands(plan: Plan) -> Iterator[tuple[int, int, Sequence[Number]]]:
-    """Command, frame and the seven parameters of each item."""
-    flown = waypoints(plan)
-    first = next(flown)
-    yield NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, first.lat_deg, first.lon_deg, first.above_first_m)
+def _commands(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+    yield from before_flight(plan, sortie)
+    yield from flight(plan, sortie)
+    yield after_flight()
+
+
+def before_flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+    """Take-off, speed and gimbal."""
+    lat, lon = sortie.takeoff or (float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
+    height = float(sortie.height_m[0])
+    yield Command(NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, lat, lon, height))
     speed = plan.mission.flight.airspeed_m_per_s
-    yield DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0)
-    yield DO_MOUNT_CONTROL, FRAME_MISSION, (first.gimbal_pitch_deg, 0, 0, 0, 0, 0, _MOUNT_BY_MAVLINK)
-    for one in chain([first], flown):
-        place = (one.lat_deg, one.lon_deg, one.above_first_m)
-        yield NAV_WAYPOINT, FRAME_RELATIVE, (0, 0, 0, one.heading_deg, *place)
-        # One picture, at once; the last four are for the camera to choose.
-        yield IMAGE_START_CAPTURE, FRAME_MISSION, (0, 0, 1, None, None, None, None)
-    yield NAV_RETURN_TO_LAUNCH, FRAME_MISSION, (0, 0, 0, 0, 0, 0, 0)
+    yield Command(DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0))
+    yield _gimbal(float(sortie.gimbal_pitch_deg[0]))
+
+
+def after_flight() -> Command:
+    """Return to the place of take-off."""
+    return Command(NAV_RETURN_TO_LAUNCH, FRAME_MISSION, (0, 0, 0, 0, 0, 0, 0))
+
+
+def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+    """Waypoints and images; where distance releases the camera, waypoints at both ends of each row.
+
+    The gimbal is turned on the way to the waypoint that asks for another pitch.
+    """
+    trigger = plan.mission.trigger
+    ends = dict(sortie.runs(plan)) if trigger == BY_DISTANCE else {}
+    hold = _STEADY_S if trigger == HOVER else 0
+    last, pitch_was = -1, float(sortie.gimbal_pitch_deg[0])
+    points = zip(
+        sortie.lat_deg.tolist(),
+        sortie.lon_deg.tolist(),
+        sortie.height_m.tolist(),
+        sortie.heading_deg.tolist(),
+        sortie.gimbal_pitch_deg.tolist(),
+        sortie.capture.tolist(),
+    )
+    for at, (lat, lon, height, heading, pitch, capture) in enumerate(points):
+        if at < last:
+            continue
+        if pitch != pitch_was:
+            yield _gimbal(pitch)
+            pitch_was = pitch
+        yield Command(
+            NAV_WAYPOINT, FRAME_RELATIVE, (hold if capture >= 0 else 0, 0, 0, heading, lat, lon, height)
+        )
+        if at == last:
+            yield _by_distance(0)
+        elif ends.get(at, at) > at:
+            last = ends[at]
+            yield _by_distance(spacing_m(sortie, at, last))
+        elif capture >= 0:
+            # One image, at once; the last four are for the camera to choose.
+            yield Command(IMAGE_START_CAPTURE, FRAME_MISSION, (0, 0, 1, None, None, None, None))
+
+
+def spacing_m(sortie: Sortie, first: int, last: int) -> float:
+    """Distance between the images of a row whose ends are two points of a sortie."""
+    lat, lon = sortie.lat_deg, sortie.lon_deg
+    return float(geodesics(lat[first], lon[first], lat[last], lon[last])[2]) / (last - first)
+
+
+def _by_distance(spacing: float) -> Command:
+    """Images every so many metres, the first one at once; 0 ends them, with a last one as QGroundControl has it."""
+    return Command(DO_SET_CAM_TRIGG_DIST, FRAME_MISSION, (spacing, 0, 1, 0, 0, 0, 0))
+
+
+def _gimbal(pitch_deg: float) -> Command:
+    return Command(DO_MOUNT_CONTROL, FRAME_MISSION, (pitch_deg, 0, 0, 0, 0, 0, _MOUNT_BY_MAVLINK))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,8 +16,10 @@ from .geopackage import geopackage_notes, write_geopackage
 from .gpx import gpx_notes, gpx_text
 from .kml import kml_notes, kml_text
 from .litchi import check_litchi, litchi_notes, litchi_texts
-from .qgroundcontrol import check_qgroundcontrol, qgroundcontrol_notes, qgroundcontrol_text
+from .qgroundcontrol import check_qgroundcontrol, qgroundcontrol_notes, qgroundcontrol_texts
 from .rows import csv_text
+from .survey import check_survey, survey_notes, survey_texts
+from .wpml import check_wpml, wpml_files, wpml_notes
 
 LITCHI_ENDING, GEOPACKAGE_ENDING = ".litchi.csv", ".gpkg"
 
@@ -46,11 +48,31 @@ _TEXTS = {
     ".csv": _Format(csv_text),
     ".geojson": _Format(geojson_text),
     ".kml": _Format(kml_text, notes=kml_notes),
-    ".plan": _Format(qgroundcontrol_text, check_qgroundcontrol, qgroundcontrol_notes),
     ".gpx": _Format(gpx_text, notes=gpx_notes),
 }
+
+
+class _Parted(NamedTuple):
+    """Format of a file for each part of a flight."""
+
+    contents: Callable[[Plan], list[Iterable[bytes]]]
+    check: Callable[[Plan], None]
+    notes: Callable[[Plan], tuple[str, ...]]
+
+
+def _encoded(texts: Callable[[Plan], list[Iterator[str]]]) -> Callable[[Plan], list[Iterable[bytes]]]:
+    return lambda plan: [(block.encode() for block in text) for text in texts(plan)]
+
+
+#: Formats of one file, or of several where the flight is in parts.
+_PARTED = {
+    LITCHI_ENDING: _Parted(_encoded(litchi_texts), check_litchi, litchi_notes),
+    ".kmz": _Parted(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes),
+    ".plan": _Parted(_encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes),
+    ".survey.plan": _Parted(_encoded(survey_texts), check_survey, survey_notes),
+}
 #: What a plan's file may end in.
-ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", LITCHI_ENDING, ".plan")
+ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", *_PARTED)
 
 
 def check_plan_ending(path: str | os.PathLike[str]) -> str:
@@ -67,8 +89,9 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
     """Write a plan in the format that the file's ending names, whole or not at all.
 
     They are the table (.csv), footprints (.geojson), layers of a GIS (.gpkg), Google Earth (.kml), and for those who
-    fly: Litchi (.litchi.csv), QGroundControl (.plan) and a route (.gpx). A flight of more waypoints than a drone takes
-    at once is for Litchi cut into ``NAME-1.litchi.csv``, ``NAME-2.litchi.csv`` and so on.
+    fly: DJI's programs (.kmz), Litchi (.litchi.csv), QGroundControl (.plan; .survey.plan, which it edits as a survey)
+    and a route (.gpx). A flight of several sorties, or of more waypoints than a drone takes at once, is cut into
+    ``NAME-1.kmz``, ``NAME-2.kmz`` and so on.
 
     Raises
     ------
@@ -81,8 +104,8 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
     if ending == GEOPACKAGE_ENDING:
         write_geopackage(plan, target)
         return Exported((target,), geopackage_notes(plan))
-    if ending == LITCHI_ENDING:
-        return _write_litchi(plan, target)
+    if ending in _PARTED:
+        return _write_parts(plan, target, ending)
     form = _TEXTS[ending]
     if form.check is not None:
         form.check(plan)
@@ -90,17 +113,18 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
     return Exported((target,), () if form.notes is None else form.notes(plan))
 
 
-def _write_litchi(plan: Plan, target: Path) -> Exported:
-    check_litchi(plan)
-    texts = litchi_texts(plan)
-    stem, ending = target.name[: -len(LITCHI_ENDING)], target.name[-len(LITCHI_ENDING) :]
+def _write_parts(plan: Plan, target: Path, lowered: str) -> Exported:
+    form = _PARTED[lowered]
+    form.check(plan)
+    contents = form.contents(plan)
+    stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
     files = [target]
-    if len(texts) > 1:
-        files = [target.with_name(f"{stem}-{number}{ending}") for number in range(1, len(texts) + 1)]
+    if len(contents) > 1:
+        files = [target.with_name(f"{stem}-{number}{ending}") for number in range(1, len(contents) + 1)]
     written: list[Path] = []
     try:
-        for file, text in zip(files, texts):
-            write_whole(file, (block.encode() for block in text))
+        for file, blocks in zip(files, contents):
+            write_whole(file, blocks)
             written.append(file)
     except BaseException:
         # Part of a flight would pass for the whole of it.
@@ -108,7 +132,7 @@ def _write_litchi(plan: Plan, target: Path) -> Exported:
             with contextlib.suppress(OSError):
                 file.unlink()
         raise
-    notes = litchi_notes(plan)
+    notes = form.notes(plan)
     if len(files) > 1:
         notes = (
             Message("{0} parts of one flight, {1} to {2}", len(files), files[0].name, files[-1].name),

@@ -22,6 +22,8 @@ from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.core.picture.heights import heights_of
 
+from tests.core.mission.qgc_survey import checked, photos
+from tests.core.mission.wpml_reader import Wpml
 from tests.support import rasters
 
 WEST, NORTH, SIDE = 320_000.0, 4_298_000.0, 500
@@ -255,7 +257,7 @@ def seen_by(made, lat, lon, height_m, margin=0.0, only=None):
         {},
         {"height_above": "takeoff"},
         {"height_above": "ellipsoid"},
-        {"grid_angle_deg": 30.0},
+        {"row_azimuth_deg": 120.0},
         {"climb_m_per_s": 2.0},
     ],
     ids=["ground", "takeoff", "ellipsoid", "turned", "slow"],
@@ -421,6 +423,27 @@ def test_exports_for_drones_have_the_heights_that_their_programs_count(dem, tmp_
     )
     heights = [float(line.split(",")[2]) for line in litchi.read_text().splitlines()[1:]]
     assert np.array(heights) == pytest.approx(made.agl_m, abs=0.006)
+
+
+def test_files_for_drones_follow_the_terrain_as_it_was_planned(dem, tmp_path):
+    made = flown(Mission(AREA, 80.0, elevation=(dem["hills"],), overlap_along=0.6, overlap_across=0.4))
+    write_plan(made, tmp_path / "one.kmz")
+    read = Wpml(tmp_path / "one.kmz")
+    above = made.height_m - made.ground_m[0]
+    assert np.ptp(above) > 20.0
+    assert [mark.height_m for mark in read.marks] == pytest.approx(above, abs=5e-4)
+    marks = read.template.findall(read.path("Placemark"))
+    assert [float(read.text(mark, "ellipsoidHeight")) for mark in marks] == pytest.approx(
+        made.height_m, abs=1e-3
+    )
+    write_plan(made, tmp_path / "one.survey.plan")
+    mission = json.loads((tmp_path / "one.survey.plan").read_text())["mission"]
+    transects = checked(mission["items"][3])
+    assert transects["FollowTerrain"] is True
+    # QGroundControl keeps what was planned where the speed is the one that it is said to be for.
+    assert transects["TerrainFlightSpeed"] == mission["hoverSpeed"]
+    assert transects["CameraCalc"]["DistanceToSurface"] == 80.0
+    assert [height for *_, height in photos(transects["Items"])] == pytest.approx(above)
 
 
 def test_figures_say_what_is_below_a_flight_and_how_near_it_comes(dem):

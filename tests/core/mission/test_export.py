@@ -90,7 +90,8 @@ def test_gdal_reads_what_is_written(worked_out, tmp_path, ending):
 
 def test_other_endings_are_refused(worked_out, tmp_path):
     with pytest.raises(
-        InvalidInput, match=r"must end in \.csv, \.geojson, \.kml, \.gpkg, \.gpx, \.litchi\.csv, \.plan"
+        InvalidInput,
+        match=r"must end in \.csv, \.geojson, \.kml, \.gpkg, \.gpx, \.litchi\.csv, \.kmz, \.plan, \.survey\.plan",
     ):
         write_plan(worked_out, tmp_path / "plan.shp")
 

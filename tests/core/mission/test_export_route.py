@@ -58,7 +58,7 @@ def test_waypoints_are_the_points_of_each_sortie():
 
 
 def test_between_captures_heading_and_gimbal_are_those_of_the_capture_ahead():
-    flown = worked_out(ROUTED.with_(grid_angle_deg=30.0, tilt_deg=10.0))
+    flown = worked_out(ROUTED.with_(row_azimuth_deg=120.0, tilt_deg=10.0))
     ahead = None
     for one in reversed(list(waypoints(flown, 0))):
         if one.is_capture:
@@ -126,12 +126,18 @@ def test_points_have_no_rows_to_fly_by_distance(tmp_path):
 
 
 def test_a_long_sortie_is_cut_further(tmp_path):
-    flown = worked_out(ROUTED.with_(overlap_along=0.8, overlap_across=0.8, battery_min=17.0))
+    flown = worked_out(ROUTED.with_(overlap_along=0.9, overlap_across=0.8, battery_min=5.0))
     exported = write_plan(flown, tmp_path / "n.litchi.csv")
     sizes = [len(table) for table in tables(exported)]
     assert max(sizes) <= 99
     assert sum(sizes) == sum(len(in_air(flown.path, sortie)) for sortie in range(flown.path.sorties))
-    assert len(sizes) > flown.path.sorties
+    assert len(sizes) > flown.path.sorties > 1
+    (note,) = (note for note in exported.notes if note.startswith("sorties begin with the parts "))
+    begins = [int(number) - 1 for number in note.rpartition(" parts ")[2].split(", ")]
+    assert len(begins) == flown.path.sorties
+    for number, table in enumerate(tables(exported)):
+        at_home = (float(table[0]["latitude"]), float(table[0]["longitude"])) == pytest.approx(HOME)
+        assert at_home == (number in begins)
 
 
 # --- Google Earth, GPX and GIS

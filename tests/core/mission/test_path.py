@@ -59,7 +59,7 @@ def test_without_a_route_it_is_the_captures_alone():
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {"order": "one-way"}, {"grid_angle_deg": 30.0}, {"grid_angle_deg": -50.0}]
+    "changes", [{}, {"order": "one-way"}, {"row_azimuth_deg": 120.0}, {"row_azimuth_deg": 40.0}]
 )
 def test_a_flight_enters_at_each_corner_and_takes_the_same_images(changes):
     as_laid_out = flown(**changes)
@@ -237,7 +237,7 @@ def test_no_sortie_is_longer_than_a_battery_and_each_begins_and_ends_at_home(
         battery_min=battery,
         turnaround_m=turnaround,
         trigger=trigger,
-        grid_angle_deg=angle,
+        row_azimuth_deg=90.0 + angle,
     )
     path = made.path
     assert path.capture[path.capture >= 0].tolist() == list(range(len(made)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from terrainav.core.geodesy.mercator import PixelGrid, extent_of_box
 from terrainav.core.mission import area_files, cameras, coords, settings
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import beyond_imagery, upsampling
-from terrainav.core.mission.export import litchi, qgroundcontrol, write_plan
+from terrainav.core.mission.export import litchi, qgroundcontrol, wpml, write_plan
 from terrainav.core.mission.export.rows import clock
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -333,9 +334,60 @@ def _qgroundcontrol(case: Case) -> None:
     _fewest(case, "flight.plan")
 
 
-def _fewest(case: Case, name: str) -> None:
+@remedy("mission/export/wpml.py", "DJI mission of one waypoint: takes two or more; plan a list or an area")
+def _one_waypoint_of_dji(case: Case) -> None:
+    def write(area):
+        return write_plan(plan(Mission(area, 120.0), GRID), case.tmp_path / "flight.kmz")
+
+    case.refused(lambda: write(Points(POSES[:1])))
+    case.follow("plan a list", lambda: write(Points(POSES)))
+    case.follow("an area", lambda: write(AREA))
+
+
+@remedy(
+    "mission/export/wpml.py",
+    "DJI mission of {} waypoints: takes {} or fewer, in {} files; plan a smaller area, a greater height or less "
+    "overlap",
+)
+def _wpml(case: Case) -> None:
+    case.monkeypatch.setattr(wpml, "MOST_FILES", 1)
+    _fewest(case, "flight.kmz", drone="dji-fly")
+
+
+def _not_a_survey(case: Case, area: Any, **changes: Any) -> None:
+    flown = plan(Mission(area, 120.0, **changes), GRID)
+    case.refused(lambda: write_plan(flown, case.tmp_path / "flight.survey.plan"))
+    case.follow("choose the ending .plan", lambda: write_plan(flown, case.tmp_path / "flight.plan").files)
+
+
+@remedy(
+    "mission/export/survey.py",
+    "QGroundControl survey: needs an area of one polygon without holes; choose the ending .plan",
+)
+def _survey_of_points(case: Case) -> None:
+    _not_a_survey(case, Points(POSES))
+
+
+@remedy(
+    "mission/export/survey.py",
+    "QGroundControl survey with a tilt of {} and a roll of {} deg: must look straight down; choose the ending .plan",
+)
+def _survey_tilted(case: Case) -> None:
+    _not_a_survey(case, AREA, tilt_deg=20.0)
+
+
+@remedy(
+    "mission/export/survey.py",
+    "QGroundControl survey with images {} deg off the direction of rows: must be along or across them; choose the "
+    "ending .plan",
+)
+def _survey_turned(case: Case) -> None:
+    _not_a_survey(case, AREA, yaw_deg=30.0)
+
+
+def _fewest(case: Case, name: str, **more: Any) -> None:
     """A flight of some hundred waypoints too many, and one of fewer in each of the ways advised."""
-    mission = Mission(AREA, 60.0, overlap_along=0.6, overlap_across=0.6)
+    mission = Mission(AREA, 60.0, overlap_along=0.6, overlap_across=0.6, **more)
 
     def write(**changes):
         return write_plan(plan(mission.with_(**changes), GRID), case.tmp_path / name)

@@ -1,0 +1,452 @@
+"""A plan for DJI's drones: the KMZ of WPML that DJI Pilot 2, FlightHub 2 and DJI Fly hold waypoint flights in.
+
+Elements, values and ranges are those of DJI's reference (https://developer.dji.com/doc/cloud-api-tutorial/en, DJI
+WPML); what DJI Fly reads, which DJI does not document, is what public writers of its files write. ``template.kml`` is
+what the programs show and edit, ``waylines.wpml`` what the drone flies; both say the same here.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...errors import InvalidInput, Message
+from ...geodesy.projections import geodesics
+from ..parts import BY_DISTANCE, DJI_FLY, HOVER, utc_time
+from ..plan import Plan
+from .sorties import Sortie, sorties
+from .waypoints import not_flown
+
+KML_NAMESPACE = "http://www.opengis.net/kml/2.2"
+TEMPLATE, WAYLINES = "wpmz/template.kml", "wpmz/waylines.wpml"
+FEWEST_WAYPOINTS = 2
+#: Files of one plan, at most, where a flight is longer than a drone takes at once.
+MOST_FILES = 100
+SLOWEST_M_PER_S, FASTEST_M_PER_S = 1.0, 15.0
+#: Lowest and highest pitch that all of these drones take.
+_PITCHES_DEG = (-90.0, 30.0)
+#: The aircraft climbs so high before it leaves the place of take-off, and comes back no lower.
+_SECURITY_HEIGHT_M = 20.0
+#: How long an aircraft that stops for an image is left to come to rest.
+_STEADY_S = 1.0
+#: Where legs are shorter an aircraft stops at both ends: it has no room to round a corner.
+_SHORTEST_PASSED_M = 1.0
+#: How far before a waypoint that is passed the aircraft may leave the line to it.
+_ROUNDING_M = 0.2
+_STOP, _PASS = "toPointAndStopWithDiscontinuityCurvature", "toPointAndPassWithContinuityCurvature"
+
+
+class _Drone(NamedTuple):
+    """Codes of a drone and its camera; None for the camera where the program asks for none.
+
+    Parameters
+    ----------
+    lens : str
+        Whose images are kept, in DJI's spelling.
+    """
+
+    kind: int
+    variant: int
+    camera: int | None
+    lens: str = "visable"
+    namespace: str = "http://www.dji.com/wpmz/1.0.6"
+    most_waypoints: int = 65_536
+    highest_m: float = 1500.0
+
+    @property
+    def of_dji_fly(self) -> bool:
+        return self.camera is None
+
+
+_DRONES = {
+    "mavic-3e": _Drone(77, 0, 66),
+    "mavic-3t": _Drone(77, 1, 67),
+    "mavic-3m": _Drone(77, 2, 68),
+    "m30": _Drone(67, 0, 52, "wide"),
+    "m30t": _Drone(67, 1, 53, "wide"),
+    "m300": _Drone(60, 0, 50),
+    "m350": _Drone(89, 0, 50),
+    "m4e": _Drone(99, 0, 88),
+    "m4t": _Drone(99, 1, 89),
+    DJI_FLY: _Drone(68, 0, None, "", "http://www.dji.com/wpmz/1.0.2", 200, 500.0),
+}
+
+
+def check_wpml(plan: Plan) -> None:
+    """Raise InvalidInput for a mission that DJI's programs or drones do not take."""
+    drone, found = _drone(plan), sorties(plan)
+    stops = [len(one) for one in _stops(plan)]
+    if min(stops) < FEWEST_WAYPOINTS:
+        raise InvalidInput("DJI mission of one waypoint: takes two or more", remedy="plan a list or an area")
+    files = sum(-(-count // drone.most_waypoints) for count in stops)
+    if files > MOST_FILES:
+        raise InvalidInput(
+            "DJI mission of {0:,} waypoints: takes {1:,} or fewer, in {2} files",
+            sum(stops),
+            MOST_FILES * drone.most_waypoints,
+            MOST_FILES,
+            remedy="plan a smaller area, a greater height or less overlap",
+        )
+    highest = max(float(one.height_m.max()) for one in found)
+    if highest > drone.highest_m:
+        raise InvalidInput(
+            "DJI mission at {0:g} m: must be {1:g} m above the take-off or less", highest, drone.highest_m
+        )
+    pitch = max(float(one.gimbal_pitch_deg.max()) for one in found)
+    if pitch > _PITCHES_DEG[1]:
+        raise InvalidInput(
+            "DJI mission with the gimbal lifted to {0:g} deg: must be {1:g} to {2:g}, a tilt of {3:g} or less",
+            pitch,
+            *_PITCHES_DEG,
+            90.0 + _PITCHES_DEG[1],
+        )
+    speed = plan.mission.flight.airspeed_m_per_s
+    if speed < SLOWEST_M_PER_S:
+        raise InvalidInput(
+            "DJI mission at {0:g} m/s: must be {1:g} to {2:g} m/s",
+            speed,
+            SLOWEST_M_PER_S,
+            FASTEST_M_PER_S,
+            field="airspeed_m_per_s",
+        )
+
+
+def wpml_files(plan: Plan) -> list[bytes]:
+    """What each file holds: the sorties one after the other, each cut into parts that the drone takes at once."""
+    drone = _drone(plan)
+    found = []
+    for sortie in _stops(plan):
+        parts = -(-len(sortie) // drone.most_waypoints)
+        edges = [len(sortie) * number // parts for number in range(parts + 1)]
+        found += [_kmz(plan, sortie.take(slice(*ends))) for ends in zip(edges, edges[1:])]
+    return found
+
+
+def wpml_notes(plan: Plan) -> tuple[str, ...]:
+    """What the files cannot say, and what the pilot has to know, one line each."""
+    drone, flight = _drone(plan), plan.mission.flight
+    notes = [
+        Message(
+            "not flown yet: files for DJI's programs were checked by their structure and by reading them back"
+        ),
+        Message(
+            "heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there",
+            plan.path.base_m,
+        ),
+    ]
+    if flight.airspeed_m_per_s > FASTEST_M_PER_S:
+        notes.append(
+            Message(
+                "the speed of {0:g} m/s is cut to DJI's {1:g} m/s", flight.airspeed_m_per_s, FASTEST_M_PER_S
+            )
+        )
+    if drone.of_dji_fly:
+        notes.append(
+            Message("DJI Fly opens no files: put this one in the place of a mission that you made there")
+        )
+        if plan.mission.trigger == BY_DISTANCE:
+            notes.append(
+                Message("DJI Fly releases no camera by distance: each image has a waypoint of its own")
+            )
+    return (*not_flown(plan), *notes)
+
+
+def _drone(plan: Plan) -> _Drone:
+    return _DRONES[plan.mission.route.drone]
+
+
+def _by_distance(plan: Plan) -> bool:
+    return plan.mission.trigger == BY_DISTANCE and not _drone(plan).of_dji_fly
+
+
+def _stops(plan: Plan) -> list[Sortie]:
+    """Sorties with the points that become waypoints: of rows flown by distance, those at their ends."""
+    found = sorties(plan)
+    if not _by_distance(plan):
+        return found
+    thinned = []
+    for sortie in found:
+        kept = sortie.capture < 0
+        kept[[end for run in sortie.runs(plan) for end in run]] = True
+        thinned.append(sortie.take(kept))
+    return thinned
+
+
+def _kmz(plan: Plan, sortie: Sortie) -> bytes:
+    """Zip of the two files, with the same times in every one."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in ((TEMPLATE, _template(plan, sortie)), (WAYLINES, _waylines(plan, sortie))):
+            about = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            about.compress_type, about.create_system, about.external_attr = (
+                zipfile.ZIP_DEFLATED,
+                3,
+                0o644 << 16,
+            )
+            with archive.open(about, "w") as file:
+                file.writelines(block.encode() for block in text)
+    return packed.getvalue()
+
+
+def _template(plan: Plan, sortie: Sortie) -> Iterator[str]:
+    drone = _drone(plan)
+    made_ms = round(utc_time(plan.start).timestamp() * 1000.0)
+    yield (
+        _head(drone)
+        + (
+            f"<wpml:author>TerrAInav</wpml:author>\n<wpml:createTime>{made_ms}</wpml:createTime>\n"
+            f"<wpml:updateTime>{made_ms}</wpml:updateTime>\n"
+        )
+        + _config(plan, sortie, reference=True)
+    )
+    if not drone.of_dji_fly:
+        yield (
+            "<Folder>\n<wpml:templateType>waypoint</wpml:templateType>\n<wpml:templateId>0</wpml:templateId>\n"
+            "<wpml:waylineCoordinateSysParam><wpml:coordinateMode>WGS84</wpml:coordinateMode>"
+            "<wpml:heightMode>relativeToStartPoint</wpml:heightMode></wpml:waylineCoordinateSysParam>\n"
+            f"<wpml:autoFlightSpeed>{_speed(plan)}</wpml:autoFlightSpeed>\n"
+            f"<wpml:globalHeight>{sortie.height_m[0]:.3f}</wpml:globalHeight>\n"
+            "<wpml:caliFlightEnable>0</wpml:caliFlightEnable>\n"
+            "<wpml:gimbalPitchMode>usePointSetting</wpml:gimbalPitchMode>\n"
+            f"<wpml:globalWaypointHeadingParam>{_heading(float(sortie.heading_deg[0]))}"
+            "</wpml:globalWaypointHeadingParam>\n"
+            f"<wpml:globalWaypointTurnMode>{_STOP}</wpml:globalWaypointTurnMode>\n"
+            "<wpml:globalUseStraightLine>1</wpml:globalUseStraightLine>\n"
+        )
+        yield from _placemarks(plan, sortie, executed=False)
+        yield (
+            "<wpml:payloadParam><wpml:payloadPositionIndex>0</wpml:payloadPositionIndex>"
+            f"<wpml:imageFormat>{drone.lens}</wpml:imageFormat></wpml:payloadParam>\n</Folder>\n"
+        )
+    yield "</Document>\n</kml>\n"
+
+
+def _waylines(plan: Plan, sortie: Sortie) -> Iterator[str]:
+    lat, lon = sortie.lat_deg, sortie.lon_deg
+    length_m = float(geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])[2].sum())
+    yield (
+        _head(_drone(plan))
+        + _config(plan, sortie, reference=False)
+        + (
+            "<Folder>\n<wpml:templateId>0</wpml:templateId>\n"
+            "<wpml:executeHeightMode>relativeToStartPoint</wpml:executeHeightMode>\n<wpml:waylineId>0</wpml:waylineId>\n"
+            f"<wpml:distance>{length_m:.1f}</wpml:distance>\n"
+            f"<wpml:duration>{float(sortie.time_s[-1] - sortie.time_s[0]):.1f}</wpml:duration>\n"
+            f"<wpml:autoFlightSpeed>{_speed(plan)}</wpml:autoFlightSpeed>\n"
+        )
+    )
+    yield from _placemarks(plan, sortie, executed=True)
+    yield "</Folder>\n</Document>\n</kml>\n"
+
+
+def _head(drone: _Drone) -> str:
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        f'<kml xmlns="{KML_NAMESPACE}" xmlns:wpml="{drone.namespace}">\n<Document>\n'
+    )
+
+
+def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
+    """What holds for the whole flight, with the place of take-off that it is worked out for."""
+    drone = _drone(plan)
+    lat, lon = sortie.takeoff or (float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
+    place = f"<wpml:takeOffRefPoint>{lat:.9f},{lon:.9f},{sortie.base_m:.3f}</wpml:takeOffRefPoint>\n"
+    camera = (
+        f"<wpml:payloadInfo><wpml:payloadEnumValue>{drone.camera}</wpml:payloadEnumValue>"
+        "<wpml:payloadPositionIndex>0</wpml:payloadPositionIndex></wpml:payloadInfo>\n"
+    )
+    return (
+        "<wpml:missionConfig>\n<wpml:flyToWaylineMode>safely</wpml:flyToWaylineMode>\n"
+        "<wpml:finishAction>goHome</wpml:finishAction>\n<wpml:exitOnRCLost>executeLostAction</wpml:exitOnRCLost>\n"
+        "<wpml:executeRCLostAction>goBack</wpml:executeRCLostAction>\n"
+        f"<wpml:takeOffSecurityHeight>{_SECURITY_HEIGHT_M:g}</wpml:takeOffSecurityHeight>\n"
+        f"{place if reference and not drone.of_dji_fly else ''}"
+        f"<wpml:globalTransitionalSpeed>{_speed(plan)}</wpml:globalTransitionalSpeed>\n"
+        f"<wpml:globalRTHHeight>{max(_SECURITY_HEIGHT_M, math.ceil(sortie.height_m.max())):g}</wpml:globalRTHHeight>\n"
+        f"<wpml:droneInfo><wpml:droneEnumValue>{drone.kind}</wpml:droneEnumValue>"
+        f"<wpml:droneSubEnumValue>{drone.variant}</wpml:droneSubEnumValue></wpml:droneInfo>\n"
+        f"{'' if drone.of_dji_fly else camera}</wpml:missionConfig>\n"
+    )
+
+
+def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
+    """Waypoints: of the file that is flown, or of that which is edited."""
+    passed = _passed(plan, sortie)
+    for at, actions in enumerate(_actions(plan, sortie)):
+        lat, lon, height = float(sortie.lat_deg[at]), float(sortie.lon_deg[at]), float(sortie.height_m[at])
+        turn = (
+            f"<wpml:waypointTurnParam><wpml:waypointTurnMode>{_PASS if passed[at] else _STOP}</wpml:waypointTurnMode>"
+            f"<wpml:waypointTurnDampingDist>{_ROUNDING_M if passed[at] else 0:g}</wpml:waypointTurnDampingDist>"
+            "</wpml:waypointTurnParam>\n<wpml:useStraightLine>1</wpml:useStraightLine>\n"
+        )
+        heading = f"<wpml:waypointHeadingParam>{_heading(float(sortie.heading_deg[at]))}</wpml:waypointHeadingParam>\n"
+        if executed:
+            own = (
+                f"<wpml:executeHeight>{height:.3f}</wpml:executeHeight>\n"
+                f"<wpml:waypointSpeed>{_speed(plan)}</wpml:waypointSpeed>\n{heading}{turn}"
+            )
+        else:
+            own = (
+                f"<wpml:ellipsoidHeight>{height + sortie.base_m:.3f}</wpml:ellipsoidHeight>\n"
+                f"<wpml:height>{height:.3f}</wpml:height>\n<wpml:useGlobalHeight>0</wpml:useGlobalHeight>\n"
+                "<wpml:useGlobalSpeed>1</wpml:useGlobalSpeed>\n"
+                f"<wpml:useGlobalHeadingParam>0</wpml:useGlobalHeadingParam>\n{heading}"
+                f"<wpml:useGlobalTurnParam>0</wpml:useGlobalTurnParam>\n{turn}"
+                f"<wpml:gimbalPitchAngle>{float(sortie.gimbal_pitch_deg[at]):.2f}</wpml:gimbalPitchAngle>\n"
+            )
+        yield (
+            f"<Placemark>\n<Point><coordinates>{lon:.9f},{lat:.9f}</coordinates></Point>\n"
+            f"<wpml:index>{at}</wpml:index>\n{own}{actions}<wpml:isRisky>0</wpml:isRisky>\n</Placemark>\n"
+        )
+
+
+def _passed(plan: Plan, sortie: Sortie) -> list[bool]:
+    """Whether the aircraft flies through each waypoint without a stop."""
+    if plan.mission.trigger == HOVER or _by_distance(plan) or _drone(plan).of_dji_fly:
+        return [False] * len(sortie)
+    lat, lon = sortie.lat_deg, sortie.lon_deg
+    far = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])[2] >= _SHORTEST_PASSED_M
+    # The first and the last one have one leg each, and are stopped at.
+    found: list[bool] = (np.append(False, far) & np.append(far, False)).tolist()
+    return found
+
+
+def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
+    """Groups of actions of each waypoint: the gimbal is turned where its pitch changes, and images are taken."""
+    drone, hovers = _drone(plan), plan.mission.trigger == HOVER
+    rows = _rows_by_distance(plan, sortie)
+    number, pitch_was = 0, math.nan
+    for at, (pitch, capture) in enumerate(zip(sortie.gimbal_pitch_deg.tolist(), sortie.capture.tolist())):
+        actions = []
+        if pitch != pitch_was:
+            actions.append(_gimbal(drone, pitch))
+            pitch_was = pitch
+        shot = capture >= 0 and at not in rows.inside
+        if shot and hovers:
+            actions.append(("hover", f"<wpml:hoverTime>{_STEADY_S:g}</wpml:hoverTime>"))
+        if shot:
+            actions.append(_photo(drone, f"{plan.column[capture]}-{plan.row[capture]}"))
+        text = ""
+        if actions:
+            text += _group(drone, number, (at, at), "reachPoint", None, actions)
+            number += 1
+        if at in rows.spacing_m:
+            last, spacing = rows.spacing_m[at]
+            photo = [_photo(drone, f"row-{plan.row[capture]}")]
+            text += _group(drone, number, (at, last), "multipleDistance", spacing, photo)
+            number += 1
+        yield text
+
+
+class _Rows(NamedTuple):
+    """Rows whose images are taken by distance.
+
+    Parameters
+    ----------
+    spacing_m : dict
+        By each row's first waypoint: its last one, and the distance between its images.
+    inside : set
+        Waypoints at which no image is taken for themselves.
+    """
+
+    spacing_m: dict[int, tuple[int, float]]
+    inside: set[int]
+
+
+def _rows_by_distance(plan: Plan, sortie: Sortie) -> _Rows:
+    found = _Rows({}, set())
+    if not _by_distance(plan):
+        return found
+    ends = {
+        int(one.capture[first]): int(one.capture[last])
+        for one in sorties(plan)
+        for first, last in one.runs(plan)
+    }
+    captures = sortie.capture.tolist()
+    for at, (first, last) in enumerate(zip(captures, captures[1:])):
+        if first == last or ends.get(first) != last:
+            continue
+        places = (sortie.lat_deg[at], sortie.lon_deg[at], sortie.lat_deg[at + 1], sortie.lon_deg[at + 1])
+        length_m = float(geodesics(*places)[2])
+        # Rounded down, so that the last image is not a millimetre beyond the row.
+        spacing = math.floor(length_m / (last - first) * 1000.0) / 1000.0
+        if spacing > 0.0:
+            found.spacing_m[at] = at + 1, spacing
+            found.inside.update((at, at + 1))
+    return found
+
+
+def _group(
+    drone: _Drone,
+    number: int,
+    ends: tuple[int, int],
+    trigger: str,
+    spacing_m: float | None,
+    actions: list[tuple[str, str]],
+) -> str:
+    parameter = (
+        "" if spacing_m is None else f"<wpml:actionTriggerParam>{spacing_m:.3f}</wpml:actionTriggerParam>"
+    )
+    return (
+        f"<wpml:actionGroup><wpml:actionGroupId>{number}</wpml:actionGroupId>"
+        f"<wpml:actionGroupStartIndex>{ends[0]}</wpml:actionGroupStartIndex>"
+        f"<wpml:actionGroupEndIndex>{ends[1]}</wpml:actionGroupEndIndex>"
+        f"<wpml:actionGroupMode>{'parallel' if drone.of_dji_fly else 'sequence'}</wpml:actionGroupMode>"
+        f"<wpml:actionTrigger><wpml:actionTriggerType>{trigger}</wpml:actionTriggerType>{parameter}"
+        "</wpml:actionTrigger>"
+        + "".join(
+            f"<wpml:action><wpml:actionId>{at}</wpml:actionId>"
+            f"<wpml:actionActuatorFunc>{name}</wpml:actionActuatorFunc>"
+            f"<wpml:actionActuatorFuncParam>{values}</wpml:actionActuatorFuncParam></wpml:action>"
+            for at, (name, values) in enumerate(actions)
+        )
+        + "</wpml:actionGroup>\n"
+    )
+
+
+def _photo(drone: _Drone, name: str) -> tuple[str, str]:
+    values = "<wpml:payloadPositionIndex>0</wpml:payloadPositionIndex>"
+    if not drone.of_dji_fly:
+        values += (
+            f"<wpml:fileSuffix>{name}</wpml:fileSuffix><wpml:payloadLensIndex>{drone.lens}</wpml:payloadLensIndex>"
+            "<wpml:useGlobalPayloadLensIndex>0</wpml:useGlobalPayloadLensIndex>"
+        )
+    return "takePhoto", values
+
+
+def _gimbal(drone: _Drone, pitch_deg: float) -> tuple[str, str]:
+    base = "aircraft" if drone.of_dji_fly else "north"
+    return "gimbalRotate", (
+        f"<wpml:gimbalHeadingYawBase>{base}</wpml:gimbalHeadingYawBase>"
+        "<wpml:gimbalRotateMode>absoluteAngle</wpml:gimbalRotateMode>"
+        "<wpml:gimbalPitchRotateEnable>1</wpml:gimbalPitchRotateEnable>"
+        f"<wpml:gimbalPitchRotateAngle>{pitch_deg:.2f}</wpml:gimbalPitchRotateAngle>"
+        "<wpml:gimbalRollRotateEnable>0</wpml:gimbalRollRotateEnable>"
+        "<wpml:gimbalRollRotateAngle>0</wpml:gimbalRollRotateAngle>"
+        "<wpml:gimbalYawRotateEnable>0</wpml:gimbalYawRotateEnable>"
+        "<wpml:gimbalYawRotateAngle>0</wpml:gimbalYawRotateAngle>"
+        "<wpml:gimbalRotateTimeEnable>0</wpml:gimbalRotateTimeEnable>"
+        "<wpml:gimbalRotateTime>0</wpml:gimbalRotateTime>"
+        "<wpml:payloadPositionIndex>0</wpml:payloadPositionIndex>"
+    )
+
+
+def _heading(heading_deg: float) -> str:
+    """The aircraft turns to it by the shorter way on its leg to the waypoint."""
+    wrapped = round((heading_deg + 180.0) % 360.0 - 180.0, 2)
+    return (
+        "<wpml:waypointHeadingMode>smoothTransition</wpml:waypointHeadingMode>"
+        f"<wpml:waypointHeadingAngle>{wrapped:.2f}</wpml:waypointHeadingAngle>"
+        "<wpml:waypointPoiPoint>0.000000,0.000000,0.000000</wpml:waypointPoiPoint>"
+        "<wpml:waypointHeadingAngleEnable>1</wpml:waypointHeadingAngleEnable>"
+        "<wpml:waypointHeadingPathMode>followBadArc</wpml:waypointHeadingPathMode>"
+    )
+
+
+def _speed(plan: Plan) -> str:
+    return f"{min(plan.mission.flight.airspeed_m_per_s, FASTEST_M_PER_S):.2f}"
