@@ -22,11 +22,13 @@ from .area import Polygon, Polygons
 _ZIP = b"PK\x03\x04"
 #: The file that a KMZ shows, as Google Earth writes it; others put it elsewhere.
 _MAIN_KML = "doc.kml"
+#: Ways in which files of a KMZ are packed; readers of others raise errors of their own.
+_PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: Between the numbers of a corner; people write spaces after commas.
 _COMMA = re.compile(r"\s*,\s*")
 #: Characters of a corner or name that are shown.
 _SHOWN = 60
-#: What `zipfile` raises of archives that are broken, encrypted or packed in a way it does not know.
+#: What `zipfile` raises of archives that are broken, encrypted, or not what they say.
 _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, ValueError, OSError)
 
 
@@ -155,6 +157,8 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
             found.sort(key=lambda one: (one.filename.lower() != _MAIN_KML, one.filename.count("/")))
             texts, left = [], MAX_CAPABILITIES_BYTES
             for one in found:
+                if one.compress_type not in _PACKED:
+                    raise InvalidInput("{0}: is packed in another way than KMZ is", where)
                 with archive.open(one) as packed:
                     # What it says of its size may be wrong.
                     texts.append(packed.read(left + 1))

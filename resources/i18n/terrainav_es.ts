@@ -8536,6 +8536,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: is packed in another way than KMZ is</source>
+        <translation>{0}: está comprimido de otra manera que un KMZ</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
         <source>{0}: its KML is larger than {1} MB</source>
         <translation>{0}: su KML ocupa más de {1} MB</translation>
     </message>

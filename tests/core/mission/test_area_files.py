@@ -6,6 +6,7 @@ import io
 import json
 import zipfile
 
+import numpy as np
 import pytest
 from terrainav.core import safe_xml
 from terrainav.core.errors import InvalidInput, OutputError
@@ -246,6 +247,33 @@ def test_archives_beyond_the_limits_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(area_files, "MAX_KMZ_FILES", 0)
     with pytest.raises(InvalidInput, match="holds more than 0 files"):
         load_area(plain)
+
+
+def test_an_archive_that_is_packed_in_another_way_is_refused(tmp_path):
+    path = tmp_path / "area.kmz"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_BZIP2) as archive:
+        archive.writestr("doc.kml", kml(kml_polygon(SQUARES[0])))
+    with pytest.raises(InvalidInput, match="is packed in another way than KMZ is"):
+        load_area(path)
+
+
+def test_files_with_bytes_changed_are_read_or_refused_in_one_line(tmp_path):
+    """Whatever becomes of a file on its way: an area, or one line of ours, and no other error."""
+    path = tmp_path / "area"
+    packed = zipped(tmp_path / "a.kmz", doc_kml=kml(kml_polygon(SQUARES[0], HOLE))).read_bytes()
+    bits, said = np.random.default_rng(8), []
+    for body in (packed, kml(kml_polygon(SQUARES[0])).encode(), json.dumps(as_polygon(SQUARES[0])).encode()):
+        for _ in range(150):
+            changed = bytearray(body)
+            for at, value in zip(bits.integers(0, len(body), 3), bits.integers(0, 256, 3)):
+                changed[at] = value
+            path.write_bytes(changed)
+            try:
+                load_area(path)
+            except InvalidInput as refused:
+                said.append(str(refused))
+    assert said
+    assert not [line for line in said if "\n" in line]
 
 
 def test_an_encrypted_archive_is_refused(tmp_path):
