@@ -51,6 +51,7 @@ UNITS = {
     "px": Unit(Message("px"), Message("px"), "_px", " px", 12),
     "m/s": Unit(Message("m/s"), Message("metres per second"), "_m_per_s", " m/s", 3),
     "s": Unit(Message("s"), Message("seconds"), "_s", " s", 3),
+    "min": Unit(Message("min"), Message("minutes"), "_min", " min", 1),
     "share": Unit(
         words=Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0
     ),

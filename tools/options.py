@@ -43,6 +43,7 @@ _PARTS = {
     "pixels": "Pixels",
     "accuracy": "Accuracy",
     "terrain": "Relief",
+    "route": "Flight path",
     "output": "Output",
 }
 #: Options whose names do not follow from one field each.

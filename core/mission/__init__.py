@@ -18,6 +18,7 @@ In reading order:
 - `flight`: legs and clock, and poses in wind
 - `relief`: how high captures over relief are, and what they surely see
 - `methods`: the kind of picture and its methods, by the error budget
+- `path`: what an aircraft flies: take-off, ways, lead-ins, captures and turns, in sorties
 - `plan`: a mission worked out, as arrays
 - `estimate`: what a plan takes and gives, in figures
 - `outlines`: what is drawn of a plan, cut at the antimeridian

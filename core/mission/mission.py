@@ -27,6 +27,7 @@ from .parts import (
     Imagery,
     Output,
     Pixels,
+    Route,
     Terrain,
 )
 from .wind import Wind
@@ -83,6 +84,7 @@ class Mission:
     pixels: Pixels
     accuracy: Accuracy
     terrain: Terrain
+    route: Route
     output: Output
     no_fly: tuple[Polygon, ...]
     notes: tuple[str, ...] = field(compare=False, repr=False)
@@ -161,6 +163,8 @@ class Mission:
             del plain["output"]["products"]
         if self.terrain == Terrain():
             del plain["terrain"]
+        if self.route == Route():
+            del plain["route"]
         if self.no_fly:
             plain["no_fly"] = [asdict(polygon) for polygon in self.no_fly]
         if isinstance(self.area, Points):

@@ -10,9 +10,12 @@ from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
 from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES
 from ..units import LENGTHS_M
-from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Terrain
+from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
 
 KINDS = ("single", "list", "raster")
+#: Lists of numbers, and what help calls each of them.
+_NUMBERS: dict[str, Callable[[str], Any]] = {"img_size": int, "takeoff": float}
+_METAVARS = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
 
 
 @dataclass(frozen=True)
@@ -46,16 +49,17 @@ class Option:
             "surface": (1, MAX_HEIGHT_SOURCES),
             "products": (1, len(field.choices)),
             "stretch": (1, 2),
+            "takeoff": (2, 2),
         }
         return cls(
             field.name_of_option,
-            int if field.name == "img_size" else str if field.kind in (bool, tuple) else field.kind,
+            _NUMBERS.get(field.name) or (str if field.kind in (bool, tuple) else field.kind),
             (field.default,) if field.name == "stretch" else None if without else field.default,
             field.help,
             count=many.get(field.name),
             # One of several map types is refused in the words of a mission.
             choices=tuple(field.choices) if field.choices and field.kind is str else None,
-            metavar=("W", "H", "C") if field.name == "img_size" else None,
+            metavar=_METAVARS.get(field.name),
             flag=field.kind is bool,
             about=field.about,
         )
@@ -179,7 +183,7 @@ OPTIONS: tuple[Option, ...] = (
     # A camera by name brings its own.
     replace(_IMAGE_PX, default=None, about=f"{_IMAGE_PX.about}; default {_IMAGE_PX.default}"),
     *_fields(Pixels, but=("image_px",)),
-    *_fields(Accuracy, Terrain, Output),
+    *_fields(Accuracy, Terrain, Route, Output),
     Option(
         "dataset",
         str,

@@ -32,6 +32,11 @@ HIGHEST_AGL_M = 1e9
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
 #: What the heights of captures are above.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
+#: Where a flight enters its rows: as they are laid out, at a corner, or at the corner nearest to take-off.
+FIRST, NEAREST = "first", "nearest"
+COMPASS_CORNERS = {"north-west": (-1, 1), "north-east": (1, 1), "south-east": (1, -1), "south-west": (-1, -1)}
+#: What releases the camera: each waypoint, the distance flown along a row, or each waypoint with a stop.
+BY_WAYPOINT, BY_DISTANCE, HOVER = "waypoint", "distance", "hover"
 #: What becomes of holes in the first source of heights.
 FILL, REFUSE = "fill", "refuse"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
@@ -126,6 +131,18 @@ def _check_map_types(map_types: tuple[str, ...]) -> None:
         raise InvalidInput("no map type: give one or more of {0}", known, field="map_types")
     if len(set(map_types)) != len(map_types):
         raise InvalidInput("map types {0}: each may be named once", " ".join(map_types), field="map_types")
+
+
+def _check_takeoff(place: tuple[Any, ...] | None) -> None:
+    if place is None:
+        return
+    sound = len(place) == 2 and all(type(one) in (int, float) for one in place)
+    if not (sound and abs(place[0]) <= 90.0 and abs(place[1]) <= 360.0):
+        raise InvalidInput(
+            "take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees",
+            " ".join(map(str, place)),
+            field="takeoff",
+        )
 
 
 def _check_imageries(texts: tuple[Any, ...]) -> None:
@@ -591,6 +608,110 @@ class Terrain(Part):
 
 
 @dataclass(frozen=True)
+class Route(Part):
+    """How the aircraft gets to the captures and from row to row, and what releases the camera."""
+
+    takeoff: tuple[float, float] | None = declared(
+        None,
+        title="take-off",
+        help="latitude and longitude of the place that the flight begins and ends at; left out, the flight is that "
+        "from the first capture to the last",
+        check=_check_takeoff,
+        schema={
+            "prefixItems": [
+                {"type": "number", "minimum": -90, "maximum": 90},
+                {"type": "number", "minimum": -360, "maximum": 360},
+            ],
+            "items": False,
+            "minItems": 2,
+        },
+        advanced=True,
+    )
+    entry: str = declared(
+        FIRST,
+        title="entry",
+        help="corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. "
+        "first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order",
+        choices={
+            FIRST: "As laid out",
+            "north-west": "North-west",
+            "north-east": "North-east",
+            "south-east": "South-east",
+            "south-west": "South-west",
+            NEAREST: "Nearest to take-off",
+        },
+        advanced=True,
+    )
+    turnaround_m: float = declared(
+        0.0,
+        title="turnaround",
+        help="how far the flight goes on beyond the end of each row before it turns",
+        unit="m",
+        least=0.0,
+        most=10_000.0,
+        advanced=True,
+    )
+    lead_in_m: float = declared(
+        0.0,
+        title="lead-in",
+        help="how far before the first capture of each row the flight is already on its line",
+        unit="m",
+        least=0.0,
+        most=10_000.0,
+        advanced=True,
+    )
+    trigger: str = declared(
+        BY_WAYPOINT,
+        title="trigger",
+        help="waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance "
+        "flown along each row; hover: the aircraft stops at each waypoint",
+        choices={
+            BY_WAYPOINT: "At each waypoint",
+            BY_DISTANCE: "By distance along rows",
+            HOVER: "Hover and capture",
+        },
+        advanced=True,
+    )
+    photo_interval_s: float | None = declared(
+        None,
+        title="least interval of images",
+        help="the shortest time between two images that the camera can keep up",
+        unit="s",
+        above=0.0,
+        suggested=1.0,
+        advanced=True,
+    )
+    battery_min: float | None = declared(
+        None,
+        title="battery",
+        help="flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end "
+        "at the take-off",
+        unit="min",
+        above=0.0,
+        suggested=20.0,
+        advanced=True,
+    )
+
+    def __post_init__(self) -> None:
+        """Check every field; refuse what needs a place of take-off without one."""
+        super().__post_init__()
+        if self.takeoff is not None:
+            object.__setattr__(self, "takeoff", tuple(map(float, self.takeoff)))
+        remedy = Message("set a take-off point{0}", OptionName("takeoff").in_brackets)
+        if self.takeoff is None and self.entry == NEAREST:
+            raise InvalidInput(
+                "entry nearest: needs a take-off point to be near to", field="entry", remedy=remedy
+            )
+        if self.takeoff is None and self.battery_min is not None:
+            raise InvalidInput(
+                "battery of {0:g} min: needs a take-off point, where each sortie begins and ends",
+                self.battery_min,
+                field="battery_min",
+                remedy=remedy,
+            )
+
+
+@dataclass(frozen=True)
 class Output(Part):
     """What is written."""
 
@@ -644,5 +765,6 @@ FLAT_PARTS: dict[str, type[Part]] = {
     "pixels": Pixels,
     "accuracy": Accuracy,
     "terrain": Terrain,
+    "route": Route,
     "output": Output,
 }

@@ -46,6 +46,7 @@ from .layout.rows import Layout
 from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
 from .parts import ELLIPSOID
+from .path import FlightPath, flight_path
 from .relief import Flown, Heights, ReliefBelow, check_clearance
 
 Floats = NDArray[np.float64]
@@ -416,12 +417,21 @@ class Plan:
     @cached_property
     def _legs(self) -> Legs:
         """Legs as they were meant to be."""
-        meant = self.poses if self.nominal is None else self.nominal
-        return legs(meant.lat_deg, meant.lon_deg)
+        return legs(self.meant.lat_deg, self.meant.lon_deg)
+
+    @property
+    def meant(self) -> Poses:
+        """Poses as they were meant to be, which wind has moved."""
+        return self.poses if self.nominal is None else self.nominal
+
+    @property
+    def times_s(self) -> Floats:
+        """Seconds of each exposure after the first one, (n,): the points' own, or along the flight as it was meant."""
+        return self.exposures_s
 
     @cached_property
-    def times_s(self) -> Floats:
-        """Seconds of each exposure after the first one, (n,): the points' own, or along the flight as it was meant.
+    def exposures_s(self) -> Floats:
+        """The same of a flight from capture to capture, without turns.
 
         `flight.intervals_s` says what is counted: legs at the ground speed, climbs at the airspeed, no turns.
         """
@@ -430,10 +440,17 @@ class Plan:
         if own is not None:
             since: Floats = own - own[0]
             return since
-        agl = self.agl_m if self.nominal is None else self.nominal.agl_m
         times = np.zeros(len(self))
-        np.cumsum(intervals_s(self._legs, agl, mission.flight.airspeed_m_per_s, mission.wind), out=times[1:])
+        np.cumsum(
+            intervals_s(self._legs, self.meant.agl_m, mission.flight.airspeed_m_per_s, mission.wind),
+            out=times[1:],
+        )
         return times
+
+    @cached_property
+    def path(self) -> FlightPath:
+        """What an aircraft flies: the captures, and what the mission's route has between and around them."""
+        return flight_path(self)
 
     @property
     def has_times(self) -> bool:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import field_named
-from ...core.mission.parts import FLAT_PARTS, Flight, Output
+from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
 from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
 from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
-from .text import aspect_text, exact_degrees_text, parse_aspect, parse_number
+from .text import SEPARATORS, aspect_text, exact_degrees_text, parse_aspect, parse_number
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box
@@ -99,7 +99,9 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
             height=number_text(state.agl, "g"), unit=state.agl_unit
         )
     entries = {name: getattr(state, name) for name in ENTERED_AS_DECLARED}
-    entries.update(_pixels(state), source=state.source_name)
+    entries.update(
+        _pixels(state), source=state.source_name, takeoff=checks("takeoff", lambda: takeoff(state))
+    )
     for name, value in entries.items():
         checks(entry_of(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
@@ -123,6 +125,35 @@ def _check(name: str, value: Any) -> None:
             field=name,
         )
     field.settled(value)
+
+
+def takeoff(state: FormState) -> tuple[float, float] | None:
+    """Latitude and longitude of the place of take-off that is entered; None for none.
+
+    Raises
+    ------
+    InvalidInput
+        Not two numbers, or beyond the Earth.
+    """
+    text = state.takeoff.strip()
+    if not text:
+        return None
+    try:
+        lat, lon = map(parse_number, (part for part in SEPARATORS.split(text) if part))
+    except ValueError as wrong:
+        raise InvalidInput(
+            tr("take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9").format(
+                text=text
+            ),
+            field="takeoff",
+        ) from wrong
+    place: tuple[float, float] | None = field_named(Route, "takeoff").settled((lat, lon))
+    return place
+
+
+def takeoff_text(place: tuple[float, float] | None) -> str:
+    """Text of a place of take-off that `takeoff` reads back as the very same; empty for none."""
+    return "" if place is None else ", ".join(map(exact_degrees_text, place))
 
 
 def _pixels(state: FormState) -> dict[str, Any]:
@@ -228,6 +259,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
         aspect=aspect_text(mission.camera.aspect_ratio),
         agl=mission.flight.agl_m,
         folder=folder,
+        takeoff=takeoff_text(mission.route.takeoff),
         **{name: given[name] for name in ENTERED_AS_DECLARED},
     )
     if kind_of(mission.imagery.source).is_address:

@@ -9,7 +9,7 @@ from typing import Any
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
-from ...core.mission.parts import FLAT_PARTS, Flight, Pixels
+from ...core.mission.parts import FLAT_PARTS, Flight, Pixels, Route
 from ...core.mission.wind import Wind
 from ...core.safe_json import parse_json
 from ...core.units import LENGTHS_M
@@ -23,7 +23,7 @@ URL_TEMPLATE = "url-template"
 _SIZE_PARTS = 3
 BOX_FIELDS = ("north", "west", "south", "east")
 #: Fields of a mission that people enter in another way: in a unit, with a choice before, or as several entries.
-_ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size")
+_ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff")
 #: All other fields that a mission is given by name are entries of the same name, value and default.
 ENTERED_AS_DECLARED: dict[str, Field] = {
     one.name: one
@@ -39,6 +39,7 @@ DECLARED: dict[str, Field] = {
     "agl": field_named(Flight, "agl_m"),
     "zoom": field_named(Pixels, "zoom"),
     "gsd_m_per_px": field_named(Pixels, "gsd_m_per_px"),
+    "takeoff": field_named(Route, "takeoff"),
     "fov_deg": field_named(Lens, "fov_deg"),
     "wind_speed_m_per_s": field_named(Wind, "speed_m_per_s"),
     "wind_from_deg": field_named(Wind, "from_deg"),
@@ -93,6 +94,8 @@ class FormState(_Asked):
     resize_grey : bool
     template : str
         URL template, where ``source`` is `URL_TEMPLATE`.
+    takeoff : str
+        Latitude and longitude of the place of take-off; empty for none.
     folder : str
     wind : bool
         Whether the wind described by the next three blows.
@@ -127,6 +130,7 @@ class FormState(_Asked):
     resize_height_px: int = 480
     resize_grey: bool = False
     template: str = ""
+    takeoff: str = ""
     folder: str = ""
     wind: bool = False
     wind_speed_m_per_s: float = DECLARED["wind_speed_m_per_s"].starts_with

@@ -29,6 +29,7 @@ from .sections import (
     OutputEntries,
     PixelsSection,
     ReliefSection,
+    RouteSection,
     WindSection,
 )
 
@@ -159,8 +160,8 @@ class DockForm(QWidget):
         self.folder, self.image_format = output.folder, output.image_format
         self.attitude, self.pixels = AttitudeSection(self.marks), PixelsSection(self.marks)
         self.relief, self.wind = ReliefSection(self.marks), WindSection(self.marks)
-        self.accuracy = AccuracySection(self.marks)
-        self.sections = (self.attitude, self.relief, self.pixels, self.wind, self.accuracy)
+        self.route, self.accuracy = RouteSection(self.marks), AccuracySection(self.marks)
+        self.sections = (self.attitude, self.relief, self.route, self.pixels, self.wind, self.accuracy)
         #: Those whose entries are fields of the state by name.
         self.groups = (camera, flight, output, *self.sections)
         #: All, in the order they are shown in.

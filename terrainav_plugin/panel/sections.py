@@ -15,7 +15,7 @@ from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
 from ..plain import plain_label
 from ..units import gsd_text, length_text
-from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, spin, tick
+from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, line_edit, named, row, spin, tick
 from .elevation import HeightsLine
 from .entries import (
     Entries,
@@ -248,6 +248,21 @@ class ReliefSection(Section):
         products = named(WordsLine(), "products", tip_of(DECLARED["products"]))
         products.setPlaceholderText(" ".join(DECLARED["products"].choices))
         self.add_declared("products", products)
+
+
+class RouteSection(Section):
+    """Take-off, the way to the rows and from row to row, what releases the camera, and batteries."""
+
+    def __init__(self, marks: FieldMarks) -> None:
+        super().__init__("route", tr("Flight path"), marks)
+        self.takeoff = line_edit("takeoff", tip_of(DECLARED["takeoff"]))
+        self.takeoff.setPlaceholderText(tr("none: from the first capture to the last"))
+        self.add_declared("takeoff", self.takeoff)
+        for name in (
+            *("entry", "lead_in_m", "turnaround_m", "trigger"),
+            *("photo_interval_s", "battery_min"),
+        ):
+            self.add_declared(name)
 
 
 class WindSection(Section):

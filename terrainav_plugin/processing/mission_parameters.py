@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
+    QgsCoordinateReferenceSystem,
     QgsProcessing,
     QgsProcessingAlgorithm,
     QgsProcessingParameterBoolean,
@@ -15,6 +16,7 @@ from qgis.core import (
     QgsProcessingParameterField,
     QgsProcessingParameterFile,
     QgsProcessingParameterNumber,
+    QgsProcessingParameterPoint,
     QgsProcessingParameterString,
 )
 
@@ -40,7 +42,7 @@ _REAL = QgsProcessingParameterNumber.Type.Double
 #: Parameters that are not called as the command's option is.
 _IDS = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS", "map_types": "MAP_TYPES"}
 #: Fields that are read in a way of their own.
-_OTHERWISE = ("agl_m", "source", "map_types", "img_size")
+_OTHERWISE = ("agl_m", "source", "map_types", "img_size", "takeoff")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
 #: pixels, and texts are empty then.
 _IF_GIVEN = ("image_px", "start", "date", "crs")
@@ -115,6 +117,7 @@ def mission_of(run: Run) -> Mission:
         map_types=tuple(run.algorithm.parameterAsEnumStrings(run.parameters, "MAP_TYPES", run.context)),
         source=other or run.choice("SOURCE"),
         img_size=_size(size) if size else None,
+        takeoff=_takeoff(run),
         **entries,
     )
 
@@ -151,6 +154,8 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
         return _choice(name, title, tuple(filter(None, field.choices)), usual or None, several=several)
     if field.kind is bool:
         return QgsProcessingParameterBoolean(name, title, field.default)
+    if field.name == "takeoff":
+        return QgsProcessingParameterPoint(name, title, optional=True)
     if field.kind in (str, tuple):
         usual = field.default if field.kind is str and field.name not in _IF_GIVEN else None
         return QgsProcessingParameterString(name, title, usual, optional=True)
@@ -333,6 +338,15 @@ def _camera(run: Run) -> tuple[Camera, int]:
 def _wind(run: Run, seed: int) -> Wind | None:
     speed, origin, turbulence = map(run.number, _WIND)
     return Wind(speed, origin, turbulence, seed) if speed > 0.0 else None
+
+
+def _takeoff(run: Run) -> tuple[float, float] | None:
+    """Latitude and longitude of a point in any CRS; None where there is none."""
+    if not run.is_given("TAKEOFF"):
+        return None
+    wgs84 = QgsCoordinateReferenceSystem("EPSG:4326")
+    place = run.algorithm.parameterAsPoint(run.parameters, "TAKEOFF", run.context, wgs84)
+    return place.y(), place.x()
 
 
 def _size(text: str) -> tuple[int, int, int]:

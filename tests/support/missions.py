@@ -60,6 +60,11 @@ missions = st.builds(
     bands=st.sampled_from([(), ("4", "1", "2"), ("nir", "red")]),
     stretch=st.sampled_from(["none", "percentile", "-10 4000.5"]),
     date=st.sampled_from(["", "2024-06-21", "1950-1965", "2024-06-21T12:00:00Z"]),
+    takeoff=st.sampled_from([(35.1, -89.8), (-12.5, 179.99)]),
+    entry=st.sampled_from(["first", "north-west", "nearest"]),
+    turnaround_m=st.floats(0, 1000),
+    trigger=st.sampled_from(["waypoint", "distance", "hover"]),
+    battery_min=st.one_of(st.none(), st.floats(0.1, 100)),
     crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
 
