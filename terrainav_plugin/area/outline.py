@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from qgis.core import (
     Qgis,
@@ -21,7 +22,7 @@ from qgis.core import (
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import MAX_LAT_DEG
-from ...core.mission.area import Area, Box, Points, Polygon
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
 from ..map.canvas import lon_lat_of, to_lon_lat
 from ..map.outlines import around_pole
 
@@ -48,6 +49,18 @@ GRIPS = (
 LEAST_SPAN_DEG = 1e-6
 _POLE_DEG = 90.0
 _TURN_DEG = 360.0
+#: Corners up to which each has a handle: more cannot be told apart, and would take long to draw anew at every move.
+MOST_CORNERS = 2_000
+#: Pieces of an edge that is a curve on the canvas, and by what share of its length it is one.
+_CURVE_STEPS, _CURVED = 16, 0.002
+
+
+class Corner(NamedTuple):
+    """A corner of polygons, by numbers: of its polygon, of its ring, and its own. An edge has that of its start."""
+
+    part: int
+    ring: int
+    at: int
 
 
 class Outline:
@@ -66,6 +79,12 @@ class Outline:
         Of a box's corners and sides.
     sides : dict of edge to list of (QgsPointXY, QgsPointXY)
         Of a box: the segments that each side is drawn in.
+    corners : dict of Corner to QgsPointXY
+        Of polygons of no more than `MOST_CORNERS` corners, none of them around a pole.
+    edges : dict of Corner to list of (QgsPointXY, QgsPointXY)
+        Of those polygons: the segments that the edge after each corner is drawn in.
+    middles : dict of Corner to QgsPointXY
+        The middle of each of those edges.
     """
 
     def __init__(
@@ -81,6 +100,9 @@ class Outline:
         self._turn_deg = 360.0 * round((near_lon_deg - middle) / 360.0) if crs.isGeographic() else 0.0
         self.handles: dict[frozenset[str], QgsPointXY] = {}
         self.sides: dict[str, list[tuple[QgsPointXY, QgsPointXY]]] = {}
+        self.corners: dict[Corner, QgsPointXY] = {}
+        self.edges: dict[Corner, list[tuple[QgsPointXY, QgsPointXY]]] = {}
+        self.middles: dict[Corner, QgsPointXY] = {}
         if isinstance(area, Points):
             every = max(1, math.ceil(len(area.poses) / MOST_POINTS))
             west = area.bounds.west_deg
@@ -92,6 +114,8 @@ class Outline:
         self.shape = self._projected(_degrees(area))
         if isinstance(area, Box):
             self._place_handles(area)
+        else:
+            self._place_corners(area)
 
     def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
         """Place in the canvas's CRS; None where it has none."""
@@ -170,9 +194,38 @@ class Outline:
                 walk = [(lons[edge], lat) for lat in _steps(lats["south"], lats["north"])]
             self.sides[edge] = list(self._segments(walk))
 
-    def _segments(self, walk: list[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
+    def _place_corners(self, area: Polygon | Polygons) -> None:
+        shapes = rings_of(area)
+        if (
+            area.bounds.span_deg >= _TURN_DEG
+            or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS
+        ):
+            return
+        for part, rings in enumerate(shapes):
+            for number, ring in enumerate(rings):
+                for at, start in enumerate(ring):
+                    corner, end = Corner(part, number, at), ring[(at + 1) % len(ring)]
+                    place = self.project(*start)
+                    if place is not None:
+                        self.corners[corner] = place
+                    self._place_edge(corner, start, end)
+
+    def _place_edge(self, corner: Corner, start: Position, end: Position) -> None:
+        walk = [start, _between(start, end, 0.5), end]
+        segments = list(self._segments(walk))
+        if len(segments) < len(walk) - 1:
+            # It leads across the edge of the map.
+            return
+        (first, middle), (_, last) = segments
+        self.middles[corner] = middle
+        if _distance(middle, first, last) > _CURVED * first.distance(last):
+            fine = [_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)]
+            segments = list(self._segments(fine))
+        self.edges[corner] = segments
+
+    def _segments(self, walk: Sequence[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
         for (lon0, lat0), (lon1, lat1) in zip(walk, walk[1:]):
-            if self._cut_deg is not None and lon0 < self._cut_deg < lon1:
+            if self._cut_deg is not None and min(lon0, lon1) < self._cut_deg < max(lon0, lon1):
                 continue
             start, end = self.project(lon0, lat0), self.project(lon1, lat1)
             if start is not None and end is not None:
@@ -207,6 +260,30 @@ def grip_at(
     return frozenset((found[1],)) if found[0] <= reach else frozenset()
 
 
+def corner_at(
+    outline: Outline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
+) -> Corner | None:
+    """Return the corner of polygons that a pointer is at, the nearest one."""
+    at = QgsPointXY(x_px, y_px)
+    near = ((to_pixel.transform(place).distance(at), corner) for corner, place in outline.corners.items())
+    distance, corner = min(near, default=(math.inf, None))
+    return corner if distance <= reach_px else None
+
+
+def edge_at(
+    outline: Outline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
+) -> Corner | None:
+    """Return the edge of polygons that a pointer is at, by the corner before it."""
+    at = QgsPointXY(x_px, y_px)
+    near = (
+        (_distance(at, to_pixel.transform(start), to_pixel.transform(end)), corner)
+        for corner, segments in outline.edges.items()
+        for start, end in segments
+    )
+    distance, corner = min(near, default=(math.inf, None))
+    return corner if distance <= reach_px else None
+
+
 def place_at(
     point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
 ) -> tuple[float, float] | None:
@@ -223,7 +300,7 @@ def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
     lon = box.west_deg + (lon_deg - box.west_deg) % 360.0
     if not (box.south_deg <= lat_deg <= box.north_deg and lon <= box.west_deg + box.span_deg):
         return False
-    return not isinstance(area, Polygon) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
+    return not isinstance(area, (Polygon, Polygons)) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
 
 
 def wrapped(lon_deg: float) -> float:
@@ -247,19 +324,25 @@ def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     stays where it is: moved by degrees it would be another.
     """
     bounds = area.bounds
-    if isinstance(area, Polygon) and bounds.span_deg >= _TURN_DEG:
+    if isinstance(area, (Polygon, Polygons)) and bounds.span_deg >= _TURN_DEG:
         return area
     limit = _limit(max(abs(bounds.north_deg), abs(bounds.south_deg)))
     dlat = min(max(dlat_deg, -limit - bounds.south_deg), limit - bounds.north_deg)
     if isinstance(area, Box):
         north, south = min(area.north_deg + dlat, limit), max(area.south_deg + dlat, -limit)
         return continuous_box(north, area.west_deg + dlon_deg, south, area.continuous_east_deg + dlon_deg)
+    if isinstance(area, Polygons):
+        return Polygons(tuple(_moved_polygon(part, dlat, dlon_deg) for part in area.parts))
     if isinstance(area, Polygon):
-        return Polygon(
-            tuple(tuple((lon + dlon_deg, _kept(lat + dlat)) for lon, lat in ring) for ring in area.rings)
-        )
+        return _moved_polygon(area, dlat, dlon_deg)
     return replace(
         area, poses=tuple((_kept(lat + dlat), wrapped(lon + dlon_deg), agl) for lat, lon, agl in area.poses)
+    )
+
+
+def _moved_polygon(polygon: Polygon, dlat_deg: float, dlon_deg: float) -> Polygon:
+    return Polygon(
+        tuple(tuple((lon + dlon_deg, _kept(lat + dlat_deg)) for lon, lat in ring) for ring in polygon.rings)
     )
 
 
@@ -284,13 +367,29 @@ def middle_of(area: Area) -> tuple[float, float]:
     return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
 
 
-def _degrees(area: Box | Polygon) -> QgsGeometry:
+def rings_of(area: Polygon | Polygons) -> list[list[list[Position]]]:
+    """Rings of each polygon of an area, as (longitude, latitude) within those of its bounds, which go on beyond 180."""
+    if isinstance(area, Polygon):
+        return [[list(ring) for ring in area.rings]]
+    return [[list(zip(lon.tolist(), lat.tolist())) for lon, lat in shape.arrays()] for shape in area.shapes()]
+
+
+def polygon_geometry(rings: Sequence[Sequence[Position]]) -> QgsGeometry:
+    """Geometry of a polygon's rings, of longitudes and latitudes."""
+    return QgsGeometry.fromPolygonXY([_closed(ring) for ring in rings])
+
+
+def _closed(ring: Sequence[Position]) -> list[QgsPointXY]:
+    return [QgsPointXY(*corner) for corner in (*ring, ring[0])]
+
+
+def _degrees(area: Box | Polygon | Polygons) -> QgsGeometry:
     """Area as a geometry of continuous longitudes and latitudes."""
     if isinstance(area, Box):
         return QgsGeometry.fromRect(QgsRectangle(*area.edges_deg))
-    return QgsGeometry.fromPolygonXY(
-        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
-    )
+    if isinstance(area, Polygon):
+        return polygon_geometry(area.rings)
+    return QgsGeometry.fromMultiPolygonXY([[_closed(ring) for ring in rings] for rings in rings_of(area)])
 
 
 def _polygons(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
@@ -305,6 +404,10 @@ def _placed(transform: QgsCoordinateTransform, lon_lat: QgsPointXY) -> QgsPointX
     except QgsCsException:
         return None
     return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
+
+
+def _between(start: Position, end: Position, share: float) -> Position:
+    return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
 def _steps(start: float, end: float) -> list[float]:
@@ -325,6 +428,12 @@ def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
 def _kept(lat_deg: float) -> float:
     """Latitude that a sum's last digit has not carried past a pole."""
     return min(max(lat_deg, -_POLE_DEG), _POLE_DEG)
+
+
+def kept_lat(lat_deg: float, dlat_deg: float) -> float:
+    """Latitude moved by degrees, no further than `moved` has areas go."""
+    limit = _limit(abs(lat_deg))
+    return min(max(lat_deg + dlat_deg, -limit), limit)
 
 
 def _limit(lat_deg: float) -> float:
