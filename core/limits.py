@@ -97,6 +97,8 @@ MAX_JOURNAL_LINE_BYTES = 1 << 20
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
 #: default, take 700 MB.
 MAX_MISSION_BYTES = 1 << 30
+#: Files in a KMZ, which is a zip; those of map programs hold a KML file and some hundred images.
+MAX_KMZ_FILES = 100_000
 
 
 # --- Missions

@@ -82,7 +82,7 @@ def _add_random(actions: Any) -> None:
         "--area",
         required=True,
         metavar="AREA",
-        help='GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+        help='GeoJSON, KML or KMZ file of polygons, or a box "latTL_lonTL_latBR_lonBR"',
     )
     drawing.add_argument("--count", type=int, required=True, metavar="N", help="number of poses")
     _add_output(drawing)

@@ -15,7 +15,7 @@ from .exits import DONE
 from .pose_options import LOCAL
 
 if TYPE_CHECKING:
-    from ..mission.area import Box, Points, Polygon
+    from ..mission.area import Box, Points, Polygon, Polygons
     from ..poses.track import Track
 
 _ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
@@ -133,19 +133,19 @@ def _line(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _area(text: str) -> Box | Polygon:
+def _area(text: str) -> Box | Polygon | Polygons:
     from ..mission.area import Box
-    from ..mission.coords import load_polygon
+    from ..mission.area_files import load_area
 
     if is_there(text):
-        return load_polygon(text)
+        return load_area(text)
     try:
         north, west, south, east = (float(field) for field in re.split(r"[_,;\s]+", text.strip()))
     except ValueError as wrong:
         raise InvalidInput(
             "area {0!r}: no such file, and no box",
             text,
-            remedy='give a GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+            remedy='give a GeoJSON, KML or KMZ file of polygons, or a box "latTL_lonTL_latBR_lonBR"',
         ) from wrong
     return Box(north, west, south, east)
 

@@ -54,7 +54,7 @@ def way_around(
         A place lies inside a polygon, or no way leads from one to the other.
     """
     start, end = (np.asarray(place, np.float64).reshape(2) for place in (start_m, end_m))
-    straight = np.stack([start, end])
+    straight: Floats = np.stack([start, end])
     rings = [np.asarray(ring, np.float64).reshape(-1, 2) for polygon in polygons for ring in polygon]
     if not rings:
         return straight
@@ -88,7 +88,7 @@ def _shortest(places: Floats, least: Floats, sides: Floats) -> Floats:
             way = [1]
             while way[-1] != 0:
                 way.append(int(before[way[-1]]))
-            return places[way[::-1]]
+            return np.asarray(places[way[::-1]])
         if settled[here]:
             continue
         settled[here] = True

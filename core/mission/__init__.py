@@ -4,7 +4,8 @@ In reading order:
 
 - `parts`: what is asked beside area, camera and wind: every field with all that there is to say of it
 - `area`: where a mission goes, as a box, a polygon or points
-- `coords`: areas in text and in files
+- `coords`: areas in text
+- `area_files`: polygons in GeoJSON, KML and KMZ files
 - `pose_table`: poses in a table with a header
 - `cameras`: cameras by name, those that ship and the user's own
 - `imageries`: several sources, dates or map types by name
@@ -14,6 +15,7 @@ In reading order:
 - `options`: what the command takes for it
 - `settings`: a mission from command line, environment and file
 - `layout`: where captures stand and what their pictures show of the area
+- `no_fly`: captures over no-fly areas, which are left out
 - `gusts`: gusts and the aircraft in them, discretised exactly
 - `flight`: legs and clock, and poses in wind
 - `relief`: how high captures over relief are, and what they surely see

@@ -178,10 +178,10 @@ class Polygons:
             raise InvalidInput("area of no polygons: needs at least one")
         object.__setattr__(self, "parts", parts)
 
-    def shapes(self) -> tuple[Shape, ...]:
+    def placed(self) -> tuple[Part, ...]:
         """Return the parts, all their longitudes within those of the bounds, which go on beyond 180."""
         west = self.bounds.west_deg
-        return tuple(Shape.of(part, west) for part in self.parts)
+        return tuple(Part.of(part, west) for part in self.parts)
 
     @property
     def bounds(self) -> Box:
@@ -198,13 +198,13 @@ class Polygons:
         return sum(part.area_m2() for part in self.parts)
 
 
-class Shape(NamedTuple):
+class Part(NamedTuple):
     """Rings of one polygon, the outer one first, with longitudes of a turn of the world of their own."""
 
     rings: tuple[tuple[Floats, Floats], ...]
 
     @classmethod
-    def of(cls, polygon: Polygon, west_deg: float) -> Shape:
+    def of(cls, polygon: Polygon, west_deg: float) -> Part:
         """Return a polygon whose westernmost longitude is in the turn eastward of a meridian."""
         rings = polygon.arrays()
         turn = 360.0 * math.ceil((west_deg - float(rings[0][0].min())) / 360.0)
@@ -213,6 +213,12 @@ class Shape(NamedTuple):
     def arrays(self) -> list[tuple[Floats, Floats]]:
         """Longitudes and latitudes of each ring."""
         return list(self.rings)
+
+    @property
+    def edges_deg(self) -> tuple[float, float, float, float]:
+        """West, south, east and north of the outer ring."""
+        lon, lat = self.rings[0]
+        return float(lon.min()), float(lat.min()), float(lon.max()), float(lat.max())
 
 
 def _around(spans: list[tuple[float, float]]) -> tuple[float, float]:
@@ -469,13 +475,29 @@ def holds(polygon: Rings, lat_deg: Floats, lon_deg: Floats) -> Flags:
     return held
 
 
+def inside(area: Box | Polygon | Polygons, lat_deg: Floats, lon_deg: Floats) -> Flags:
+    """Return which places are inside an area, (n,), whatever turn of the world their longitudes count from."""
+    west, south, _, north = area.bounds.edges_deg
+    if isinstance(area, Box):
+        in_turn = np.mod(lon_deg - west, 360.0) <= area.span_deg
+        return np.asarray((lat_deg >= south) & (lat_deg <= north) & in_turn)
+    found = np.zeros(np.shape(lat_deg), bool)
+    for polygon in area.parts if isinstance(area, Polygons) else (area,):
+        west, south, east, north = polygon.bounds.edges_deg
+        lon = lon_deg - 360.0 * np.floor((lon_deg - west) / 360.0)
+        # Only what is in the box around it is looked at.
+        near = np.flatnonzero((lat_deg >= south) & (lat_deg <= north) & (lon <= east) & ~found)
+        found[near] = holds(polygon, lat_deg[near], lon[near])
+    return found
+
+
 def _parts(count: int, each: int) -> Iterator[slice]:
     """Parts of so many values that each take so many numbers."""
     step = max(_CHUNK // each, 1)
     return (slice(start, start + step) for start in range(0, count, step))
 
 
-def area_within_m2(area: Box | Polygon, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
+def area_within_m2(area: Box | Rings, west: Floats, south: Floats, east: Floats, north: Floats) -> Floats:
     """Square metres of an area inside rectangles of degrees that do not pass its box, (n,)."""
     if isinstance(area, Box):
         return (east - west) * WGS84.zone_area_m2_per_deg(south, north)

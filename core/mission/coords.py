@@ -1,18 +1,17 @@
-"""The paper's coordinate formats, and areas from GeoJSON."""
+"""The paper's coordinate formats."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 from ..errors import InvalidInput, Message
 from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
-from ..safe_json import decoded, parse_json
+from ..safe_json import decoded
 from ..units import LENGTHS_M
-from .area import Area, Box, Points, Polygon
+from .area import Area, Box, Points
 from .options import KINDS
 from .pose_table import UNICODE_MINUS, is_header, read_poses
 
@@ -172,44 +171,3 @@ def _pose(line: str, where: str, agl_unit: str) -> tuple[tuple[float, float, flo
     except InvalidInput as wrong:
         raise InvalidInput("{0} {1}", where, wrong) from wrong
     return pose, values[3:]
-
-
-def load_polygon(path: str) -> Polygon:
-    """Polygon from a GeoJSON file: the geometry itself, or the first polygon of its features.
-
-    Raises
-    ------
-    InvalidInput
-        A file that cannot be read or holds no polygon.
-    """
-    try:
-        data = parse_json(read_limited(path, MAX_MISSION_BYTES))
-    except (OSError, InvalidInput) as wrong:
-        raise InvalidInput("area file {0}: cannot be read as GeoJSON ({1})", path, wrong) from wrong
-    geometry = _first_polygon(data)
-    if geometry is None:
-        raise InvalidInput("area file {0}: holds no Polygon", path, remedy="give a GeoJSON with one")
-    try:
-        rings = tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in geometry)
-    except (TypeError, ValueError, IndexError, KeyError) as wrong:
-        raise InvalidInput("area file {0}: a corner is not longitude, latitude ({1})", path, wrong) from wrong
-    return Polygon(rings)
-
-
-def _first_polygon(data: Any) -> list[Any] | None:
-    if not isinstance(data, dict):
-        return None
-    coordinates = listed(data, "coordinates")
-    if data.get("type") == "Polygon" and coordinates:
-        return coordinates
-    if data.get("type") == "MultiPolygon" and len(coordinates) == 1 and isinstance(coordinates[0], list):
-        return coordinates[0]
-    inner = [data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")]
-    found = (_first_polygon(item) for item in inner)
-    return next((rings for rings in found if rings is not None), None)
-
-
-def listed(data: dict[str, Any], name: str) -> list[Any]:
-    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
-    value = data.get(name)
-    return value if isinstance(value, list) else []

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
+from .area import Polygon, Polygons
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
@@ -67,6 +68,9 @@ class Summary:
     below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
     ground which images hold, but relief in front of it hides from all of them.
 
+    ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out because
+    their camera would stand inside one of the ``no_fly_areas``.
+
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
 
@@ -108,6 +112,9 @@ class Summary:
     hidden_share: float | None = None
     filled_heights: int | None = None
     heights: int | None = None
+    polygons: int = 0
+    no_fly_areas: int = 0
+    images_over_no_fly: int = 0
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -130,6 +137,7 @@ class Summary:
         requested, delivered = map(length_text, (self.requested_gsd_m_per_px, self.delivered_gsd_m_per_px))
         lines: list[tuple[str, str]] = [
             (Message("images"), images),
+            *self._of_areas(),
             (Message("rows, columns"), f"{self.rows}, {self.columns}"),
             (Message("image"), shape),
             (
@@ -172,6 +180,20 @@ class Summary:
             *self.accuracy.lines(),
             *((Message("warning"), text) for text in self.warnings),
         ]
+        return lines
+
+    def _of_areas(self) -> list[tuple[str, str]]:
+        """Number of several polygons, and what no-fly areas cost."""
+        lines: list[tuple[str, str]] = []
+        if self.polygons > 1 and self.area_m2 is not None:
+            lines.append(
+                (Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2)))
+            )
+        if self.no_fly_areas:
+            words = Message("{0:,} images", self.images_over_no_fly)
+            if self.no_fly_areas > 1:
+                words = Message("{0} ({1:,} areas)", words, self.no_fly_areas)
+            lines.append((Message("left out over no-fly areas"), words))
         return lines
 
     def _relief(self) -> list[tuple[str, str]]:
@@ -261,9 +283,17 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         seconds=types * seconds,
         map_types=mission.imagery.map_types,
         accuracy=plan.accuracy,
+        polygons=_polygons(plan),
+        no_fly_areas=len(mission.no_fly),
+        images_over_no_fly=plan.left_out,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
         **relief,
     )
+
+
+def _polygons(plan: Plan) -> int:
+    area = plan.mission.area
+    return len(area.parts) if isinstance(area, Polygons) else int(isinstance(area, Polygon))
 
 
 def _over_relief(plan: Plan) -> dict[str, Any]:

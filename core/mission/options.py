@@ -139,7 +139,20 @@ OPTIONS: tuple[Option, ...] = (
         "lat_lon_agl, latTL_lonTL_latBR_lonBR_agl, a file of lat lon agl [yaw] lines, or a table with a header "
         "(lat lon agl yaw tilt roll time)",
     ),
-    Option("area", str, None, "GeoJSON file of a polygon, with --agl, instead of --coords", metavar="FILE"),
+    Option(
+        "area",
+        str,
+        None,
+        "GeoJSON, KML or KMZ file, with --agl, instead of --coords: its polygons are one area, each with its own rows",
+        metavar="FILE",
+    ),
+    Option(
+        "no_fly",
+        str,
+        None,
+        "GeoJSON, KML or KMZ file of polygons where no camera may stand: images planned inside are left out",
+        metavar="FILE",
+    ),
     Option(
         "agl", float, None, "height above ground of --area; elsewhere it replaces the coordinates' height"
     ),

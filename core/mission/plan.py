@@ -97,6 +97,10 @@ class Plan:
         The relief that they are flown over; None where the ground is level.
     flown : Flown or None
         How high they are over that.
+    parts : tuple of int
+        Of an area of several polygons, the index of the first capture of each in flight order; empty for one.
+    left_out : int
+        Captures that no-fly areas have cost.
 
     Everything else is worked out when first asked for, and kept.
     """
@@ -116,6 +120,8 @@ class Plan:
     level_m: float = 0.0
     relief: ReliefBelow | None = None
     flown: Flown | None = None
+    parts: tuple[int, ...] = ()
+    left_out: int = 0
 
     def __len__(self) -> int:
         return len(self.column)
@@ -343,7 +349,11 @@ class Plan:
         if self.passes:
             return rotated_overlap(self.column, self.row, self.passes, self._rectangles)
         return overlap(
-            self.column, self.row, self.windows, rows_are_level=self.mission.flight.layout == "cover"
+            self.column,
+            self.row,
+            self.windows,
+            rows_are_level=self.mission.flight.layout == "cover",
+            parts=self.parts,
         )
 
     @cached_property
@@ -436,7 +446,7 @@ class Plan:
         `flight.intervals_s` says what is counted: legs at the ground speed, climbs at the airspeed, no turns.
         """
         mission = self.mission
-        own = _times_s(mission)
+        own = _times_s(mission, self.column)
         if own is not None:
             since: Floats = own - own[0]
             return since
@@ -455,12 +465,12 @@ class Plan:
     @property
     def has_times(self) -> bool:
         """Whether the captures are of points that say when they are."""
-        return _times_s(self.mission) is not None
+        return _times_s(self.mission, self.column) is not None
 
     @property
     def start(self) -> str:
         """UTC of the first exposure, as ISO 8601: that of the first point with a time, or the mission's."""
-        own = _times_s(self.mission)
+        own = _times_s(self.mission, self.column)
         if own is None:
             return self.mission.flight.start
         return f"{np.datetime64(round(float(own[0]) * 1e6), 'us')}Z"
@@ -574,6 +584,8 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         level_m=levelled.flight.ground_height_m,
         relief=relief,
         flown=over,
+        parts=flown.parts,
+        left_out=flown.left_out,
     )
 
 
@@ -593,10 +605,10 @@ def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ReliefBel
     return level, relief
 
 
-def _times_s(mission: Mission) -> Floats | None:
-    """When the points of a mission are captured, (n,); None where they do not say."""
+def _times_s(mission: Mission, column: Numbers) -> Floats | None:
+    """When points of a mission, by their columns, are captured, (n,); None where they do not say."""
     times = mission.area.times_s if isinstance(mission.area, Points) else ()
-    return np.array(times, np.float64) if times else None
+    return np.array(times, np.float64)[column] if times else None
 
 
 def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
@@ -604,7 +616,7 @@ def _disturbed(mission: Mission, layout: Layout, nominal: Poses) -> Poses:
     if mission.wind is None:
         return nominal
     way, airspeed = legs(layout.lat_deg, layout.lon_deg), mission.flight.airspeed_m_per_s
-    own = _times_s(mission)
+    own = _times_s(mission, layout.column)
     interval_s = np.diff(own) if own is not None else intervals_s(way, layout.agl_m, airspeed, mission.wind)
     off = fly(mission.wind, airspeed, interval_s, way.headings_deg(), layout.agl_m, layout.yaw_deg)
     lat, ground = nominal.lat_deg, ground_of(mission)

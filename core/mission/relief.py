@@ -18,7 +18,8 @@ from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
-from .area import ANGLES, Points, Polygon, crossed_and_held
+from .area import ANGLES, Points, Polygon, Polygons
+from .area import inside as inside_area
 from .flight import legs
 from .layout.rows import Layout, point_angles_deg
 from .mission import Mission
@@ -192,8 +193,8 @@ class ReliefBelow:
             inside = np.zeros(len(row), bool)
             for x, y in zip(own_column.tolist(), own_row.tolist()):
                 inside |= (np.abs(column - x) < 1.0) & (np.abs(row - y) < 1.0)
-        elif isinstance(area, Polygon):
-            _, inside = crossed_and_held(area, lon, lat, lon, lat)
+        elif isinstance(area, (Polygon, Polygons)):
+            inside = inside_area(area, lat, lon)
         else:
             south, north = float(self._ends[0].min()), float(self._ends[0].max())
             inside = (lat >= south) & (lat <= north) & (lon >= west) & (lon <= east)
@@ -477,8 +478,8 @@ class ReliefBelow:
             begin + (end - begin) * np.mod(count * step, 1.0)
             for begin, end, step in ((west, east, 0.7548776662466927), (south, north, 0.5698402909980532))
         )
-        if isinstance(area, Polygon):
-            _, inside = crossed_and_held(area, lon, lat, lon, lat)
+        if isinstance(area, (Polygon, Polygons)):
+            inside = inside_area(area, lat, lon)
             lon, lat = lon[inside], lat[inside]
         height = self._surface.heights(*self._surface.position(lat, lon))
         known = np.isfinite(height)

@@ -20,8 +20,9 @@ from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import parse_json
 from ..units import LENGTHS_M
 from .area import Area, Points
+from .area_files import load_area, load_no_fly
 from .cameras import camera_named
-from .coords import load_polygon, parse_coords
+from .coords import parse_coords
 from .mission import Mission, flat_fields
 from .options import OPTIONS
 from .parts import Pixels
@@ -131,7 +132,8 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
     if isinstance(fields["stretch"], tuple):
         fields["stretch"] = " ".join(fields["stretch"])
     fields.update(agl_m=agl_m, overlap_along=overlap[0], overlap_across=overlap[-1])
-    return Mission(area, camera=camera, wind=_wind(values), **fields)
+    no_fly = () if values["no_fly"] is None else load_no_fly(values["no_fly"])
+    return Mission(area, camera=camera, wind=_wind(values), no_fly=no_fly, **fields)
 
 
 def _wind(values: Mapping[str, Any]) -> Wind | None:
@@ -150,7 +152,7 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     if values["area"] is not None:
         if agl_m is None:
             raise InvalidInput("area {0!r}: needs a height, --agl", values["area"])
-        return load_polygon(values["area"]), agl_m
+        return load_area(values["area"]), agl_m
     if values["coords"] is None:
         raise InvalidInput(
             'no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"'

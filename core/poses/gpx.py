@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import InvalidInput
-from ..imagery.services.safe_xml import UnreadableXMLError, root_of
+from ..safe_xml import UnreadableXMLError, root_of
 from ..text import time_s
 from .logs import reader_module
 from .track import Track

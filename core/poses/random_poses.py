@@ -17,7 +17,7 @@ from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
-from ..mission.area import ANGLES, Box, Points, Polygon, check_agl, holds
+from ..mission.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, inside
 from ..mission.flight import normal, uniform
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
@@ -97,7 +97,9 @@ class PoseDistributions:
     roll: Distribution = field(default_factory=lambda: Distribution(FIXED, 0.0))
 
 
-def random_poses(area: Box | Polygon, count: int, distributions: PoseDistributions, seed: int) -> Points:
+def random_poses(
+    area: Box | Polygon | Polygons, count: int, distributions: PoseDistributions, seed: int
+) -> Points:
     """Random poses inside an area.
 
     Heights that are not above 0, and tilts and rolls beyond 180 degrees, are drawn again; yaws are wrapped. The poses
@@ -150,7 +152,7 @@ def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count
     )
 
 
-def _places(area: Box | Polygon, bits: np.random.PCG64, count: int) -> tuple[Floats, Floats]:
+def _places(area: Box | Polygon | Polygons, bits: np.random.PCG64, count: int) -> tuple[Floats, Floats]:
     """Latitudes and longitudes (count,), evenly by the ellipsoid's area."""
     box = area.bounds
     south, north = (math.sin(math.radians(angle)) for angle in (box.south_deg, box.north_deg))
@@ -165,8 +167,8 @@ def _places(area: Box | Polygon, bits: np.random.PCG64, count: int) -> tuple[Flo
         lat = np.clip(np.round(lat, PLACE_DIGITS), box.south_deg, box.north_deg)
         lon = np.round(box.west_deg + box.span_deg * across, PLACE_DIGITS)
         accepted = chance * most <= WGS84.meridional_radius_m(lat) * WGS84.normal_radius_m(lat)
-        if isinstance(area, Polygon):
-            accepted &= holds(area, lat, lon)
+        if not isinstance(area, Box):
+            accepted &= inside(area, lat, lon)
         return np.column_stack([lat, lon]), accepted
 
     refusal = InvalidInput(

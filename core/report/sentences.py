@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..imagery.source import Source
-from ..mission.area import Box, Points, Polygon
+from ..mission.area import Box, Points, Polygon, Polygons
 from ..mission.estimate import area_text, length_text, percent
 from ..mission.mission import Mission
 from ..mission.plan import Plan
@@ -112,6 +112,8 @@ def _area(mission: Mission) -> str:
     if isinstance(area, Points):
         return f"{len(area.poses):,} point{'s' if len(area.poses) > 1 else ''}, {_place(mission)}"
     kind = "polygon" if isinstance(area, Polygon) else "box"
+    if isinstance(area, Polygons):
+        kind = f"{len(area.parts):,} polygons"
     box: Box = area.bounds
     return (
         f"{kind} of {area_text(area.area_m2())}, latitude {box.south_deg:g}° to {box.north_deg:g}°, longitude "

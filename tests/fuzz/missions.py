@@ -14,7 +14,8 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.relief import Surface
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.coords import load_polygon, parse_coords, parse_points
+from terrainav.core.mission.area_files import load_area
+from terrainav.core.mission.coords import parse_coords, parse_points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS
@@ -172,7 +173,7 @@ def places_file(data: bytes) -> None:
 def area_file(data: bytes) -> None:
     path = Path("area.geojson")
     path.write_bytes(data)
-    work_out(Mission(load_polygon(str(path)), 120.0))
+    work_out(Mission(load_area(str(path)), 120.0))
 
 
 def config_file(data: bytes) -> None:

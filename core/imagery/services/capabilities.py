@@ -11,13 +11,13 @@ from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, Message, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
+from ...safe_xml import UnreadableXMLError, root_of, written
 from ...text import MASK, Secrets, one_line
 from ..http.client import Client
 from ..http.transport import Transport
 from ..policy import Policy
 from ..systems import WORLD_DEG
 from ..template import check_address
-from .safe_xml import UnreadableXMLError, root_of, written
 
 #: Choices after the # of each kind of service.
 CHOICES = {

@@ -25,6 +25,7 @@ from urllib.parse import quote, urlencode, urljoin
 from ...errors import InvalidInput, Message, SourceError
 from ...geodesy.mercator import HALF_WORLD_M
 from ...geodesy.planes import ProjectedPlane
+from ...safe_xml import written
 from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
@@ -46,7 +47,6 @@ from .capabilities import (
     reading,
 )
 from .matrices import SCALE_PX_M, chosen_tiles
-from .safe_xml import written
 
 _VERSIONS = ("1.3.0", "1.1.1")
 #: Codes of EPSG as a WMS writes them.

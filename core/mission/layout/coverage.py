@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import Windows
 from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
-from ..area import Area, Box, Points, Polygon, area_within_m2
+from ..area import Area, Box, Points, Polygon, Polygons, Rings, area_within_m2, parts_of
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -47,6 +47,17 @@ class Coverage:
         covered = 1.0 - self.uncovered_m2 / self.area_m2 if self.area_m2 > 0.0 else 0.0
         unit = 10.0**_SHARE_DECIMALS
         return max(min(math.floor(covered * unit) / unit, 1.0 - 1.0 / unit), 0.0)
+
+
+def summed(found: Sequence[Coverage]) -> Coverage:
+    """Coverage of several areas together."""
+    if len(found) == 1:
+        return found[0]
+    return Coverage(
+        sum(one.area_m2 for one in found),
+        sum(one.uncovered_m2 for one in found),
+        complete=all(one.complete for one in found),
+    )
 
 
 @dataclass(frozen=True)
@@ -284,17 +295,44 @@ def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: 
     )
 
 
-def coverage(area: Box | Polygon, windows: Windows, grid: PixelGrid, zoom: int) -> Coverage:
-    """What windows show of an area; exact on the pixel grid for a box."""
+def coverage(area: Box | Polygon | Polygons, windows: Windows, grid: PixelGrid, zoom: int) -> Coverage:
+    """What windows show of an area; exact on the pixel grid for a box. Images over a polygon count for others, too."""
+    shown = Rectangles(*windows.bounds_px)
+    if not isinstance(area, Polygons):
+        return _coverage_of(area, area, area.bounds.edges_deg, shown, grid.world_px(zoom))
+    return summed(
+        [
+            _coverage_of(polygon, placed, placed.edges_deg, shown, grid.world_px(zoom), others=True)
+            for polygon, placed in zip(area.parts, area.placed())
+        ]
+    )
+
+
+def _coverage_of(
+    area: Box | Polygon,
+    placed: Box | Rings,
+    edges_deg: tuple[float, float, float, float],
+    shown: Rectangles,
+    world: int,
+    *,
+    others: bool = False,
+) -> Coverage:
+    """What rectangles of pixels show of a box or polygon, placed between longitudes that are continuous with theirs.
+
+    ``others`` says that most of them may lie elsewhere.
+    """
     total = area.area_m2()
-    world = grid.world_px(zoom)
-    box = area.bounds
-    lon = np.array([box.west_deg, box.continuous_east_deg])
-    west, east = (lon_to_u(lon) * world).tolist()
-    north, south = (lat_to_v(np.array([box.north_deg, box.south_deg])) * world).tolist()
-    missing = gaps(joined(Rectangles(*windows.bounds_px)), (west, north, east, south))
+    west_deg, south_deg, east_deg, north_deg = edges_deg
+    west, east = (lon_to_u(np.array([west_deg, east_deg])) * world).tolist()
+    north, south = (lat_to_v(np.array([north_deg, south_deg])) * world).tolist()
+    if others:
+        near = (shown.x0 < east) & (shown.x1 > west) & (shown.y0 < south) & (shown.y1 > north)
+        if not near.any():
+            return Coverage(total, total, complete=False)
+        shown = Rectangles(*(edge[near] for edge in shown))
+    missing = gaps(joined(shown), (west, north, east, south))
     ground = area_within_m2(
-        area,
+        placed,
         u_to_lon(missing.x0 / world),
         v_to_lat(missing.y1 / world),
         u_to_lon(missing.x1 / world),
@@ -331,9 +369,21 @@ def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
     return total
 
 
-def overlap(column: Numbers, row: Numbers, windows: Windows, rows_are_level: bool) -> Overlap:
-    """Shares of width and of height that neighbouring windows have in common; parameters as of `shares`."""
-    return overlap_of(*shares(column, row, Rectangles(*windows.bounds_px), rows_are_level))
+def overlap(
+    column: Numbers, row: Numbers, windows: Windows, rows_are_level: bool, parts: tuple[int, ...] = ()
+) -> Overlap:
+    """Shares of width and of height that neighbouring windows have in common; parameters as of `shares`.
+
+    Of several polygons, whose first captures have the indices ``parts``, neighbours are those of the same one.
+    """
+    rectangles = Rectangles(*windows.bounds_px)
+    found = []
+    for first, end in zip(parts or (0,), (*parts[1:], len(row))):
+        if end > first:
+            own = slice(first, end)
+            own_rectangles = Rectangles(*(edge[own] for edge in rectangles))
+            found.append(shares(column[own], row[own], own_rectangles, rows_are_level))
+    return overlap_of(*(np.concatenate(values) for values in zip(*found)))
 
 
 def overlap_of(along: Floats, across: Floats) -> Overlap:
@@ -414,7 +464,7 @@ def imagery_of(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> Imag
     extent = np.array(grid.extent, np.float64)
     extent = extent if twice_area(extent) > 0.0 else extent[::-1]
     outside, partly = _pictures_beyond(windows, extent, grid, zoom)
-    share = None if isinstance(area, Points) or grid.own else _share(rings_of(area), extent)
+    share = None if isinstance(area, Points) or grid.own else _share(area, extent)
     return Imagery(share, outside, partly)
 
 
@@ -466,10 +516,15 @@ def _pictures_beyond(windows: Windows, extent: Floats, grid: PixelGrid, zoom: in
     return int(np.sum(~(touched | inside))), int(np.sum(touched & ~inside))
 
 
-def _share(rings: list[tuple[Floats, Floats]], extent: Floats) -> float:
-    """Share of an area, whose outer ring comes first, that lies on an extent (positively oriented)."""
+def _share(area: Box | Polygon | Polygons, extent: Floats) -> float:
+    """Share of an area that lies on an extent (positively oriented)."""
     total = held = 0.0
-    for sign, (lon, lat) in zip((1.0, *(-1.0 for _ in rings[1:])), rings):
+    signed = [
+        (-1.0 if number else 1.0, ring)
+        for part in parts_of(area)
+        for number, ring in enumerate(rings_of(part))
+    ]
+    for sign, (lon, lat) in signed:
         total += sign * WGS84.ring_area_m2(lon, lat)
         on_map = np.stack([lon_to_u(lon), lat_to_v(lat)], axis=1)
         for turn in _turns(on_map[:, 0], extent):

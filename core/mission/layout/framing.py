@@ -17,17 +17,21 @@ from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, refuse_beyond_plane, runs_on, windows_of
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v, wrap_lon_deg
+from ...geodesy.planes import ProjectedPlane
 from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
 from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
 from ..mission import Mission
+from ..no_fly import left_out
 from ..parts import GROUND
 from ..relief import Flown, ReliefBelow
+from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, lay_out, point_angles_deg
 
 Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
 #: Places and nominal poses to the poses that are flown.
 Disturbed = Callable[[Layout, Poses], Poses]
 
@@ -52,7 +56,8 @@ class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
     ``size_px`` is the width and height of camera frames, and None for map frames, whose windows are the pictures.
-    ``passes`` are those of turned or crossed rows, and ``flown`` is how high captures over relief are.
+    ``passes`` are those of turned or crossed rows, and ``flown`` is how high captures over relief are. ``parts`` are
+    the indices of the first captures of several polygons, and ``left_out`` is how many captures no-fly areas have cost.
     """
 
     layout: Layout
@@ -62,6 +67,8 @@ class Framed(NamedTuple):
     size_px: tuple[int, int] | None
     passes: tuple[Pass, ...] = ()
     flown: Flown | None = None
+    parts: tuple[int, ...] = ()
+    left_out: int = 0
 
 
 class Framing(Protocol):
@@ -103,59 +110,78 @@ def framed(
         As `plan` does.
     """
 
-    def laid_out(pixel: float) -> Layout:
+    def in_rows(pixel: float) -> tuple[Layout, tuple[int, ...]]:
         def frames(lat_deg: Floats, agl_m: Floats) -> FrameEdges:
             attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
             return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, *attitude), pixel)
 
-        layout = lay_out(mission, frames, pixel, relief)
+        def of_one(part: Mission) -> tuple[Layout, tuple[Pass, ...]]:
+            return lay_out(part, frames, pixel, relief), ()
+
+        layout, _, parts = lay_out_polygons(mission, of_one)
         if relief is None or relief.reaches(layout.lat_deg, layout.lon_deg):
-            return layout
-        return lay_out(mission, frames, pixel, relief)
+            return layout, parts
+        layout, _, parts = lay_out_polygons(mission, of_one)
+        return layout, parts
+
+    def in_plane(room_m: float) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
+        # Turned rows are all alike, as tight as the highest ground needs.
+        least = _over_highest(mission, relief)
+        return lay_out_polygons(
+            least, lambda part: lay_out_rotated(part, ground_of(mission), grid.own, room_m)
+        )
 
     zoom_of = partial(_zoom, mission, framing, relief)
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
-        # Turned rows are all alike, as tight as the highest ground needs.
-        least = _over_highest(mission, relief)
-        layout, passes = lay_out_rotated(least, ground_of(mission), grid.own)
+        layout, passes, parts = in_plane(0.0)
         if grid.own is not None:
             # Outer frames leave room for the rounding of their edges to the grid's pixels.
             room_m = _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom_of(layout)))
-            layout, passes = lay_out_rotated(least, ground_of(mission), grid.own, room_m)
+            layout, passes, parts = in_plane(room_m)
     else:
-        layout = laid_out(0.0)
+        layout, parts = in_rows(0.0)
         if grid.own is not None:
-            north_deg = grid.own.north_deg(layout.lat_deg, layout.lon_deg)
-            reached = np.isfinite(north_deg) & np.isfinite(
-                grid.own.forward(layout.lat_deg, layout.lon_deg)[0]
-            )
-            refuse_beyond_plane(grid.own, nominal_poses(mission, layout), reached)
-            if not (isinstance(mission.area, Points) and mission.area.yaws_deg):
-                # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true.
-                layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
+            layout = _from_grid_north(mission, grid.own, layout)
     zoom = zoom_of(layout)
     if not passes and not isinstance(mission.area, Points):
         # Outer frames need room for their rounding, a share of a pixel; that may, at the border of two zooms,
         # take the lower one, whose pixels are larger.
-        layout = laid_out(1.0 / grid.world_px(zoom))
+        layout, parts = in_rows(1.0 / grid.world_px(zoom))
         lower = zoom_of(layout)
         if lower != zoom:
             zoom = min(zoom, lower)
-            layout = laid_out(1.0 / grid.world_px(zoom))
+            layout, parts = in_rows(1.0 / grid.world_px(zoom))
+    layout, passes, parts, lost = left_out(mission.no_fly, layout, passes, parts)
     flown = None
     if relief is not None:
         flown = relief.flown(layout)
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
+    alike = bool(passes) and mission.wind is None and grid.own is None and flown is None
+    windows = _windows(framing, poses, grid, zoom, alike=alike)
+    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown, parts, lost)
+
+
+def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, *, alike: bool) -> Windows:
+    """Windows of captures; those that are nearly alike share theirs."""
     pixel = 1.0 / grid.world_px(zoom)
-    if passes and mission.wind is None and grid.own is None and flown is None:
+    if alike:
         edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
     else:
         first, run = runs_on(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
-    windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
-    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown)
+    return windows_of(edges, run, poses.lon_deg, grid, zoom)
+
+
+def _from_grid_north(mission: Mission, own: ProjectedPlane, layout: Layout) -> Layout:
+    """Points whose yaw counts from the north of a source's own CRS, as rows do there; that of a point is its own."""
+    north_deg = own.north_deg(layout.lat_deg, layout.lon_deg)
+    reached = np.isfinite(north_deg) & np.isfinite(own.forward(layout.lat_deg, layout.lon_deg)[0])
+    refuse_beyond_plane(own, nominal_poses(mission, layout), reached)
+    if isinstance(mission.area, Points) and mission.area.yaws_deg:
+        return layout
+    return layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
 
 
 def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout: Layout) -> int:
@@ -213,13 +239,21 @@ def nominal_poses(mission: Mission, layout: Layout) -> Poses:
     """Poses of captures as they are meant to be."""
     area = mission.area
     if isinstance(area, Points):
-        tilt, roll = (point_angles_deg(mission, area, name) for name in ("tilt", "roll"))
+        # Points are their columns; those over no-fly areas are left out.
+        tilt, roll = (
+            of_points(point_angles_deg(mission, area, name), layout.column) for name in ("tilt", "roll")
+        )
     else:
         tilt, roll = (
             np.broadcast_to(np.float64(angle), layout.lat_deg.shape)
             for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
         )
     return Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, tilt, roll)
+
+
+def of_points(values: Floats, column: Numbers) -> Floats:
+    """Values of some of the points, by their columns; what is the same for all takes no memory."""
+    return values[column] if any(values.strides) else np.broadcast_to(values[:1], column.shape)
 
 
 def _limit_px(mission: Mission, grid: PixelGrid) -> int:

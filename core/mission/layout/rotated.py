@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,18 @@ from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
-from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
+from ..area import (
+    Box,
+    Points,
+    Polygon,
+    Polygons,
+    crossed_and_held,
+    ground_m2,
+    in_band,
+    parts_of,
+    sides_of,
+    touching,
+)
 from ..mission import Mission
 from .coverage import (
     Coverage,
@@ -26,6 +38,7 @@ from .coverage import (
     overlap_of,
     rings_of,
     shares,
+    summed,
     twice_area,
     within,
 )
@@ -68,11 +81,14 @@ class Pass(NamedTuple):
         The rectangle of ground, from the place of the camera, that every image of the pass shows.
     first : int
         Index of its first capture.
+    area : Polygon or None
+        What it covers of an area of several polygons; None for all of the area.
     """
 
     plane: RowsPlane
     sides: Sides
     first: int
+    area: Polygon | None = None
 
 
 class Shape(NamedTuple):
@@ -108,8 +124,8 @@ def lay_out_rotated(
         see the sky; and for the layout ``paper``.
     """
     area = mission.area
-    if isinstance(area, Points):
-        raise InvalidInput("points have no rows that could be turned")
+    if isinstance(area, (Points, Polygons)):
+        raise InvalidInput("points have no rows that could be turned, and several polygons each their own")
     if mission.flight.layout != "cover" and not is_rotated(mission):
         raise InvalidInput(
             "layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}",
@@ -349,10 +365,26 @@ def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:
 def rotated_coverage(
     mission: Mission, passes: tuple[Pass, ...], rectangles: tuple[Rectangles, ...]
 ) -> Coverage:
-    """What rectangles show of the mission's area, in the plane of the first pass; what is missing in true m²."""
-    area, plane = mission.area, passes[0].plane
+    """What rectangles show of the mission's area; what is missing in true m².
+
+    Of several polygons each is looked at by itself, in the rectangles of its own passes.
+    """
+    area = mission.area
     if isinstance(area, Points):
         raise InvalidInput("points cover no area")
+    found = []
+    for part in parts_of(area):
+        own = [at for at, one in enumerate(passes) if one.area is None or one.area == part]
+        if own:
+            found.append(_coverage_of(part, [passes[at] for at in own], [rectangles[at] for at in own]))
+        else:
+            found.append(Coverage(part.area_m2(), part.area_m2(), complete=False))
+    return summed(found)
+
+
+def _coverage_of(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequence[Rectangles]) -> Coverage:
+    """What rectangles show of an area, in the plane of the first pass."""
+    plane = passes[0].plane
     shape = _shape(area, plane, _BEND_SHARE * float(np.min(passes[0].sides.size_m)))
     x, y = (np.concatenate(values) for values in zip(*shape.rings))
     bend = shape.bend_m
@@ -375,8 +407,16 @@ def rotated_coverage(
     return Coverage(area.area_m2(), float(lost.sum()), complete=not len(lost))
 
 
-def share_on(area: Box | Polygon, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]) -> float:
+def share_on(
+    area: Box | Polygon | Polygons, own: ProjectedPlane, extent: tuple[tuple[float, float], ...]
+) -> float:
     """Share of an area that lies on a rectangle (its corners as fractions) of a plane, measured in the plane."""
+    if isinstance(area, Polygons):
+        shares = [share_on(part, own, extent) for part in area.parts]
+        if min(shares) == 1.0:
+            return 1.0
+        sizes = [part.area_m2() for part in area.parts]
+        return sum(size * share for size, share in zip(sizes, shares)) / sum(sizes)
     plane = own.turned(*_middle_on(own, area), 0.0)
     shape = _shape(area, plane, _EXTENT_M)
     u, v = np.array(extent).T

@@ -14,7 +14,7 @@ from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from ...geodesy.projections import utm_zone
-from ..area import Box, Points, Polygon, row_spans, touching
+from ..area import Box, Points, Polygon, Polygons, row_spans, touching
 from ..mission import Mission
 from ..parts import ONE_WAY
 
@@ -115,6 +115,8 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
     area = mission.area
     if isinstance(area, Points):
         return _points(mission, area)
+    if isinstance(area, Polygons):
+        raise InvalidInput("several polygons have rows each by themselves")
     refuse_beyond_mercator(area.bounds)
 
     aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
@@ -241,7 +243,7 @@ def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: floa
     west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
     south, north = v_to_lat(edges.bottom_v + rounding), v_to_lat(edges.top_v - rounding)
     keep = touching(area, west, south, east, north)
-    return _picked(layout, keep)
+    return picked(layout, keep)
 
 
 def refuse_no_step(step: Floats, overlap: float, mission: Mission) -> None:
@@ -595,7 +597,8 @@ class _Along(NamedTuple):
         return _Placed.joined(found)
 
 
-def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
+def picked(layout: Layout, which: NDArray[Any]) -> Layout:
+    """Some of the captures, by their indices or by whether they are taken."""
     column, row, *poses = layout
     column = column[which]
     # What is the same for all takes no memory.
@@ -609,7 +612,7 @@ def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
 def in_order(layout: Layout, order: str) -> Layout:
     """Rows one after the other: to and fro, or each from its first column."""
     column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
-    return _picked(layout, np.lexsort((column, layout.row)))
+    return picked(layout, np.lexsort((column, layout.row)))
 
 
 # --- the paper's grid

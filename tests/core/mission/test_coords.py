@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import json
-
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.coords import load_polygon, parse_coords, parse_points
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.coords import parse_coords, parse_points
 
 BOX = Box(35.22, -90.07, 35.06, -89.73)
 
@@ -121,62 +119,6 @@ def test_a_file_without_coordinates_is_refused(tmp_path, content):
     file.write_bytes(content)
     with pytest.raises(InvalidInput, match=r"points\.txt"):
         parse_coords(str(file))
-
-
-RING = [[-89.9, 35.16], [-89.82, 35.16], [-89.86, 35.11], [-89.9, 35.16]]
-
-
-@pytest.mark.parametrize(
-    "wrap",
-    [
-        lambda g: g,
-        lambda g: {"type": "Feature", "properties": {}, "geometry": g},
-        lambda g: {
-            "type": "FeatureCollection",
-            "features": [{"type": "Feature", "properties": None, "geometry": g}],
-        },
-    ],
-)
-def test_a_polygon_from_geojson(tmp_path, wrap):
-    file = tmp_path / "area.geojson"
-    file.write_text(json.dumps(wrap({"type": "Polygon", "coordinates": [RING]})))
-    assert load_polygon(str(file)) == Polygon((tuple((x, y) for x, y in RING[:-1]),))
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        "",
-        "{}",
-        "[1]",
-        '{"type": "Point", "coordinates": [1, 2]}',
-        '{"type": "Polygon", "coordinates": [[[1]]]}',
-        '{"type": "FeatureCollection", "features": null}',
-        '{"type": "FeatureCollection", "features": 5}',
-        '{"type": "GeometryCollection", "geometries": null}',
-        '{"type": "Polygon", "coordinates": null}',
-        '{"type": "Polygon", "coordinates": {"0": 1}}',
-        '{"type": "Polygon", "coordinates": [[{"a": 1}, {"b": 2}, {}]]}',
-        '{"type": "MultiPolygon", "coordinates": null}',
-        '{"type": "MultiPolygon", "coordinates": [5]}',
-        '{"geometry": ' * 900 + "null" + "}" * 900,
-        '{"geometry": ' * 100_000,
-        "[" * 100_000,
-    ],
-)
-def test_geojson_without_a_polygon_is_refused(tmp_path, content):
-    file = tmp_path / "area.geojson"
-    file.write_text(content)
-    with pytest.raises(InvalidInput, match=r"area\.geojson"):
-        load_polygon(str(file))
-
-
-def test_a_ring_closed_twice_is_the_same_ring_when_it_is_read_again(tmp_path):
-    file = tmp_path / "area.geojson"
-    file.write_text(json.dumps({"type": "Polygon", "coordinates": [[*RING, RING[-1], RING[-1]]]}))
-    area = load_polygon(str(file))
-    assert area == Polygon((tuple((x, y) for x, y in RING[:-1]),))
-    assert Polygon(area.rings) == area
 
 
 def test_a_text_too_long_for_a_name_is_no_file():

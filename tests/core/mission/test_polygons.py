@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 import json
+import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box, Polygon, Polygons, holds
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Box, Points, Polygon, Polygons, holds
+from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.layout import polygons as polygons_of_layout
+from terrainav.core.mission.layout.rows import Layout
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
 
 
 def square(west, south, size=0.002):
@@ -83,7 +92,7 @@ def test_parts_that_go_around_the_world_have_all_of_it():
 def test_longitudes_of_all_parts_go_on_from_the_west_of_the_bounds(places):
     area = Polygons(tuple(square(west, 5.0, size) for west, size in places))
     west, _, east, _ = area.bounds.edges_deg
-    for shape, part in zip(area.shapes(), area.parts):
+    for shape, part in zip(area.placed(), area.parts):
         (lon, lat) = shape.arrays()[0]
         assert west - 1e-9 <= lon.min()
         assert lon.max() <= east + 1e-9
@@ -101,3 +110,265 @@ def test_the_area_is_the_sum_of_the_parts_as_geodesics_measure_it():
     )
     # Their sides are geodesics, the area's are straight in degrees: over 200 m that is nothing.
     assert area.area_m2() == pytest.approx(whole, rel=1e-7)
+
+
+# --- plans
+
+GRID = PixelGrid()
+FAR_APART = Polygons((square(-89.9, 35.1, 0.004), square(-89.88, 35.11, 0.004), square(-89.89, 35.1, 0.004)))
+#: With a hole, and without a side along a parallel or meridian.
+RING = Polygon(
+    (
+        ((-89.8700, 35.1000), (-89.8640, 35.1015), (-89.8655, 35.1060), (-89.8710, 35.1050)),
+        ((-89.8680, 35.1025), (-89.8665, 35.1030), (-89.8670, 35.1040)),
+    )
+)
+LAYOUTS = {
+    "cover": {},
+    "overlap": {"overlap_along": 0.6, "overlap_across": 0.4},
+    "one-way": {"order": "one-way", "overlap_along": 0.3},
+    "rotated": {"grid_angle_deg": 30.0},
+    "crosshatch": {"crosshatch": True},
+}
+
+
+def planned(area, **more):
+    return plan(Mission(area, 120.0, **more), GRID)
+
+
+def seen(found, lat, lon):
+    """Which places lie in the window of some image, by their pixels at the plan's zoom."""
+    world = 256 << found.zoom
+    x = (np.mod(lon, 360.0) + 180.0) % 360.0 / 360.0 * world
+    y = (1.0 - np.arcsinh(np.tan(np.radians(lat))) / math.pi) / 2.0 * world
+    left, top, width, height = (np.asarray(part, np.float64)[:, np.newaxis] for part in found.windows)
+    across = np.mod(x - left, world)
+    return ((across <= width) & (y >= top) & (y <= top + height)).any(axis=0)
+
+
+def places_in(polygon, count, seed):
+    """Places drawn inside a polygon, held against it by GEOS."""
+    ogr = pytest.importorskip("osgeo.ogr")
+    text = ",".join(
+        "(" + ",".join(f"{lon!r} {lat!r}" for lon, lat in (*ring, ring[0])) + ")" for ring in polygon.rings
+    )
+    shape = ogr.CreateGeometryFromWkt(f"POLYGON ({text})")
+    west, east, south, north = shape.GetEnvelope()
+    found = []
+    for u, v in np.random.default_rng(seed).random((40 * count, 2)):
+        point = ogr.Geometry(ogr.wkbPoint)
+        point.AddPoint_2D(west + u * (east - west), south + v * (north - south))
+        if shape.Contains(point):
+            found.append((point.GetY(), point.GetX()))
+    return np.array(found[:count]).T
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_place_of_every_polygon_is_seen(layout):
+    area = Polygons((*FAR_APART.parts, RING))
+    found = planned(area, **LAYOUTS[layout])
+    assert found.coverage.complete
+    assert found.coverage.area_m2 == pytest.approx(area.area_m2())
+    if not found.passes:
+        for polygon in area.parts:
+            assert seen(found, *places_in(polygon, 60, 3)).all()
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_each_polygon_has_the_images_that_it_has_alone(layout):
+    found = planned(FAR_APART, **LAYOUTS[layout])
+    alone = [planned(part, **LAYOUTS[layout]) for part in FAR_APART.parts]
+    assert len(found) == sum(map(len, alone))
+    assert len(set(zip(found.column.tolist(), found.row.tolist()))) == len(found)
+    assert len(set(found.names)) == len(found)
+    # Rows go on from polygon to polygon, as these are flown.
+    blocks = np.split(found.row, found.parts[1:])
+    assert [int(block.min()) for block in blocks[1:]] == [int(block.max()) + 1 for block in blocks[:-1]]
+    # Neighbours are those of the same polygon: none of another is taken for one.
+    for one in ("least_along", "least_across"):
+        least = min(getattr(part.overlap, one) for part in alone)
+        assert getattr(found.overlap, one) == pytest.approx(least, abs=0.006)
+
+
+def test_one_polygon_is_the_mission_of_that_polygon():
+    for more in LAYOUTS.values():
+        one, other = planned(Polygons((RING,)), **more), planned(RING, **more)
+        for values in ("column", "row", "lat_deg", "lon_deg", "edges"):
+            np.testing.assert_array_equal(getattr(one, values), getattr(other, values))
+        assert one.coverage == other.coverage
+        assert one.names == other.names
+
+
+def way_m(found):
+    """Length of a flight, by pyproj."""
+    _, _, length = Geod(ellps="WGS84").inv(
+        found.lon_deg[:-1], found.lat_deg[:-1], found.lon_deg[1:], found.lat_deg[1:]
+    )
+    return float(np.sum(length))
+
+
+@pytest.mark.parametrize("count", [4, 12])
+def test_polygons_along_a_line_are_flown_from_one_end_to_the_other(count):
+    line = [square(-89.9 + 0.01 * number, 35.1) for number in range(count)]
+    mixed = Polygons(tuple(line[number] for number in np.random.default_rng(5).permutation(count)))
+    found = planned(mixed)
+    middles = [float(np.mean(lon)) for lon in np.split(found.lon_deg, found.parts[1:])]
+    assert middles in (sorted(middles), sorted(middles, reverse=True))
+
+
+def test_no_other_order_of_few_polygons_is_shorter():
+    """All orders of polygons and all ways to fly each of them, one by one."""
+    ways = [
+        polygons_of_layout._ways(found, (), "serpentine")
+        for found in (
+            Layout(
+                np.tile(np.arange(3), 2),
+                np.repeat(np.arange(2), 3),
+                35.0 + y * 0.01 + np.repeat([0.001, 0.0], 3),
+                -89.0 + x * 0.01 + np.array([0.0, 0.001, 0.002, 0.002, 0.001, 0.0]),
+                np.full(6, 120.0),
+                np.zeros(6),
+            )
+            for x, y in ((0, 0), (3, 1), (1, 2), (2, -1))
+        )
+    ]
+
+    def length(order, chosen):
+        places = [(ways[part], way) for part, way in zip(order, chosen)]
+        gaps = sum(
+            int(np.rint(1000.0 * np.linalg.norm(b.start[j] - a.end[i])))
+            for (a, i), (b, j) in zip(places, places[1:])
+        )
+        return gaps + sum(int(one.length[way]) for one, way in places)
+
+    least = min(
+        length(order, chosen)
+        for order in itertools.permutations(range(4))
+        for chosen in itertools.product(range(4), repeat=4)
+    )
+    found = polygons_of_layout._shortest(ways)
+    assert length(*zip(*found)) == least
+    nearly = polygons_of_layout._best_ways(ways, polygons_of_layout._improved(polygons_of_layout._gaps(ways)))
+    assert length(*zip(*nearly)) <= 1.25 * least
+
+
+def test_a_flight_over_many_polygons_is_far_shorter_than_in_the_order_given():
+    places = np.random.default_rng(11).random((40, 2))
+    area = Polygons(tuple(square(-89.9 + 0.1 * x, 35.1 + 0.1 * y, 0.001) for x, y in places))
+    found = planned(area)
+    given = sum(
+        math.dist((a[0] * math.cos(math.radians(35.1)), a[1]), (b[0] * math.cos(math.radians(35.1)), b[1]))
+        for a, b in zip(places.tolist(), places[1:].tolist())
+    )
+    assert len(found.parts) == 40
+    assert way_m(found) < 0.6 * given * 0.1 * 111_000.0
+    assert found.coverage.complete
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_polygons_on_both_sides_of_the_antimeridian_are_one_flight(layout):
+    area = Polygons((square(179.99, 10.0), square(-179.998, 10.0), square(179.999, 10.01)))
+    found = planned(area, **LAYOUTS[layout])
+    assert np.ptp(found.lon_deg) < 0.03
+    assert way_m(found) < 30_000.0
+    assert found.coverage.complete
+    moved = Polygons(tuple(square(lon, lat) for lon, lat in ((9.99, 10.0), (10.002, 10.0), (9.999, 10.01))))
+    assert len(planned(moved, **LAYOUTS[layout])) == len(found)
+
+
+def test_polygons_that_overlap_are_each_covered_and_counted():
+    area = Polygons((square(-89.9, 35.1, 0.004), square(-89.898, 35.1, 0.004)))
+    found = planned(area)
+    assert found.coverage.complete
+    assert found.coverage.area_m2 == pytest.approx(2.0 * square(-89.9, 35.1, 0.004).area_m2())
+    assert len(found) == sum(len(planned(part)) for part in area.parts)
+
+
+def test_the_papers_layout_takes_one_polygon():
+    with pytest.raises(InvalidInput, match="layout paper: lays one grid over one polygon"):
+        planned(FAR_APART, layout="paper")
+
+
+def test_wind_and_polygons_go_together():
+    found = planned(FAR_APART, wind=Wind(6.0, 270.0, 0.1), overlap_along=0.7, overlap_across=0.6)
+    assert len(found.parts) == 3
+    assert found.coverage.share > 0.99
+
+
+# --- no-fly polygons
+
+#: In the middle of the first of the polygons.
+FORBIDDEN = square(-89.8990, 35.1008, 0.0015)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize(
+    "area", [FAR_APART, FAR_APART.parts[0], FAR_APART.bounds], ids=["parts", "polygon", "box"]
+)
+def test_captures_inside_no_fly_polygons_are_left_out_and_no_others(layout, area):
+    more = {"overlap_along": 0.5, "overlap_across": 0.5, **LAYOUTS[layout]}
+    whole, found = planned(area, **more), planned(area, no_fly=(FORBIDDEN,), **more)
+    west, south, east, north = FORBIDDEN.bounds.edges_deg
+    lat, lon = whole.lat_deg, whole.lon_deg
+    out = (lat > south) & (lat < north) & (lon > west) & (lon < east)
+    assert found.left_out == out.sum() > 0
+    for values in ("column", "row", "lat_deg", "lon_deg"):
+        np.testing.assert_array_equal(getattr(found, values), getattr(whole, values)[~out])
+    assert whole.coverage.complete
+
+
+def test_coverage_tells_of_the_gap_that_no_fly_polygons_make():
+    found = planned(FAR_APART.parts[0], no_fly=(FORBIDDEN,))
+    lat, lon = places_in(FAR_APART.parts[0], 4000, 7)
+    share = float(seen(found, lat, lon).mean())
+    assert not found.coverage.complete
+    assert found.coverage.share == pytest.approx(share, abs=0.03)
+    figures = estimate(found)
+    assert figures.to_dict()["images_over_no_fly"] == found.left_out
+    assert ("left out over no-fly areas", f"{found.left_out} images") in figures.lines()
+    assert "left out over no-fly areas" not in dict(estimate(planned(FAR_APART.parts[0])).lines())
+
+
+def test_a_polygon_all_of_whose_captures_are_left_out_counts_as_not_covered():
+    for more in LAYOUTS.values():
+        found = planned(FAR_APART, no_fly=(square(-89.891, 35.099, 0.006),), **more)
+        lost = FAR_APART.parts[2].area_m2()
+        assert found.coverage.uncovered_m2 == pytest.approx(lost, rel=1e-6)
+        assert len(found.parts) == 3
+        assert found.overlap.least_along is not None
+
+
+def test_a_mission_over_a_no_fly_area_alone_is_refused():
+    with pytest.raises(InvalidInput, match=r"all \d+ images lie over no-fly areas; choose another area"):
+        planned(FAR_APART, no_fly=(square(-89.95, 35.05, 0.1),))
+
+
+def test_points_over_no_fly_areas_are_left_out_with_all_that_is_their_own():
+    area = Points(
+        ((35.1, -89.9, 100.0), (35.1, -89.8, 110.0), (35.1, -89.7, 120.0)),
+        (10.0, 20.0, 30.0),
+        (0.0, 5.0, 10.0),
+        (1.0, 2.0, 3.0),
+        (100.0, 200.0, 350.0),
+    )
+    found = plan(Mission(area, 100.0, no_fly=(square(-89.81, 35.09, 0.02),)), GRID)
+    assert found.column.tolist() == [0, 2]
+    assert found.agl_m.tolist() == [100.0, 120.0]
+    assert [angle.tolist() for angle in found.poses.attitude] == [[10.0, 30.0], [0.0, 10.0], [1.0, 3.0]]
+    assert found.times_s.tolist() == [0.0, 250.0]
+    assert found.left_out == 1
+
+
+@pytest.mark.parametrize("west", [179.999, -180.001])
+def test_no_fly_polygons_across_the_antimeridian_hold_on_both_sides(west):
+    area = Box(10.004, 179.998, 10.0, -179.998)
+    found = planned(area, no_fly=(square(west, 9.99, 0.02),), overlap_along=0.5)
+    inside_it = (np.mod(found.lon_deg - west, 360.0) < 0.02).any()
+    assert found.left_out > 0
+    assert not inside_it
+
+
+def test_wind_blows_on_the_captures_that_are_left():
+    more = {"wind": Wind(6.0, 270.0, 0.1), "overlap_along": 0.6}
+    found = planned(FAR_APART.parts[0], no_fly=(FORBIDDEN,), **more)
+    assert len(found.nominal.lat_deg) == len(found) == len(found.times_s)

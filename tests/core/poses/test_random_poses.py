@@ -154,7 +154,10 @@ def test_the_command_writes_what_missions_are_flown_from(run, tmp_path):
         (("--agl", "9", "--tilt", "200"), "tilt 200: hardly any of its numbers is within 180 degrees"),
         (("--agl", "9", "--count", "0"), "0 poses: must be from 1"),
         (("--agl", "9", "--seed", "-1"), "seed -1: must be 0 or more"),
-        (("--agl", "9", "--area", "1_0_0"), "area '1_0_0': no such file, and no box; give a GeoJSON file"),
+        (
+            ("--agl", "9", "--area", "1_0_0"),
+            "area '1_0_0': no such file, and no box; give a GeoJSON, KML or KMZ file",
+        ),
         (("--agl", "9", "--area", "-95_0_-96_1"), "latitude -95.0: must be within"),
     ],
 )

@@ -6,8 +6,9 @@ import sys
 from functools import partial
 
 import numpy as np
+import pytest
 from terrainav.core.geodesy.mercator import PixelGrid, extent_of_box
-from terrainav.core.mission import cameras, coords, settings
+from terrainav.core.mission import area_files, cameras, coords, settings
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import beyond_imagery, upsampling
 from terrainav.core.mission.export import litchi, qgroundcontrol, write_plan
@@ -16,6 +17,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import read_poses
 
+from tests.core.remedies.files import extra_brings
 from tests.support.remedies import Case, remedy
 
 GRID = PixelGrid()
@@ -72,13 +74,33 @@ def _lines(case: Case) -> None:
     case.follow("none", lambda: coords.parse_points(["35 10 120", "35 10.1 120"]))
 
 
-@remedy("mission/coords.py", "area file {}: holds no Polygon; give a GeoJSON with one")
+_POLYGON = '{"type": "Polygon", "coordinates": [[[10, 35], [10.1, 35], [10, 35.1], [10, 35]]]}'
+
+
+@remedy("mission/area_files.py", "{}: holds no polygon; give a GeoJSON, KML or KMZ file with one or more")
 def _no_polygon(case: Case) -> None:
     path = case.tmp_path / "area.geojson"
     path.write_text('{"type": "Point", "coordinates": [10, 35]}')
-    case.refused(lambda: coords.load_polygon(path))
-    path.write_text('{"type": "Polygon", "coordinates": [[[10, 35], [10.1, 35], [10, 35.1], [10, 35]]]}')
-    case.follow("give a GeoJSON with one", lambda: coords.load_polygon(path))
+    case.refused(lambda: area_files.load_area(path))
+    path.write_text(_POLYGON)
+    case.follow("give a GeoJSON, KML or KMZ file with one or more", lambda: area_files.load_area(path))
+
+
+@remedy(
+    "mission/area_files.py",
+    "{}: {}, which reads KML, is not installed; get it with: pip install 'terrainav[{}]', or give a GeoJSON file",
+)
+def _no_lxml(case: Case) -> None:
+    kml, geojson = case.tmp_path / "area.kml", case.tmp_path / "area.geojson"
+    kml.write_text(
+        "<kml><LinearRing><coordinates>10,35 10.1,35 10,35.1 10,35</coordinates></LinearRing></kml>"
+    )
+    geojson.write_text(_POLYGON)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(sys.modules, "lxml.etree", None)
+        case.refused(lambda: area_files.load_area(kml))
+        case.follow("give a GeoJSON file", lambda: area_files.load_area(geojson))
+    case.follow("get it with: pip install 'terrainav[kml]'", lambda: extra_brings("kml", "lxml"))
 
 
 @remedy("mission/cameras.py", "{}: give one of {}")

@@ -11,7 +11,8 @@ from terrainav.core.geodesy.footprint import outline
 from terrainav.core.geodesy.frames import map_windows
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.geodesy.ways import way_around
+from terrainav.core.mission.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
@@ -410,3 +411,52 @@ planned(
     Mission(SMALL, 120.0, imageries=("a=world",)),
     {"choose one of them as the source": {"imageries": (), "source": "world"}},
 )
+
+
+TWO = Polygons(
+    tuple(
+        Polygon((((west, 35.0), (west + 0.002, 35.0), (west + 0.002, 35.002), (west, 35.002)),))
+        for west in (-89.0, -88.99)
+    )
+)
+planned(
+    "layout/polygons.py",
+    "layout {}: lays one grid over one polygon, and there are {}; use --layout cover",
+    Mission(TWO, 120.0, layout="paper"),
+    {"use --layout cover": {"layout": "cover"}},
+)
+planned(
+    "no_fly.py",
+    "all {} images lie over no-fly areas; choose another area, or smaller no-fly areas",
+    Mission(TWO.parts[0], 120.0, no_fly=(TWO.parts[0],), overlap_along=0.2),
+    {
+        "choose another area": {"area": TWO.parts[1]},
+        "smaller no-fly areas": {
+            "no_fly": (Polygon((((-89.0, 35.0), (-88.9999, 35.0), (-88.9999, 35.0001)),)),)
+        },
+    },
+)
+
+
+@remedy("geodesy/ways.py", "{} of a leg lies inside a no-fly area; move it outside")
+def _inside_no_fly(case: Case) -> None:
+    square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    end = np.array([20.0, 5.0])
+    case.refused(lambda: way_around(np.array([5.0, 5.0]), end, [[square]]))
+    case.follow("move it outside", lambda: way_around(np.array([-5.0, 5.0]), end, [[square]]))
+
+
+@remedy(
+    "geodesy/ways.py",
+    "no way leads around the no-fly areas; leave room between them, or keep less distance",
+)
+def _no_way(case: Case) -> None:
+    def around(opening, clearance):
+        walls = [(0, 0, 30, 5), (0, 25, 30, 30), (0, 5, 5, 25), (25, 5, 30, 15 - opening / 2)]
+        walls.append((25, 15 + opening / 2, 30, 25))
+        rings = [[np.array([[w, s], [e, s], [e, n], [w, n]], np.float64)] for w, s, e, n in walls]
+        way_around(np.array([15.0, 15.0]), np.array([50.0, 15.0]), rings, clearance)
+
+    case.refused(lambda: around(2.0, 2.0))
+    case.follow("leave room between them", lambda: around(6.0, 2.0))
+    case.follow("keep less distance", lambda: around(2.0, 0.5))

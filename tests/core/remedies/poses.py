@@ -53,7 +53,8 @@ def _no_origin(case: Case) -> None:
 
 @remedy(
     "cli/posing.py",
-    'area {}: no such file, and no box; give a GeoJSON file of a polygon, or a box "latTL_lonTL_latBR_lonBR"',
+    "area {}: no such file, and no box; give a GeoJSON, KML or KMZ file of polygons, or a box "
+    '"latTL_lonTL_latBR_lonBR"',
 )
 def _no_area(case: Case) -> None:
     def drawn(area: str):
@@ -62,7 +63,7 @@ def _no_area(case: Case) -> None:
     case.says(drawn("area.geojson").stderr)
     ring = [[-89.9, 35.15], [-89.89, 35.15], [-89.89, 35.16], [-89.9, 35.15]]
     (case.tmp_path / "area.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
-    case.follow("give a GeoJSON file of a polygon", lambda: drawn("area.geojson").returncode == 0)
+    case.follow("give a GeoJSON, KML or KMZ file of polygons", lambda: drawn("area.geojson").returncode == 0)
     case.follow('a box "latTL_lonTL_latBR_lonBR"', lambda: drawn("35.16_-89.90_35.15_-89.89").returncode == 0)
 
 

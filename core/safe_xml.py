@@ -11,8 +11,8 @@ import importlib
 import re
 from typing import Any
 
-from ...errors import Message
-from ...limits import (
+from .errors import Message
+from .limits import (
     MAX_CAPABILITIES_BYTES,
     MAX_SERVICE_LAYERS,
     MAX_XML_ATTRIBUTES,
@@ -21,7 +21,7 @@ from ...limits import (
     MAX_XML_INHERITED,
     MAX_XML_NAMES,
 )
-from ...text import one_line
+from .text import one_line
 
 #: Encodings that documents may have, by Python's names of them.
 _ENCODINGS = ("utf-8", "ascii", "utf-16", "iso8859-1")

@@ -1,0 +1,222 @@
+"""Polygons in files: GeoJSON, KML and KMZ."""
+
+from __future__ import annotations
+
+import io
+import math
+import os
+import re
+import zipfile
+import zlib
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from ..errors import InvalidInput, Message, OutputError
+from ..files import read_limited
+from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
+from ..safe_json import parse_json
+from ..safe_xml import UnreadableXMLError, root_of
+from .area import Polygon, Polygons
+
+#: First bytes of a zip, which a KMZ is.
+_ZIP = b"PK\x03\x04"
+#: The file that a KMZ shows, as Google Earth writes it; others put it elsewhere.
+_MAIN_KML = "doc.kml"
+#: Between the numbers of a corner; people write spaces after commas.
+_COMMA = re.compile(r"\s*,\s*")
+#: Characters of a corner or name that are shown.
+_SHOWN = 60
+#: What `zipfile` raises of archives that are broken, encrypted or packed in a way it does not know.
+_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError, ValueError, OSError)
+
+
+_Rings = tuple[tuple[tuple[float, float], ...], ...]
+
+
+def load_area(path: str | os.PathLike[str]) -> Polygon | Polygons:
+    """All polygons of a file as one area.
+
+    Raises
+    ------
+    InvalidInput
+        As `load_polygons` does.
+    """
+    found = load_polygons(path, Message("area file {0}", path))
+    return found[0] if len(found) == 1 else Polygons(found)
+
+
+def load_no_fly(path: str | os.PathLike[str]) -> tuple[Polygon, ...]:
+    """All polygons of a file where no camera may stand; raises as `load_polygons` does."""
+    return load_polygons(path, Message("no-fly file {0}", path))
+
+
+def load_polygons(path: str | os.PathLike[str], where: str) -> tuple[Polygon, ...]:
+    """All polygons of a GeoJSON, KML or KMZ file, in its order, each once.
+
+    The kind of file is told by what it holds, whatever its name. Other geometries of it are left out, and so are the
+    heights of corners. In KML rings count that are those of a Polygon or stand alone; what the file links to is not
+    fetched.
+
+    Parameters
+    ----------
+    where : str
+        What the file is, for messages.
+
+    Raises
+    ------
+    InvalidInput
+        The file cannot be read, holds no polygon, or one that is none.
+    OutputError
+        A KML file, and lxml is not installed.
+    """
+    try:
+        body = read_limited(path, MAX_MISSION_BYTES)
+    except OSError as wrong:
+        raise InvalidInput("{0}: cannot be read ({1})", where, wrong.strerror or wrong) from wrong
+    except InvalidInput as wrong:
+        raise InvalidInput("{0}: cannot be read ({1})", where, wrong) from wrong
+    found: Iterable[_Rings]
+    if body.startswith(_ZIP):
+        found = _kmz_polygons(body, where)
+    # A mark of the encoding may come first, and UTF-16 has a zero beside each character.
+    elif body.lstrip(b"\xef\xbb\xbf\xfe\xff\0 \t\r\n").startswith(b"<"):
+        found = _kml_polygons(body, where)
+    else:
+        found = _geojson_polygons(body, where)
+    polygons = dict.fromkeys(_polygon(rings, number, where) for number, rings in enumerate(found, 1))
+    if not polygons:
+        raise InvalidInput(
+            "{0}: holds no polygon", where, remedy="give a GeoJSON, KML or KMZ file with one or more"
+        )
+    return tuple(polygons)
+
+
+def _polygon(rings: _Rings, number: int, where: str) -> Polygon:
+    try:
+        return Polygon(rings)
+    except InvalidInput as wrong:
+        raise InvalidInput("{0}: polygon {1:,}: {2}", where, number, wrong) from wrong
+
+
+# --- GeoJSON
+
+
+def _geojson_polygons(body: bytes, where: str) -> Iterator[_Rings]:
+    try:
+        data = parse_json(body)
+    except InvalidInput as wrong:
+        raise InvalidInput("{0}: cannot be read as GeoJSON, KML or KMZ ({1})", where, wrong) from wrong
+    try:
+        for polygon in _coordinates(data):
+            yield tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in polygon)
+    except (TypeError, ValueError, IndexError, KeyError) as wrong:
+        raise InvalidInput("{0}: a corner is not longitude, latitude ({1})", where, wrong) from wrong
+
+
+def _coordinates(data: Any) -> Iterator[list[Any]]:
+    """Coordinates of each polygon, however deep it is inside features and collections."""
+    if not isinstance(data, dict):
+        return
+    coordinates = listed(data, "coordinates")
+    if data.get("type") == "Polygon" and coordinates:
+        yield coordinates
+    elif data.get("type") == "MultiPolygon":
+        yield from (polygon for polygon in coordinates if isinstance(polygon, list) and polygon)
+    for inner in (data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")):
+        yield from _coordinates(inner)
+
+
+def listed(data: dict[str, Any], name: str) -> list[Any]:
+    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
+    value = data.get(name)
+    return value if isinstance(value, list) else []
+
+
+# --- KML
+
+
+def _kmz_polygons(body: bytes, where: str) -> list[_Rings]:
+    """Polygons of a KMZ: those of ``doc.kml``, or where that only leads to other files in it, as GDAL's, theirs."""
+    main, *others = _unpacked(body, where)
+    found = list(_kml_polygons(main, where))
+    return found or [rings for text in others for rings in _kml_polygons(text, where)]
+
+
+def _unpacked(body: bytes, where: str) -> list[bytes]:
+    """The KML files of a KMZ: ``doc.kml`` first, then those nearest to the top; raises where there is none."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(body)) as archive:
+            entries = archive.infolist()
+            if len(entries) > MAX_KMZ_FILES:
+                raise InvalidInput("{0}: holds more than {1:,} files", where, MAX_KMZ_FILES)
+            found = [one for one in entries if one.filename.lower().endswith(".kml")]
+            if not found:
+                raise InvalidInput("{0}: is a zip without a KML file", where)
+            found.sort(key=lambda one: (one.filename.lower() != _MAIN_KML, one.filename.count("/")))
+            texts, left = [], MAX_CAPABILITIES_BYTES
+            for one in found:
+                with archive.open(one) as packed:
+                    # What it says of its size may be wrong.
+                    texts.append(packed.read(left + 1))
+                left -= len(texts[-1])
+                if left < 0:
+                    break
+    except InvalidInput:
+        raise
+    except _BROKEN as wrong:
+        raise InvalidInput("{0}: cannot be read as KMZ ({1})", where, wrong) from wrong
+    if left < 0:
+        raise InvalidInput("{0}: its KML is larger than {1} MB", where, MAX_CAPABILITIES_BYTES >> 20)
+    return texts
+
+
+def _kml_polygons(body: bytes, where: str) -> Iterator[_Rings]:
+    if len(body) > MAX_CAPABILITIES_BYTES:
+        raise InvalidInput("{0}: its KML is larger than {1} MB", where, MAX_CAPABILITIES_BYTES >> 20)
+    try:
+        root = root_of(body)
+    except UnreadableXMLError as wrong:
+        raise InvalidInput("{0}: cannot be read as KML ({1})", where, wrong) from wrong
+    except ImportError as missing:
+        raise OutputError(
+            "{0}: {1}, which reads KML, is not installed",
+            where,
+            "lxml",
+            remedy=Message("get it with: pip install 'terrainav[{0}]', or give a GeoJSON file", "kml"),
+        ) from missing
+    for element in root.iter("{*}Polygon", "{*}LinearRing"):
+        if _name(element) == "Polygon":
+            outer = list(element.iterfind("{*}outerBoundaryIs/{*}LinearRing"))
+            inner = list(element.iterfind("{*}innerBoundaryIs/{*}LinearRing"))
+            if outer:
+                yield tuple(_ring(ring, where) for ring in (*outer[:1], *inner))
+        elif not _is_boundary(element):
+            yield (_ring(element, where),)
+
+
+def _is_boundary(ring: Any) -> bool:
+    """Whether a ring is that of a polygon."""
+    parent = ring.getparent()
+    return parent is not None and _name(parent) in ("outerBoundaryIs", "innerBoundaryIs")
+
+
+def _name(element: Any) -> str:
+    """Name of an element without its namespace."""
+    return str(element.tag).rpartition("}")[2]
+
+
+def _ring(element: Any, where: str) -> tuple[tuple[float, float], ...]:
+    found: Iterable[Any] = element.iterfind("{*}coordinates")
+    text = " ".join(str(one.text or "") for one in found)
+    return tuple(_corner(corner, where) for corner in _COMMA.sub(",", text).split())
+
+
+def _corner(text: str, where: str) -> tuple[float, float]:
+    numbers = text.split(",")
+    try:
+        lon, lat = float(numbers[0]), float(numbers[1])
+    except (ValueError, IndexError):
+        lon = lat = math.nan
+    if not (math.isfinite(lon) and math.isfinite(lat)):
+        raise InvalidInput("{0}: corner {1!r} is not longitude,latitude", where, text[:_SHOWN])
+    return lon, lat

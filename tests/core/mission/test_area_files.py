@@ -1,0 +1,280 @@
+"""Polygons from GeoJSON, KML and KMZ files."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+
+import pytest
+from terrainav.core import safe_xml
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.mission import area_files
+from terrainav.core.mission.area import Polygon, Polygons
+from terrainav.core.mission.area_files import load_area, load_no_fly
+
+RING = [[-89.9, 35.16], [-89.82, 35.16], [-89.86, 35.11], [-89.9, 35.16]]
+
+
+@pytest.mark.parametrize(
+    "wrap",
+    [
+        lambda g: g,
+        lambda g: {"type": "Feature", "properties": {}, "geometry": g},
+        lambda g: {
+            "type": "FeatureCollection",
+            "features": [{"type": "Feature", "properties": None, "geometry": g}],
+        },
+    ],
+)
+def test_a_polygon_from_geojson(tmp_path, wrap):
+    file = tmp_path / "area.geojson"
+    file.write_text(json.dumps(wrap({"type": "Polygon", "coordinates": [RING]})))
+    assert load_area(str(file)) == Polygon((tuple((x, y) for x, y in RING[:-1]),))
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "{}",
+        "[1]",
+        '{"type": "Point", "coordinates": [1, 2]}',
+        '{"type": "Polygon", "coordinates": [[[1]]]}',
+        '{"type": "FeatureCollection", "features": null}',
+        '{"type": "FeatureCollection", "features": 5}',
+        '{"type": "GeometryCollection", "geometries": null}',
+        '{"type": "Polygon", "coordinates": null}',
+        '{"type": "Polygon", "coordinates": {"0": 1}}',
+        '{"type": "Polygon", "coordinates": [[{"a": 1}, {"b": 2}, {}]]}',
+        '{"type": "MultiPolygon", "coordinates": null}',
+        '{"type": "MultiPolygon", "coordinates": [5]}',
+        '{"geometry": ' * 900 + "null" + "}" * 900,
+        '{"geometry": ' * 100_000,
+        "[" * 100_000,
+    ],
+)
+def test_geojson_without_a_polygon_is_refused(tmp_path, content):
+    file = tmp_path / "area.geojson"
+    file.write_text(content)
+    with pytest.raises(InvalidInput, match=r"area\.geojson"):
+        load_area(str(file))
+
+
+def test_a_ring_closed_twice_is_the_same_ring_when_it_is_read_again(tmp_path):
+    file = tmp_path / "area.geojson"
+    file.write_text(json.dumps({"type": "Polygon", "coordinates": [[*RING, RING[-1], RING[-1]]]}))
+    area = load_area(str(file))
+    assert area == Polygon((tuple((x, y) for x, y in RING[:-1]),))
+    assert Polygon(area.rings) == area
+
+
+SQUARES = [
+    [[-89.9, 35.1], [-89.8, 35.1], [-89.8, 35.2], [-89.9, 35.2]],
+    [[-89.7, 35.1], [-89.6, 35.1], [-89.6, 35.2], [-89.7, 35.2]],
+    [[-89.5, 35.1], [-89.4, 35.1], [-89.4, 35.2], [-89.5, 35.2]],
+]
+HOLE = [[-89.86, 35.14], [-89.84, 35.14], [-89.84, 35.16]]
+FIRST, SECOND, THIRD = (Polygon((tuple(map(tuple, ring)),)) for ring in SQUARES)
+WITH_HOLE = Polygon((FIRST.rings[0], tuple(map(tuple, HOLE))))
+
+
+def closed(ring):
+    return [*ring, ring[0]]
+
+
+def as_polygon(*rings):
+    return {"type": "Polygon", "coordinates": [closed(ring) for ring in rings]}
+
+
+def test_all_polygons_of_geojson_are_taken_wherever_they_are(tmp_path):
+    inner = {
+        "type": "GeometryCollection",
+        "geometries": [
+            {"type": "Point", "coordinates": [1, 2]},
+            {"type": "MultiPolygon", "coordinates": [as_polygon(one)["coordinates"] for one in SQUARES[1:]]},
+        ],
+    }
+    features = [
+        {"type": "Feature", "geometry": as_polygon(SQUARES[0], HOLE), "properties": {}},
+        {"type": "Feature", "geometry": None, "properties": None},
+        {"type": "Feature", "geometry": inner, "properties": {}},
+        {"type": "Feature", "geometry": as_polygon(SQUARES[1]), "properties": {}},
+    ]
+    path = tmp_path / "fields.json"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    assert load_area(path) == Polygons((WITH_HOLE, SECOND, THIRD))
+    assert load_no_fly(path) == (WITH_HOLE, SECOND, THIRD)
+
+
+def ring_text(ring, ending=",0"):
+    return " ".join(f"{lon},{lat}{ending}" for lon, lat in closed(ring))
+
+
+def kml_polygon(*rings, ending=",0"):
+    outer, *holes = (
+        f"<LinearRing><coordinates>{ring_text(ring, ending)}</coordinates></LinearRing>" for ring in rings
+    )
+    inner = "".join(f"<innerBoundaryIs>{hole}</innerBoundaryIs>" for hole in holes)
+    return f"<Polygon><tessellate>1</tessellate><outerBoundaryIs>{outer}</outerBoundaryIs>{inner}</Polygon>"
+
+
+def kml(*content, version="http://www.opengis.net/kml/2.2"):
+    placemarks = "".join(f"<Placemark><name>field</name>{one}</Placemark>" for one in content)
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="{version}" xmlns:gx="http://www.google.com/kml/ext/2.2">'
+        f"<Document><Style id='s'/><Folder>{placemarks}</Folder></Document></kml>"
+    )
+
+
+@pytest.mark.parametrize(
+    "version", ["http://www.opengis.net/kml/2.2", "http://earth.google.com/kml/2.1"], ids=["2.2", "2.1"]
+)
+def test_polygons_of_google_earth(tmp_path, version):
+    path = tmp_path / "fields.kml"
+    several = f"<MultiGeometry>{kml_polygon(SQUARES[1])}<Point><coordinates>1,2</coordinates></Point></MultiGeometry>"
+    path.write_text(kml(kml_polygon(SQUARES[0], HOLE), several, version=version))
+    assert load_area(path) == Polygons((WITH_HOLE, SECOND))
+
+
+def test_a_ring_that_stands_alone_is_a_polygon_and_a_line_is_none(tmp_path):
+    path = tmp_path / "ring.kml"
+    alone = f"<LinearRing><coordinates>{ring_text(SQUARES[2])}</coordinates></LinearRing>"
+    line = f"<LineString><coordinates>{ring_text(SQUARES[0])}</coordinates></LineString>"
+    path.write_text(kml(alone, line))
+    assert load_area(path) == THIRD
+
+
+def test_spaces_lines_and_missing_heights_are_read(tmp_path):
+    path = tmp_path / "area.kml"
+    corners = "\n".join(f"  {lon} , {lat}" for lon, lat in closed(SQUARES[0]))
+    text = kml_polygon(SQUARES[0]).replace(ring_text(SQUARES[0]), corners)
+    path.write_bytes(b"\xef\xbb\xbf" + kml(text).encode())
+    assert load_area(path) == FIRST
+    path.write_bytes(kml(text).replace("UTF-8", "UTF-16").encode("utf-16"))
+    assert load_area(path) == FIRST
+
+
+def zipped(path, **files):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in files.items():
+            archive.writestr(name.replace("__", "/").replace("_", "."), text)
+    return path
+
+
+def test_the_main_file_of_a_kmz_is_taken(tmp_path):
+    other, main = kml(kml_polygon(SQUARES[1])), kml(kml_polygon(SQUARES[0]))
+    assert load_area(zipped(tmp_path / "a.kmz", files__other_kml=other, doc_kml=main)) == FIRST
+    # As DJI Pilot writes it, and named as a zip.
+    dji = main.replace(
+        "<Placemark>", "<Placemark xmlns:wpml='http://www.dji.com/wpmz/1.0.2'><wpml:index>0</wpml:index>"
+    )
+    assert load_area(zipped(tmp_path / "b.zip", wpmz__res__a_png="", wpmz__template_kml=dji)) == FIRST
+
+
+def test_kml_as_gdal_writes_it_is_read_as_it_was_put_in(tmp_path):
+    ogr = pytest.importorskip("osgeo.ogr")
+    from osgeo import osr
+
+    driver = ogr.GetDriverByName("LIBKML") or ogr.GetDriverByName("KML")
+    reference = osr.SpatialReference()
+    reference.ImportFromEPSG(4326)
+    reference.SetAxisMappingStrategy(osr.OAMS_TRADITIONAL_GIS_ORDER)
+    endings = ["kml", "kmz"] if driver.GetName() == "LIBKML" else ["kml"]
+    for ending in endings:
+        path = str(tmp_path / f"fields.{ending}")
+        written = driver.CreateDataSource(path)
+        layer = written.CreateLayer("fields", reference, ogr.wkbUnknown)
+        for shape in (
+            as_polygon(SQUARES[0], HOLE),
+            {"type": "MultiPolygon", "coordinates": [as_polygon(one)["coordinates"] for one in SQUARES[1:]]},
+            {"type": "Point", "coordinates": [1.0, 2.0]},
+        ):
+            feature = ogr.Feature(layer.GetLayerDefn())
+            feature.SetGeometry(ogr.CreateGeometryFromJson(json.dumps(shape)))
+            layer.CreateFeature(feature)
+            feature = None
+        layer = written = None
+        found = load_area(path)
+        assert isinstance(found, Polygons)
+        for polygon, expected in zip(found.parts, (WITH_HOLE, SECOND, THIRD)):
+            assert len(polygon.rings) == len(expected.rings)
+            for ring, other in zip(polygon.rings, expected.rings):
+                # Which corner comes first, and which way round they go, is the writer's own.
+                assert {(round(x, 9), round(y, 9)) for x, y in ring} == set(other)
+
+
+BROKEN = kml(
+    "<Polygon><outerBoundaryIs><LinearRing><coordinates>1,2 3,4</coordinates></LinearRing></outerBoundaryIs></Polygon>"
+)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("<kml><Polygon>", "cannot be read as KML"),
+        ("<!DOCTYPE kml [<!ENTITY a 'b'>]><kml>&a;</kml>", "document type or entities"),
+        (kml(), "holds no polygon; give a GeoJSON, KML or KMZ file"),
+        (BROKEN, "polygon 1: polygon ring of 2 corners"),
+        (BROKEN.replace("3,4", "3,x"), "corner '3,x' is not longitude,latitude"),
+        (BROKEN.replace("3,4", "3"), "corner '3' is not longitude,latitude"),
+        (BROKEN.replace("3,4", "3,95 5,6"), "polygon 1: latitude 95.0"),
+        (BROKEN.replace("3,4", "nan,4 5,6"), "corner 'nan,4' is not longitude,latitude"),
+        (b"\x89PNG", "cannot be read as GeoJSON, KML or KMZ"),
+        (b"PK\x03\x04 and no more", "cannot be read as KMZ"),
+    ],
+)
+def test_broken_files_are_refused_in_one_line(tmp_path, content, says):
+    path = tmp_path / "broken.kml"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(InvalidInput) as refused:
+        load_area(path)
+    assert str(refused.value).startswith(f"area file {path}: ")
+    assert says in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_archives_beyond_the_limits_are_refused(tmp_path, monkeypatch):
+    plain = zipped(tmp_path / "plain.kmz", readme_txt="no map")
+    with pytest.raises(InvalidInput, match="is a zip without a KML file"):
+        load_area(plain)
+    monkeypatch.setattr(area_files, "MAX_CAPABILITIES_BYTES", 1 << 20)
+    bomb = zipped(tmp_path / "bomb.kmz", doc_kml=kml() + " " * (1 << 21))
+    assert bomb.stat().st_size < 10_000
+    with pytest.raises(InvalidInput, match="its KML is larger than 1 MB"):
+        load_area(bomb)
+    monkeypatch.setattr(area_files, "MAX_KMZ_FILES", 0)
+    with pytest.raises(InvalidInput, match="holds more than 0 files"):
+        load_area(plain)
+
+
+def test_an_encrypted_archive_is_refused(tmp_path):
+    body = bytearray(zipped(tmp_path / "a.kmz", doc_kml=kml(kml_polygon(SQUARES[0]))).read_bytes())
+    # The flag of encryption, in the file's own head and in the directory.
+    for mark, at in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        body[body.index(mark) + at] |= 1
+    path = tmp_path / "locked.kmz"
+    path.write_bytes(body)
+    with zipfile.ZipFile(io.BytesIO(body)) as archive:
+        assert archive.namelist() == ["doc.kml"]
+    with pytest.raises(InvalidInput, match="cannot be read as KMZ"):
+        load_area(path)
+
+
+def test_without_lxml_it_is_said_how_to_get_it(tmp_path, monkeypatch):
+    path = tmp_path / "area.kml"
+    path.write_text(kml(kml_polygon(SQUARES[0])))
+
+    def missing(name):
+        raise ModuleNotFoundError(name)
+
+    monkeypatch.setattr(safe_xml.importlib, "import_module", missing)
+    with pytest.raises(
+        OutputError, match=r"lxml, which reads KML, is not installed; get it with: pip install"
+    ):
+        load_area(path)
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(InvalidInput, match=r"no-fly file .*missing\.kml: cannot be read"):
+        load_no_fly(tmp_path / "missing.kml")
