@@ -13,7 +13,7 @@ from qgis.PyQt.QtWidgets import QLabel
 from ...core.mission.area import Area
 from ..compat import POINT, POLYGON
 from ..plain import plain_label
-from .outline import Corner, Outline, middle_of
+from .outline import Corner, Outline, turns_to
 
 
 class BandColours(NamedTuple):
@@ -92,7 +92,7 @@ class AreaMark(QObject):
         """Turns around the Earth between the area and the middle of the view; 0 in maps without such turns."""
         if self._area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
             return 0
-        return round((self._canvas.extent().center().x() - middle_of(self._area)[0]) / 360.0)
+        return turns_to(self._area, self._canvas.extent().center().x())
 
     def _draw(self) -> None:
         self._drawn_on = self._turn()

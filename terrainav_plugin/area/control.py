@@ -34,6 +34,7 @@ from .layers import (
     area_file,
     extent_of,
     flown_lines,
+    no_fly_file,
     points,
     polygons,
     rectangle_area,
@@ -291,7 +292,7 @@ class AreaControl(QObject):
     def _ask_for_no_fly_file(self) -> None:
         path = self._area_path(tr("No-fly areas from a file"))
         if path:
-            self.read(tr("no-fly areas of a file"), lambda: area_file(path), self._take_no_fly_read)
+            self.read(tr("no-fly areas of a file"), lambda: no_fly_file(path), self._take_no_fly_read)
 
     def _ask_for_area_file(self) -> None:
         path = self._area_path(tr("Area from a file"))

@@ -33,7 +33,8 @@ from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
-from ...core.mission.coords import load_polygon, parse_coords
+from ...core.mission.area_files import load_area, load_no_fly
+from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
 from ...core.poses.line import FlownLine, fly
 from ...core.poses.settings import LineFlight
@@ -315,8 +316,13 @@ def text_file(path: str, agl_unit: str) -> Reading:
 
 
 def area_file(path: str) -> Reading:
-    """Reader of the polygons of a file."""
-    return lambda _cancelled: Found(load_polygon(path))
+    """Reader of the polygons of a GeoJSON, KML or KMZ file, which are the area."""
+    return lambda _cancelled: Found(load_area(path))
+
+
+def no_fly_file(path: str) -> Reading:
+    """Reader of the polygons of such a file, which are no-fly areas."""
+    return lambda _cancelled: Found(Polygons(load_no_fly(path)))
 
 
 def rectangle_area(

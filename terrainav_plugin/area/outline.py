@@ -96,8 +96,7 @@ class Outline:
     ) -> None:
         self._transform = to_lon_lat(crs, project)
         self._is_geographic = crs.isGeographic()
-        middle = middle_of(area)[0]
-        self._turn_deg = 360.0 * round((near_lon_deg - middle) / 360.0) if crs.isGeographic() else 0.0
+        self._turn_deg = 360.0 * turns_to(area, near_lon_deg) if crs.isGeographic() else 0.0
         self.handles: dict[frozenset[str], QgsPointXY] = {}
         self.sides: dict[str, list[tuple[QgsPointXY, QgsPointXY]]] = {}
         self.corners: dict[Corner, QgsPointXY] = {}
@@ -367,11 +366,17 @@ def middle_of(area: Area) -> tuple[float, float]:
     return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
 
 
+def turns_to(area: Area, lon_deg: float) -> int:
+    """Turns around the Earth from an area's longitudes, which go on beyond 180 from its west, to one."""
+    box = area.bounds
+    return round((lon_deg - box.west_deg - box.span_deg / 2.0) / _TURN_DEG)
+
+
 def rings_of(area: Polygon | Polygons) -> list[list[list[Position]]]:
     """Rings of each polygon of an area, as (longitude, latitude) within those of its bounds, which go on beyond 180."""
     if isinstance(area, Polygon):
         return [[list(ring) for ring in area.rings]]
-    return [[list(zip(lon.tolist(), lat.tolist())) for lon, lat in shape.arrays()] for shape in area.shapes()]
+    return [[list(zip(lon.tolist(), lat.tolist())) for lon, lat in part.arrays()] for part in area.placed()]
 
 
 def polygon_geometry(rings: Sequence[Sequence[Position]]) -> QgsGeometry:

@@ -274,7 +274,8 @@ def test_a_corner_follows_the_pointer(desk, crs, extent):
     corner = QgsGeometry.fromPointXY(
         desk.canvas.getCoordinateTransform().toMapCoordinates(desk.at(0.75, 0.15))
     )
-    assert there.distance(corner) < 0.01 * desk.canvas.mapUnitsPerPixel()
+    distances = [QgsGeometry.fromPointXY(QgsPointXY(at)).distance(corner) for at in there.asPolygon()[0]]
+    assert min(distances) < 0.01 * desk.canvas.mapUnitsPerPixel()
     if crs != "EPSG:3031":
         assert there.hausdorffDistance(expected) < desk.canvas.mapUnitsPerPixel()
     assert desk.form.area.undo.toolTip() == "Undo: move a corner (Ctrl+Z)"
