@@ -51,6 +51,11 @@ class AreaMark(QObject):
     colours : BandColours
     symbol : str
         Path of an image that points are shown by; a dot without one.
+
+    Attributes
+    ----------
+    area : Box, Polygon, Polygons, Points or None
+        What is outlined while the mark is shown.
     """
 
     def __init__(
@@ -58,7 +63,7 @@ class AreaMark(QObject):
     ) -> None:
         super().__init__()
         self._canvas = canvas
-        self._area: Area | None = None
+        self.area: Area | None = None
         self._drawn_on = 0
         self._shown = False
         self._bands = AreaBands(canvas, colours, symbol)
@@ -73,8 +78,8 @@ class AreaMark(QObject):
 
     def set_area(self, area: Area | None) -> None:
         """Take another area; None for none."""
-        if area != self._area:
-            self._area = area
+        if area != self.area:
+            self.area = area
             self._draw()
 
     def set_shown(self, shown: bool) -> None:
@@ -90,17 +95,17 @@ class AreaMark(QObject):
 
     def _turn(self) -> int:
         """Turns around the Earth between the area and the middle of the view; 0 in maps without such turns."""
-        if self._area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
+        if self.area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
             return 0
-        return turns_to(self._area, self._canvas.extent().center().x())
+        return turns_to(self.area, self._canvas.extent().center().x())
 
     def _draw(self) -> None:
         self._drawn_on = self._turn()
-        if self._area is None or not self._shown:
+        if self.area is None or not self._shown:
             self._bands.clear()
             return
         crs, near = self._canvas.mapSettings().destinationCrs(), self._canvas.extent().center().x()
-        self._bands.show(Outline(self._area, crs, QgsProject.instance(), near), with_handles=False)
+        self._bands.show(Outline(self.area, crs, QgsProject.instance(), near), with_handles=False)
 
 
 class AreaBands:

@@ -396,7 +396,7 @@ class AreaControl(QObject):
         area = entered_area(self._editing.state())
         found = None if area is None else as_polygons(area)
         if found is None:
-            raise InvalidInput(tr("there is no area of polygons: draw one first"))
+            raise InvalidInput(tr("there is no area of polygons"))
         return found
 
     def _take_hole(self, hole: Polygon) -> None:
@@ -412,10 +412,11 @@ class AreaControl(QObject):
 
     def _take_no_fly_read(self, found: Found, step: str) -> None:
         self._add_no_fly(parts_of(found.area), step)
-        self._messages.info(tr("{n} no-fly areas were added.").format(n=len(parts_of(found.area))))
+        self._show_on_canvas(found.area)
 
     def _add_no_fly(self, added: tuple[Polygon, ...], step: str) -> None:
-        self._editing.set_no_fly((*entered_no_fly(self._editing.state()), *added), step)
+        """Add no-fly areas, each once."""
+        self._editing.set_no_fly(tuple(dict.fromkeys((*entered_no_fly(self._editing.state()), *added))), step)
 
     def _take_takeoff(self, lat_deg: float, lon_deg: float) -> None:
         self._editing.set_takeoff(
@@ -481,9 +482,9 @@ class AreaControl(QObject):
             is_ground=not isinstance(area, Points),
         )
 
-    def _show_on_canvas(self) -> None:
-        """Move the map only where the area could not be seen."""
-        area = entered_area(self._editing.state())
+    def _show_on_canvas(self, area: Area | None = None) -> None:
+        """Move the map only where an area, otherwise that of the mission, could not be seen."""
+        area = entered_area(self._editing.state()) if area is None else area
         if area is None:
             return
         try:

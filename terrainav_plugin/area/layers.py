@@ -118,6 +118,7 @@ def polygons_of(
         Once ``cancelled`` says so.
     """
     found: list[QgsGeometry] = []
+    shapes: list[list[list[QgsPointXY]]] = []
     name = ""
     for feature in features:
         if cancelled():
@@ -130,12 +131,14 @@ def polygons_of(
             raise InvalidInput(tr("{feature} is no polygon: select one that is").format(feature=name))
         _refuse_invalid(geometry, name)
         found.append(geometry)
+        shapes += _polygon_rings(geometry)
     if not found:
         raise InvalidInput(tr("no polygon is selected: select at least one in its layer"))
-    # Neighbouring parcels are flown over as one piece of ground.
-    whole = found[0] if len(found) == 1 else QgsGeometry.unaryUnion(found)
-    name = name if len(found) == 1 else tr("area of {count} features").format(count=len(found))
-    shapes = whole.asMultiPolygon() if whole.isMultipart() else [whole.asPolygon()]
+    if len(found) > 1:
+        name = tr("area of {count} features").format(count=len(found))
+        # Neighbouring parcels are one piece of ground; where none touch, corners stay as they are.
+        joined = _polygon_rings(QgsGeometry.unaryUnion(found))
+        shapes = joined if len(joined) < len(shapes) else shapes
     area = Polygons(tuple(polygon_of_rings(rings, crs, context, name) for rings in shapes))
     return area if len(area.parts) > 1 else area.parts[0]
 
@@ -416,6 +419,11 @@ def _straight(geometry: QgsGeometry, crs: QgsCoordinateReferenceSystem) -> QgsGe
     )
     kind = QgsAbstractGeometry.SegmentationToleranceType.MaximumDifference
     return QgsGeometry(shape.segmentize(_LOOKED_AT_SHARE * EDGE_TOLERANCE_M / m_per_unit, kind))
+
+
+def _polygon_rings(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
+    """Rings of each of a geometry's polygons."""
+    return geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
 
 
 def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:

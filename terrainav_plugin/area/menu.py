@@ -72,7 +72,7 @@ class NoFlyMenu(MenuButton):
         super().__init__(
             tr("No-fly areas"),
             "no_fly",
-            tr("Ground that no image is taken over: draw it, or take it from a layer or a file"),
+            tr("Ground that no image is taken over: drawn, of a layer or of a file"),
             (
                 (
                     (

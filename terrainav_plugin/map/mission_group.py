@@ -83,7 +83,8 @@ def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
 class GroupsOnTop(QObject):
     """Keeps mission groups above layers that are added, which would hide what is planned.
 
-    What users have put above a group themselves stays there, and so does what comes above that.
+    QGIS adds layers above the current one, and so into a mission group where that is one of the mission's. What users
+    have put above a group or into it themselves stays there, and so does what comes above that.
     """
 
     def __init__(self, project: QgsProject) -> None:
@@ -106,6 +107,12 @@ class GroupsOnTop(QObject):
     def _move(self) -> None:
         added, self._added = self._added, set()
         root = self._project.layerTreeRoot()
+        for node in filter(None, map(root.findLayer, added)):
+            group = node.parent()
+            if group.customProperty(_FOLDER):
+                around = group.parent()
+                around.insertChildNode(around.children().index(group) + 1, node.clone())
+                group.removeChildNode(node)
         nodes = root.children()
         over = list(takewhile(lambda node: not node.customProperty(_FOLDER), nodes))
         if over and all(isinstance(node, QgsLayerTreeLayer) and node.layerId() in added for node in over):

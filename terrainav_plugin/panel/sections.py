@@ -279,7 +279,7 @@ class RouteSection(Section):
         self.takeoff.setPlaceholderText(tr("none: from the first capture to the last"))
         self.takeoff.setClearButtonEnabled(True)
         self.pick_takeoff = tool_button(
-            "pick_takeoff", icon("takeoff"), tr("Set take-off point: click it on the map")
+            "pick_takeoff", icon("takeoff"), tr("Set take-off point, by a click on the map")
         )
         self.pick_takeoff.clicked.connect(lambda _checked: self.pick_clicked.emit())
         label = label_of(DECLARED["takeoff"])

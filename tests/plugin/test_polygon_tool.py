@@ -256,7 +256,7 @@ def test_letting_go_of_the_double_click_is_no_click_of_the_tool_before(desk):
     click(desk, *KITE[:3])
     double_click(desk, KITE[3])
     assert desk.canvas.extent() == extent
-    assert len(desk.session.areas.no_fly_mark._area.parts) == 1
+    assert len(desk.session.areas.no_fly_mark.area.parts) == 1
 
 
 # --- corners
