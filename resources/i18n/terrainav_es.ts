@@ -5,13 +5,48 @@
     <name>TerrAInav</name>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Area from a file</source>
+        <translation>Área de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Area from polygons of a layer</source>
+        <translation>Área de polígonos de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>Click one polygon of “{layer}” on the map.</source>
         <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner</source>
+        <translation>Haga clic en el primer vértice</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner of one more polygon</source>
+        <translation>Haga clic en el primer vértice de otro polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner of the hole</source>
+        <translation>Haga clic en el primer vértice del hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner of the no-fly area</source>
+        <translation>Haga clic en el primer vértice de la zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>Extent of a layer</source>
         <translation>Extensión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Go on drawing; Backspace takes the last corner back.</source>
+        <translation>Siga dibujando; Retroceso quita el último vértice.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -25,6 +60,21 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No-fly areas from a file</source>
+        <translation>Zonas de exclusión de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No-fly areas from a layer</source>
+        <translation>Zonas de exclusión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Polygons (*.kml *.kmz *.geojson *.json);;All files (*)</source>
+        <translation>Polígonos (*.kml *.kmz *.geojson *.json);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>Text file of points: lat lon agl [yaw], or a table with a header</source>
         <translation>Archivo de texto con puntos: lat lon agl [guiñada], o una tabla con encabezado</translation>
     </message>
@@ -35,8 +85,38 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>The area is as it was.</source>
+        <translation>El área queda como estaba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>add a polygon</source>
+        <translation>añadir un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>area file</source>
+        <translation>archivo del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>cut a hole</source>
+        <translation>recortar un hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>draw a no-fly area</source>
+        <translation>dibujar una zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>draw box</source>
         <translation>dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>draw polygon</source>
+        <translation>dibujar polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -55,13 +135,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>no-fly areas of a file</source>
+        <translation>zonas de exclusión de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>no-fly areas of {layer}</source>
+        <translation>zonas de exclusión de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>points of {layer}</source>
         <translation>puntos de {layer}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
-        <source>polygon of {layer}</source>
-        <translation>polígono de {layer}</translation>
+        <source>polygons of {layer}</source>
+        <translation>polígonos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>set take-off point</source>
+        <translation>fijar el punto de despegue</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -77,6 +172,28 @@
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>the clipboard holds no text; copy coordinates first</source>
         <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>there is no area of polygons</source>
+        <translation>no hay ningún área de polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/corners.py"/>
+        <source>a hole must lie inside the area</source>
+        <translation>un hueco debe estar dentro del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/corners.py"/>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>a polygon needs at least 3 corners</source>
+        <translation>un polígono necesita al menos 3 vértices</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/corners.py"/>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>the outline would cross itself</source>
+        <translation>el contorno se cruzaría consigo mismo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -107,11 +224,6 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Roll from field</source>
         <translation>A&amp;labeo del campo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>&amp;Select on the map</source>
-        <translation>Seleccionar en el ma&amp;pa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -150,13 +262,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Area from a selected polygon</source>
-        <translation>Área de un polígono seleccionado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Click a polygon of this layer on the map; it becomes the area</source>
-        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -220,8 +327,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>It has one polygon, which is taken.</source>
-        <translation>Tiene un solo polígono, que es el que se toma.</translation>
+        <source>Its only polygon will be used.</source>
+        <translation>Se usará su único polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -245,8 +352,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
-        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
+        <source>Nothing is selected: all {n} polygons are taken.</source>
+        <translation>No hay nada seleccionado: se toman los {n} polígonos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -265,13 +372,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Polygons</source>
+        <translation>Polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Polygons that are taken, with their holes</source>
+        <translation>Polígonos que se toman, con sus huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Select on the &amp;map</source>
+        <translation>Seleccionar en el &amp;mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>The project has no layer of lines: add one, or draw a box instead.</source>
         <translation>El proyecto no tiene ninguna capa de líneas: añada una, o dibuje un recuadro en su lugar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
-        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
+        <source>The project has no layer of polygons: add one, or draw a polygon instead.</source>
+        <translation>El proyecto no tiene ninguna capa de polígonos: añada una o dibuje un polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -351,6 +473,21 @@
         <translation>Hay {n} polígonos seleccionados.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>outline</source>
+        <translation>contorno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>this place is outside the map</source>
+        <translation>este lugar está fuera del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/editing.py"/>
+        <source>clear the no-fly areas</source>
+        <translation>quitar las zonas de exclusión</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/editing.py"/>
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>make it a box</source>
@@ -363,9 +500,19 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>1 no-fly area</source>
+        <translation>1 zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Area</source>
         <translation>Área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a pixel of the screen, with Shift by ten; Esc ends it.</source>
+        <translation>Cambiar el área en el mapa: arrastre dentro de ella para moverla; arrastre los lados y las esquinas de un rectángulo, o los vértices de un polígono. Al arrastrar el lado de un polígono se añade un vértice; un clic derecho sobre un vértice, o Supr, lo quita; un clic derecho en otra parte recorta huecos y añade polígonos. Las flechas mueven el área un píxel de la pantalla, con Mayús diez; Esc termina.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -379,6 +526,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace takes the last corner back, Esc gives up</source>
+        <translation>Dibujar un polígono: haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina, Retroceso quita el último vértice y Esc abandona</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>E</source>
         <translation>E</translation>
     </message>
@@ -389,13 +541,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Move</source>
-        <translation>Mover</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
-        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
+        <source>Edit</source>
+        <translation>Editar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -414,8 +561,19 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>No image is taken and no leg leads there</source>
+        <translation>Allí no se toma ninguna imagen ni pasa ningún tramo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Northern edge: latitude in degrees, up to 90</source>
         <translation>Borde norte: latitud en grados, hasta 90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -470,8 +628,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>clear</source>
+        <translation>quitar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>degrees</source>
         <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>{n} no-fly areas</source>
+        <translation>{n} zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/history.py"/>
@@ -510,6 +678,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>area of {count} features</source>
+        <translation>área de {count} objetos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>feature {id}</source>
         <translation>objeto {id}</translation>
     </message>
@@ -535,18 +708,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>no polygon is selected: select exactly one in its layer</source>
-        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
+        <source>no polygon is selected: select at least one in its layer</source>
+        <translation>no hay ningún polígono seleccionado: seleccione al menos uno en su capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>rectangle</source>
         <translation>rectángulo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{count} polygons are selected, but an area is a single polygon: select only one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
-        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -572,11 +740,6 @@
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has no geometry: select one that has</source>
         <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature} has {count} parts, but an area is a single polygon: split it first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one part</source>
-        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -640,9 +803,20 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>&amp;Add a polygon</source>
+        <translation>&amp;Añadir un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>&amp;Draw box</source>
         <translation>&amp;Dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>&amp;Draw no-fly area</source>
+        <translation>&amp;Dibujar zona de exclusión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -671,6 +845,21 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>All polygons of a KML, KMZ or GeoJSON file</source>
+        <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>All polygons of a KML, KMZ or GeoJSON file, with their holes</source>
+        <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON, con sus huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Area &amp;file…</source>
+        <translation>Archivo del ár&amp;ea…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Area &amp;from</source>
         <translation>Área de&amp;sde</translation>
     </message>
@@ -681,6 +870,33 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Click each corner on the map; a double click, a right click or Enter finishes</source>
+        <translation>Haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Cut a &amp;hole</source>
+        <translation>Recortar un &amp;hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Draw a hole inside the area</source>
+        <translation>Dibujar un hueco dentro del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Draw one more polygon; what it overlaps is joined with it</source>
+        <translation>Dibujar otro polígono; lo que se solape con él se une a él</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Draw pol&amp;ygon</source>
+        <translation>Dibujar políg&amp;ono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Extent of a &amp;layer…</source>
         <translation>Extensión de una &amp;capa…</translation>
     </message>
@@ -688,6 +904,11 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, lines of lat lon agl [yaw], or a table whose first line names its columns; heights in the unit chosen</source>
         <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl, líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en la unidad elegida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Ground that no image is taken over: drawn, of a layer or of a file</source>
+        <translation>Terreno sobre el que no se toma ninguna imagen: dibujado, de una capa o de un archivo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -706,13 +927,23 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>One image above each point, with height (AGL), attitude and time from fields</source>
-        <translation>Una imagen sobre cada punto, con altura (AGL), orientación y hora tomadas de campos</translation>
+        <source>No-fly areas</source>
+        <translation>Zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>One selected polygon, with its holes; images that do not touch it are left out</source>
-        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
+        <source>No-fly areas from &amp;file…</source>
+        <translation>Zonas de exclusión de un &amp;archivo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>No-fly areas from &amp;layer…</source>
+        <translation>Zonas de exclusión de una &amp;capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>One image above each point, with height (AGL), attitude and time from fields</source>
+        <translation>Una imagen sobre cada punto, con altura (AGL), orientación y hora tomadas de campos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -726,8 +957,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Selected pol&amp;ygon…</source>
-        <translation>Polí&amp;gono seleccionado…</translation>
+        <source>Poly&amp;gons of a layer…</source>
+        <translation>Polí&amp;gonos de una capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Polygons of a layer, all or those selected</source>
+        <translation>Polígonos de una capa, todos o los seleccionados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -745,9 +981,59 @@
         <translation>El recuadro de lo que muestra ahora el mapa</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The selected polygons, or all, with their holes; images that touch none are left out</source>
+        <translation>Los polígonos seleccionados, o todos, con sus huecos; las imágenes que no tocan ninguno se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>&amp;Remove this hole</source>
+        <translation>&amp;Quitar este hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>&amp;Remove this polygon</source>
+        <translation>&amp;Quitar este polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Add a &amp;corner here</source>
+        <translation>Añadir un &amp;vértice aquí</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Make it a &amp;polygon</source>
+        <translation>Convertirla en &amp;polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Set &amp;take-off point here</source>
+        <translation>Fijar aquí el punto de &amp;despegue</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>The outline would cross itself</source>
+        <translation>El contorno se cruzaría consigo mismo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>add a corner</source>
+        <translation>añadir un vértice</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>drag an edge</source>
         <translation>arrastrar un borde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>make it a polygon</source>
+        <translation>convertirla en polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>move a corner</source>
+        <translation>mover un vértice</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
@@ -758,6 +1044,21 @@
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>move the area</source>
         <translation>mover el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>remove a corner</source>
+        <translation>quitar un vértice</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>remove a hole</source>
+        <translation>quitar un hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>remove a polygon</source>
+        <translation>quitar un polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -1485,11 +1786,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>Polygon</source>
-        <translation>Polígono</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>Single capture</source>
         <translation>Captura única</translation>
     </message>
@@ -1571,6 +1867,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} polygons</source>
+        <translation>{n} polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
@@ -1608,6 +1909,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>southern edge</source>
         <translation>borde sur</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2919,6 +3225,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Flight path</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Folder</source>
         <translation>Carpeta</translation>
     </message>
@@ -2977,6 +3288,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize every image to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Set take-off point, by a click on the map</source>
+        <translation>Fijar el punto de despegue con un clic en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3068,6 +3384,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>level ground</source>
         <translation>terreno llano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>none: from the first capture to the last</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -5623,6 +5944,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/tables.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read ({1})</source>
         <translation>{0}: no se puede leer ({1})</translation>
     </message>
@@ -6577,6 +6899,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/mercator.py"/>
         <source>zooms {0} to {1}, native {2}: need 0 &lt;= minimum &lt;= native &lt;= maximum &lt;= {3}</source>
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>leave room between them, or keep less distance</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>move it outside</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>no way leads around the no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>{0} of a leg lies inside a no-fly area</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -7668,51 +8010,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>a document type or entities of its own, which are not read</source>
-        <translation>tipo de documento o entidades propias, que no se leen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>encoding {0}: must be {1}</source>
-        <translation>codificación {0}: debe ser {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>is not {0}; must be {1}, and say which</source>
-        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>layers that pass on more than {0:,} properties to those within them</source>
-        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} attributes of one element</source>
-        <translation>más de {0:,} atributos de un elemento</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} different names</source>
-        <translation>más de {0:,} nombres distintos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0:,} layers and styles</source>
-        <translation>más de {0:,} capas y estilos</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/safe_xml.py"/>
-        <source>more than {0} MB or {1:,} elements</source>
-        <translation>más de {0} MB o {1:,} elementos</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/source.py"/>
         <source>tile {0}/{1}/{2}</source>
         <translation>tesela {0}/{1}/{2}</translation>
@@ -7899,6 +8196,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>area of no polygons: needs at least one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: south lies above north</source>
         <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
     </message>
@@ -7971,6 +8273,81 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>{0} {1} of {2} points: give one for each, or none</source>
         <translation>{0} {1} de {2} puntos: dé una para cada uno, o ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>area file {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>give a GeoJSON, KML or KMZ file with one or more</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>no-fly file {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: a corner is not longitude, latitude ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as KML ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: cannot be read as KMZ ({1})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: corner {1!r} is not longitude,latitude</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds more than {1:,} files</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds no polygon</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: is a zip without a KML file</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: its KML is larger than {1} MB</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: polygon {1:,}: {2}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: {1}, which reads KML, is not installed</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -8069,21 +8446,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: a corner is not longitude, latitude ({1})</source>
-        <translation>archivo de área {0}: un vértice no es longitud, latitud ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: cannot be read as GeoJSON ({1})</source>
-        <translation>archivo de área {0}: no se puede leer como GeoJSON ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>area file {0}: holds no Polygon</source>
-        <translation>archivo de área {0}: no contiene ningún Polygon</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
         <location filename="../../core/mission/pose_table.py"/>
         <source>coordinates</source>
         <translation>coordenadas</translation>
@@ -8132,11 +8494,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/coords.py"/>
         <source>file {0}: is a trajectory or a flight log</source>
         <translation>archivo {0}: es una trayectoria o un registro de vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>give a GeoJSON with one</source>
-        <translation>dar un GeoJSON con uno</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -8209,6 +8566,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>about {0}</source>
         <translation>unos {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>area</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8286,6 +8648,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>least {0:.2f} %, median {1:.2f} %</source>
         <translation>mínimo {0:.2f} %, mediana {1:.2f} %</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>left out over no-fly areas</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8371,8 +8738,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} of {1:,} heights about the area ({2}), from the next source</source>
         <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} polygons, {1}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8383,6 +8760,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:.0f} bytes</source>
         <translation>{0:.0f} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0} ({1:,} areas)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8712,6 +9094,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: sobrepasa el mapa, que termina en ±{1:.4f}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <source>layout {0}: lays one grid over one polygon, and there are {1:,}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
         <translation>área: el SRC {0} de la fuente no alcanza la latitud {1!r}, longitud {2!r}</translation>
@@ -8764,8 +9158,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>points have no rows that could be turned</source>
-        <translation>los puntos no tienen pasadas que se puedan girar</translation>
+        <source>points have no rows that could be turned, and several polygons each their own</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -8782,12 +9176,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>tilt it less, fly lower or fly north-up rows</source>
         <translation>inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -8858,6 +9246,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>rows from {0:g} m cannot be placed so that their images cover this area</source>
         <translation>no se pueden situar pasadas desde {0:g} m de modo que sus imágenes cubran este área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>several polygons have rows each by themselves</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9041,8 +9434,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>area type {0!r}: must be box, polygon or points</source>
-        <translation>tipo de área {0!r}: debe ser box, polygon o points</translation>
+        <source>area type {0!r}: must be box, polygon, polygons or points</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -9090,6 +9488,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>misión sin {0}: el campo es necesario</translation>
     </message>
     <message>
+        <location filename="../../core/mission/no_fly.py"/>
+        <source>all {0:,} images lie over no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/no_fly.py"/>
+        <source>choose another area, or smaller no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/mission/options.py"/>
         <source>{0} {1!r}: must be true or false</source>
         <translation>{0} {1!r}: debe ser verdadero o falso</translation>
@@ -9111,8 +9519,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>As laid out</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>As the source says</source>
         <translation>Lo que diga la fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>At each waypoint</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9128,6 +9546,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Bilinear</source>
         <translation>Bilineal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>By distance along rows</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9171,6 +9594,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Hover and capture</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>JPEG (smaller)</source>
         <translation>JPEG (menor)</translation>
     </message>
@@ -9196,8 +9624,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Nearest to take-off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>Normals of the ground</source>
         <translation>Normales del terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>North-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>North-west</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9238,6 +9681,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>Serpentine (to and fro)</source>
         <translation>En zigzag (ida y vuelta)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>South-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>South-west</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9306,6 +9759,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
     </message>
@@ -9323,6 +9786,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>coordinate reference system {0!r}: must be a code such as EPSG:2056</source>
         <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:2056</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9356,8 +9824,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>entry</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>entry nearest: needs a take-off point to be near to</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>error budget</source>
         <translation>error admisible</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9441,8 +9924,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>how far before the first capture of each row the flight is already on its line</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>how far the camera is rolled about its line of sight, right side down</source>
         <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>how far the flight goes on beyond the end of each row before it turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9526,8 +10019,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>layout</source>
         <translation>disposición</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>lead-in</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>least interval of images</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9671,6 +10179,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>set a take-off point{0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>several beside each other, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own</source>
         <translation>varias a la vez, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia</translation>
     </message>
@@ -9736,6 +10249,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>take-off</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>the shortest time between two images that the camera can keep up</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
     </message>
@@ -9746,6 +10274,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>trigger</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>turnaround</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>unit of heights</source>
         <translation>unidad de las alturas</translation>
     </message>
@@ -9753,6 +10291,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>vertical datum</source>
         <translation>dátum vertical</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10447,6 +10990,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: JSON solo tiene números finitos</translation>
     </message>
     <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>a document type or entities of its own, which are not read</source>
+        <translation>tipo de documento o entidades propias, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>encoding {0}: must be {1}</source>
+        <translation>codificación {0}: debe ser {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>is not {0}; must be {1}, and say which</source>
+        <translation>no es {0}; debe ser {1}, e indicar cuál</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>layers that pass on more than {0:,} properties to those within them</source>
+        <translation>capas que transmiten más de {0:,} propiedades a las que contienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} attributes of one element</source>
+        <translation>más de {0:,} atributos de un elemento</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} different names</source>
+        <translation>más de {0:,} nombres distintos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} layers and styles</source>
+        <translation>más de {0:,} capas y estilos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>more than {0} MB or {1:,} elements</source>
+        <translation>más de {0} MB o {1:,} elementos</translation>
+    </message>
+    <message>
         <location filename="../../core/text.py"/>
         <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
         <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
@@ -10475,6 +11063,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>metres per second</source>
         <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/units.py"/>
+        <source>minutes</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

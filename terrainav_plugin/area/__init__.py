@@ -7,7 +7,9 @@ editing     what happens between the entries and the form that they are part of
 dialogs     questions about the layer that an area is taken from
 layers      areas from the features of layers and from files
 outline     an area on a canvas of any CRS, and what becomes of it when dragged
+corners     changes to the corners, holes and parts of polygons
 bands       an area drawn over the canvas, and what is said at the pointer
-tools       drawing a box, choosing a point, moving an area
+drawing     drawing polygons, corner by corner
+tools       drawing a box, choosing a point, changing an area
 control     where areas come from and go to: the menu, the map's tools, and the form
 """

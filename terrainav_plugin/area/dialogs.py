@@ -126,7 +126,7 @@ class PolygonDialog(LayerDialog):
         self.select = named(
             self.buttons.addButton(tr("Select on the &map"), QDialogButtonBox.ButtonRole.ActionRole),
             "select_on_map",
-            tr("Click a polygon of this layer on the map; it is taken"),
+            tr("Click a polygon of this layer on the map; it becomes the area"),
         )
 
     def _words(self, layer: QgsVectorLayer) -> str:

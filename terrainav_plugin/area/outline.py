@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
+import numpy as np
 from qgis.core import (
     Qgis,
     QgsCoordinateReferenceSystem,
@@ -118,8 +119,19 @@ class Outline:
 
     def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
         """Place in the canvas's CRS; None where it has none."""
-        lat = min(max(lat_deg, -_BESIDE_POLE_DEG), _BESIDE_POLE_DEG)
-        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, lat))
+        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, _beside_pole(lat_deg)))
+
+    def project_all(self, places: Sequence[Position]) -> list[QgsPointXY | None]:
+        """Places in the canvas's CRS, as `project` has each, in one go."""
+        points = QgsGeometry.fromMultiPointXY(
+            [QgsPointXY(lon + self._turn_deg, _beside_pole(lat)) for lon, lat in places]
+        )
+        try:
+            points.transform(self._transform, Qgis.TransformDirection.Reverse)
+        except QgsCsException:
+            # Some have no place there.
+            return [self.project(*place) for place in places]
+        return [_finite(point) for point in points.asMultiPoint()]
 
     def _find_cut(self, area: Area) -> float | None:
         """Longitude inside an area at which the map is cut open; None for none."""
@@ -173,7 +185,7 @@ class Outline:
         return around_pole(shape) if is_around and not self._is_geographic else shape
 
     def _ring(self, ring: list[QgsPointXY]) -> list[QgsPointXY]:
-        placed = (self.project(corner.x(), corner.y()) for corner in ring)
+        placed = self.project_all([(corner.x(), corner.y()) for corner in ring])
         return [point for point in placed if point is not None]
 
     def _place_handles(self, box: Box) -> None:
@@ -202,32 +214,37 @@ class Outline:
             return
         for part, rings in enumerate(shapes):
             for number, ring in enumerate(rings):
-                for at, start in enumerate(ring):
-                    corner, end = Corner(part, number, at), ring[(at + 1) % len(ring)]
-                    place = self.project(*start)
-                    if place is not None:
-                        self.corners[corner] = place
-                    self._place_edge(corner, start, end)
+                ends = [*ring[1:], ring[0]]
+                places = self.project_all(ring)
+                middles = self.project_all([_between(*edge, 0.5) for edge in zip(ring, ends)])
+                for at, (place, middle, end) in enumerate(zip(places, middles, [*places[1:], places[0]])):
+                    corner = Corner(part, number, at)
+                    if place is None:
+                        continue
+                    self.corners[corner] = place
+                    if middle is not None and end is not None and not self._is_cut(ring[at], ends[at]):
+                        self.middles[corner] = middle
+                        self.edges[corner] = self._edge(ring[at], ends[at], (place, middle, end))
 
-    def _place_edge(self, corner: Corner, start: Position, end: Position) -> None:
-        walk = [start, _between(start, end, 0.5), end]
-        segments = list(self._segments(walk))
-        if len(segments) < len(walk) - 1:
-            # It leads across the edge of the map.
-            return
-        (first, middle), (_, last) = segments
-        self.middles[corner] = middle
-        if _distance(middle, first, last) > _CURVED * first.distance(last):
-            fine = [_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)]
-            segments = list(self._segments(fine))
-        self.edges[corner] = segments
+    def _edge(
+        self, start: Position, end: Position, places: tuple[QgsPointXY, QgsPointXY, QgsPointXY]
+    ) -> list[tuple[QgsPointXY, QgsPointXY]]:
+        """Segments of an edge whose start, middle and end are known: more than one where it is a curve."""
+        first, middle, last = places
+        if _distance(middle, first, last) <= _CURVED * first.distance(last):
+            return [(first, last)]
+        return list(
+            self._segments([_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)])
+        )
+
+    def _is_cut(self, start: Position, end: Position) -> bool:
+        """Whether the map is cut open between two places."""
+        return self._cut_deg is not None and min(start[0], end[0]) < self._cut_deg < max(start[0], end[0])
 
     def _segments(self, walk: Sequence[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
-        for (lon0, lat0), (lon1, lat1) in zip(walk, walk[1:]):
-            if self._cut_deg is not None and min(lon0, lon1) < self._cut_deg < max(lon0, lon1):
-                continue
-            start, end = self.project(lon0, lat0), self.project(lon1, lat1)
-            if start is not None and end is not None:
+        places = self.project_all(walk)
+        for here, there, start, end in zip(walk, walk[1:], places, places[1:]):
+            if start is not None and end is not None and not self._is_cut(here, there):
                 yield start, end
 
 
@@ -259,28 +276,28 @@ def grip_at(
     return frozenset((found[1],)) if found[0] <= reach else frozenset()
 
 
-def corner_at(
-    outline: Outline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
-) -> Corner | None:
-    """Return the corner of polygons that a pointer is at, the nearest one."""
-    at = QgsPointXY(x_px, y_px)
-    near = ((to_pixel.transform(place).distance(at), corner) for corner, place in outline.corners.items())
-    distance, corner = min(near, default=(math.inf, None))
-    return corner if distance <= reach_px else None
+def corner_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | None:
+    """Return the corner of polygons nearest to a point of the canvas and within reach, in its CRS's units."""
+    if not outline.corners:
+        return None
+    x, y = np.array([(place.x(), place.y()) for place in outline.corners.values()]).T
+    distances = np.hypot(x - point.x(), y - point.y())
+    nearest = int(distances.argmin())
+    return list(outline.corners)[nearest] if distances[nearest] <= reach else None
 
 
-def edge_at(
-    outline: Outline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
-) -> Corner | None:
-    """Return the edge of polygons that a pointer is at, by the corner before it."""
-    at = QgsPointXY(x_px, y_px)
-    near = (
-        (_distance(at, to_pixel.transform(start), to_pixel.transform(end)), corner)
-        for corner, segments in outline.edges.items()
-        for start, end in segments
-    )
-    distance, corner = min(near, default=(math.inf, None))
-    return corner if distance <= reach_px else None
+def edge_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | None:
+    """Return the edge of polygons nearest to a point of the canvas and within reach, by the corner before it."""
+    found = [(corner, *segment) for corner, segments in outline.edges.items() for segment in segments]
+    if not found:
+        return None
+    x0, y0, x1, y1 = np.array([(one.x(), one.y(), other.x(), other.y()) for _, one, other in found]).T
+    dx, dy, px, py = x1 - x0, y1 - y0, point.x() - x0, point.y() - y0
+    length2 = np.maximum(dx * dx + dy * dy, np.finfo(float).tiny)
+    along = np.clip((px * dx + py * dy) / length2, 0.0, 1.0)
+    distances = np.hypot(px - along * dx, py - along * dy)
+    nearest = int(distances.argmin())
+    return found[nearest][0] if distances[nearest] <= reach else None
 
 
 def place_at(
@@ -408,7 +425,15 @@ def _placed(transform: QgsCoordinateTransform, lon_lat: QgsPointXY) -> QgsPointX
         place = transform.transform(lon_lat, Qgis.TransformDirection.Reverse)
     except QgsCsException:
         return None
+    return _finite(place)
+
+
+def _finite(place: QgsPointXY) -> QgsPointXY | None:
     return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
+
+
+def _beside_pole(lat_deg: float) -> float:
+    return min(max(lat_deg, -_BESIDE_POLE_DEG), _BESIDE_POLE_DEG)
 
 
 def _between(start: Position, end: Position, share: float) -> Position:

@@ -527,12 +527,14 @@ class AreaTool(TemporaryTool):
     def _corner_at(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        return corner_at(self._outline, self.canvas().getCoordinateTransform(), at.x(), at.y(), _REACH_PX)
+        return corner_at(
+            self._outline, self.toMapCoordinates(at), _REACH_PX * self.canvas().mapUnitsPerPixel()
+        )
 
     def _edge_at(self, at: QPoint) -> Corner | None:
         if self._outline is None:
             return None
-        return edge_at(self._outline, self.canvas().getCoordinateTransform(), at.x(), at.y(), _EDGE_PX)
+        return edge_at(self._outline, self.toMapCoordinates(at), _EDGE_PX * self.canvas().mapUnitsPerPixel())
 
     def _is_at_area(self, at: QPoint) -> bool:
         place = self._place(at)

@@ -63,9 +63,9 @@ NO_ADVICE = frozenset(
         ),
         (
             "Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the "
-            "corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete removes it; a "
-            "right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a pixel of the screen, "
-            "with Shift by ten; Esc ends it."
+            "corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete "
+            "removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a "
+            "pixel of the screen, with Shift by ten; Esc ends it."
         ),
         "Set take-off point, by a click on the map",
         "{name}\n{bits} bits; press to show it on the map",
