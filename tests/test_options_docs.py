@@ -13,7 +13,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 
-from tests.support.missions import missions
+from tests.support.missions import TRIANGLE, missions
 
 ROOT = Path(__file__).resolve().parents[1]
 PLAIN = json.loads(Mission(Box(35.16, -89.90, 35.115, -89.823), 120.0).to_json())
@@ -44,6 +44,13 @@ def test_files_are_what_the_tool_writes(tool):
 @given(missions)
 def test_what_is_written_is_of_the_schema(schema, mission):
     schema.validate(json.loads(mission.to_json()))
+
+
+def test_no_fly_areas_are_of_the_schema(schema):
+    written = json.loads(Mission(TRIANGLE, 120.0, no_fly=(TRIANGLE,)).to_json())
+    schema.validate(written)
+    for wrong in ([{"rings": []}], [{}], [{"rings": [[[0, 0], [1, 1]]]}], {"rings": []}):
+        assert not schema.is_valid({**written, "no_fly": wrong})
 
 
 def changed(part, **values):

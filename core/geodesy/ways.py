@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -61,8 +61,8 @@ def way_around(
     sides = np.concatenate([np.stack([ring, np.roll(ring, -1, axis=0)], axis=1) for ring in rings])
     inside = _inside(straight, polygons)
     if inside.any():
-        which = "start" if inside[0] else "end"
-        raise InvalidInput("{0} of a leg lies inside a no-fly area", which, remedy="move it outside")
+        which = Message("the start of a leg") if inside[0] else Message("the end of a leg")
+        raise InvalidInput("{0}: lies inside a no-fly area", which, remedy="move it outside")
     clearance = max(clearance_m, _LEAST_M)
     kept = np.minimum(_distances(straight, straight, sides).min(axis=1), clearance)
     if _free(start, end[np.newaxis], sides, np.array([kept.min()]))[0]:

@@ -68,8 +68,8 @@ class Summary:
     below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
     ground which images hold, but relief in front of it hides from all of them.
 
-    ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out because
-    their camera would stand inside one of the ``no_fly_areas``.
+    ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out
+    because their camera would stand inside one of the ``no_fly_areas``.
 
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
@@ -190,10 +190,8 @@ class Summary:
                 (Message("area"), Message("{0:,} polygons, {1}", self.polygons, area_text(self.area_m2)))
             )
         if self.no_fly_areas:
-            words = Message("{0:,} images", self.images_over_no_fly)
-            if self.no_fly_areas > 1:
-                words = Message("{0} ({1:,} areas)", words, self.no_fly_areas)
-            lines.append((Message("left out over no-fly areas"), words))
+            words = Message("{0:,} images left out", self.images_over_no_fly)
+            lines.append((Message("over no-fly areas"), words))
         return lines
 
     def _relief(self) -> list[tuple[str, str]]:

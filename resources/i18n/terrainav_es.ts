@@ -263,7 +263,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Click a polygon of this layer on the map; it becomes the area</source>
-        <translation type="unfinished"></translation>
+        <translation>Haga clic en un polígono de esta capa en el mapa; será el área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -927,6 +927,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>No-fly areas</source>
         <translation>Zonas de exclusión</translation>
     </message>
@@ -3786,8 +3787,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
-        <source>area of {count} separate polygons: must be one; select one, or run it as a batch</source>
-        <translation>área de {count} polígonos separados: debe ser uno; seleccionar uno, o ejecutarlo por lotes</translation>
+        <source>The area has {count} polygons: each has rows of its own.</source>
+        <translation>El área tiene {count} polígonos: cada uno tiene sus propias pasadas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -3818,6 +3819,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>fields of tilts and of gimbal pitches given: needs one of the two</source>
         <translation>campos de inclinaciones y de cabeceos del gimbal a la vez: se necesita uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>no-fly areas {name}</source>
+        <translation>zonas de exclusión aérea {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>no-fly areas {name}: no such layer</source>
+        <translation>zonas de exclusión aérea {name}: no existe esa capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>{layer}: has no polygons</source>
+        <translation>{layer}: no tiene polígonos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4759,11 +4775,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>One polygon (with holes) to be covered, or points, each of which is one capture; in any CRS.</source>
-        <translation>Un polígono (con huecos) que se ha de cubrir, o puntos, cada uno de los cuales es una captura; en cualquier SRC.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Other source</source>
         <translation>Otra fuente</translation>
     </message>
@@ -4771,6 +4782,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Pitch of each point instead of a tilt, degrees: -90 looks straight down.</source>
         <translation>Cabeceo de cada punto en lugar de una inclinación, en grados: -90 mira en vertical hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Polygons (with holes) to be covered, each with rows of its own; those that touch are one. Or points, each of which is one capture. In any CRS.</source>
+        <translation>Polígonos (con huecos) que se cubren, cada uno con sus propias pasadas; los que se tocan son uno solo. O puntos, cada uno de los cuales es una captura. En cualquier SRC.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Polygons where no camera may stand: images planned inside are left out.</source>
+        <translation>Polígonos donde no puede haber ninguna cámara: las imágenes planificadas dentro se omiten.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4894,8 +4915,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Give the area as an extent, as a layer of one polygon or of points, or as coordinates.</source>
-        <translation>Dar el área como extensión, como capa de un polígono o de puntos, o como coordenadas.</translation>
+        <source>Give the area as an extent, as a layer of polygons or of points, or as coordinates.</source>
+        <translation>Dar el área como extensión, como capa de polígonos o de puntos, o como coordenadas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6903,22 +6924,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>leave room between them, or keep less distance</source>
-        <translation type="unfinished"></translation>
+        <translation>dejar espacio entre ellas, o guardar menos distancia</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>move it outside</source>
-        <translation type="unfinished"></translation>
+        <translation>moverlo fuera</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>no way leads around the no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>ningún camino rodea las zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
-        <source>{0} of a leg lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <source>the end of a leg</source>
+        <translation>el final de un tramo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>the start of a leg</source>
+        <translation>el inicio de un tramo</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/ways.py"/>
+        <source>{0}: lies inside a no-fly area</source>
+        <translation>{0}: está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -8197,7 +8228,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area.py"/>
         <source>area of no polygons: needs at least one</source>
-        <translation type="unfinished"></translation>
+        <translation>área sin polígonos: necesita al menos uno</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -8277,77 +8308,77 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>area file {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>archivo de área {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
-        <translation type="unfinished"></translation>
+        <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>give a GeoJSON, KML or KMZ file with one or more</source>
-        <translation type="unfinished"></translation>
+        <translation>dar un archivo GeoJSON, KML o KMZ con uno o más</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>no-fly file {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>archivo de zonas de exclusión {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: a corner is not longitude, latitude ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: un vértice no es longitud, latitud ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como GeoJSON, KML o KMZ ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as KML ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como KML ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as KMZ ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como KMZ ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: corner {1!r} is not longitude,latitude</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: el vértice {1!r} no es longitud,latitud</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds more than {1:,} files</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: contiene más de {1:,} archivos</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds no polygon</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no contiene ningún polígono</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: is a zip without a KML file</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: es un zip sin archivo KML</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: its KML is larger than {1} MB</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: su KML ocupa más de {1} MB</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: polygon {1:,}: {2}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: polígono {1:,}: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: {1}, which reads KML, is not installed</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1}, que lee KML, no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -8570,7 +8601,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
-        <translation type="unfinished"></translation>
+        <translation>área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8651,11 +8682,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>left out over no-fly areas</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
         <source>means of {2} x {2} of the source's own pixels, {0} in {1}</source>
         <translation>medias de {2} x {2} de los píxeles propios de la fuente, {0} en {1}</translation>
     </message>
@@ -8673,6 +8699,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>of {0:,} images {1:,} lie outside the source's imagery, and {2:,} reach beyond it; choose an area that it has imagery of, or another source</source>
         <translation>de {0:,} imágenes, {1:,} quedan fuera de lo que tiene la fuente y {2:,} lo sobrepasan; elegir un área de la que tenga imágenes, u otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>over no-fly areas</source>
+        <translation>sobre zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8738,8 +8769,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0:,} images</source>
-        <translation type="unfinished"></translation>
+        <source>{0:,} images left out</source>
+        <translation>{0:,} imágenes omitidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8749,7 +8780,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} polygons, {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:,} polígonos, {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8760,11 +8791,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:.0f} bytes</source>
         <translation>{0:.0f} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>{0} ({1:,} areas)</source>
-        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9096,7 +9122,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/polygons.py"/>
         <source>layout {0}: lays one grid over one polygon, and there are {1:,}</source>
-        <translation type="unfinished"></translation>
+        <translation>disposición {0}: traza una sola cuadrícula sobre un polígono, y hay {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/polygons.py"/>
@@ -9159,7 +9185,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>points have no rows that could be turned, and several polygons each their own</source>
-        <translation type="unfinished"></translation>
+        <translation>los puntos no tienen pasadas que se puedan girar, y varios polígonos tienen cada uno las suyas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9250,7 +9276,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>several polygons have rows each by themselves</source>
-        <translation type="unfinished"></translation>
+        <translation>varios polígonos tienen cada uno sus propias pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9435,12 +9461,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/mission.py"/>
         <source>area type {0!r}: must be box, polygon, polygons or points</source>
-        <translation type="unfinished"></translation>
+        <translation>tipo de área {0!r}: debe ser box, polygon, polygons o points</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
-        <translation type="unfinished"></translation>
+        <translation>el campo {0!r} de la misión es {1!r}: debe ser una lista de polígonos</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -9490,12 +9516,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>all {0:,} images lie over no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>choose another area, or smaller no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>elegir otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>

@@ -15,7 +15,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
 from ...core.geodesy.mercator import wrap_lon_deg
-from ...core.mission.area import Polygon
+from ...core.mission.area import Polygon, parts_of
 from ..map.outlines import flight_lines, footprint_shapes, metres, placed, ring_polygon
 from .index import Boxes
 
@@ -76,7 +76,7 @@ def feature(geometry: QgsGeometry, *attributes: object) -> QgsFeature:
 
 
 def area_features(plan: Plan) -> list[QgsFeature]:
-    """Outline of the area; none of points.
+    """Outline of each polygon of the area, or of the box; none of points.
 
     Its edges are straight in longitude and latitude, in pieces as other CRSs bend them.
     """
@@ -85,14 +85,19 @@ def area_features(plan: Plan) -> list[QgsFeature]:
     area = plan.mission.area
     share = np.arange(_EDGE_PIECES) / _EDGE_PIECES
     plane = plan.grid.plane
-    outer, *holes = (
-        ring_polygon(plane, *((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring))
-        for ring in _rings(area)
-    )
-    for hole in holes:
-        outer = outer.difference(hole)
-    box = area.bounds
-    return [feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg)]
+    found = []
+    for part in parts_of(area):
+        outer, *holes = (
+            ring_polygon(
+                plane, *((at[:, None] + share * (np.roll(at, -1) - at)[:, None]).ravel() for at in ring)
+            )
+            for ring in _rings(part)
+        )
+        for hole in holes:
+            outer = outer.difference(hole)
+        box = part.bounds
+        found.append(feature(outer, box.north_deg, box.west_deg, box.south_deg, box.east_deg))
+    return found
 
 
 class Picked(NamedTuple):

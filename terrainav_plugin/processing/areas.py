@@ -1,4 +1,4 @@
-"""Areas out of what Processing hands over: extents, polygons and points in any CRS."""
+"""Areas and no-fly areas out of what Processing hands over: extents, polygons and points in any CRS."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ from qgis.core import (
     QgsCsException,
     QgsFeature,
     QgsGeometry,
+    QgsProcessingFeatureSource,
 )
 
 from ...core.errors import InvalidInput
-from ..compat import POINT, chosen_fields
-from ..i18n import tr
+from ..compat import POINT, POLYGON, chosen_fields
+from ..i18n import number_text, tr
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Area, Box, Polygon
+    from ...core.mission.area import Area, Box, Polygon, Polygons
     from .algorithm import Run
 
 
@@ -55,13 +56,11 @@ def area_of_extent(run: Run) -> Box | Polygon:
 
 
 def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
-    """Polygon or points of a layer, and the mission's height; raises InvalidInput."""
+    """Polygons or points of a layer, and the mission's height; raises InvalidInput."""
     source = run.algorithm.parameterAsSource(run.parameters, "AREA", run.context)
     if source is None:
         raise InvalidInput(tr("area {name}: no such layer").format(name=run.parameters.get("AREA")))
-    features = [
-        feature for feature in source.getFeatures() if not run.feedback.isCanceled() and feature.hasGeometry()
-    ]
+    features = _features(run, source)
     if not features:
         raise InvalidInput(tr("area {name}: has no features").format(name=source.sourceName()))
     if source.wkbType() and all(feature.geometry().type() == POINT for feature in features):
@@ -79,23 +78,55 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
         points = points_of(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
     name = tr("area {name}").format(name=source.sourceName())
-    return _polygon(features, source.sourceCrs(), run.context.transformContext(), name), agl_m
+    polygons = _polygons(features, source.sourceCrs(), run.context.transformContext(), name)
+    if len(polygons) == 1:
+        return polygons[0], agl_m
+    run.feedback.pushInfo(
+        tr("The area has {count} polygons: each has rows of its own.").format(
+            count=number_text(len(polygons))
+        )
+    )
+    return _together(polygons), agl_m
 
 
-def _polygon(
+def no_fly_of_layer(run: Run) -> tuple[Polygon, ...]:
+    """Polygons of a layer where no camera may stand; none where there is no layer, or it is empty."""
+    if not run.is_given("NO_FLY"):
+        return ()
+    source = run.algorithm.parameterAsSource(run.parameters, "NO_FLY", run.context)
+    if source is None:
+        raise InvalidInput(tr("no-fly areas {name}: no such layer").format(name=run.parameters.get("NO_FLY")))
+    features = _features(run, source)
+    name = tr("no-fly areas {name}").format(name=source.sourceName())
+    return _polygons(features, source.sourceCrs(), run.context.transformContext(), name) if features else ()
+
+
+def _together(polygons: tuple[Polygon, ...]) -> Polygons:
+    from ...core.mission.area import Polygons
+
+    return Polygons(polygons)
+
+
+def _features(run: Run, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
+    """Features of a layer that have a geometry."""
+    return [
+        feature for feature in source.getFeatures() if not run.feedback.isCanceled() and feature.hasGeometry()
+    ]
+
+
+def _polygons(
     features: list[QgsFeature],
     crs: QgsCoordinateReferenceSystem,
     context: QgsCoordinateTransformContext,
     name: str,
-) -> Polygon:
+) -> tuple[Polygon, ...]:
+    """Polygons of features and of their parts; those that touch each other are one."""
     from ..area.layers import polygon_of_rings
 
     whole = QgsGeometry.unaryUnion([feature.geometry() for feature in features])
-    parts = whole.asMultiPolygon() if whole.isMultipart() else [whole.asPolygon()]
-    if len(parts) != 1 or not parts[0]:
-        raise InvalidInput(
-            tr("area of {count} separate polygons: must be one; select one, or run it as a batch").format(
-                count=len(parts)
-            )
-        )
-    return polygon_of_rings(parts[0], crs, context, name)
+    parts = []
+    if whole.type() == POLYGON:
+        parts = whole.asMultiPolygon() if whole.isMultipart() else [whole.asPolygon()]
+    if not any(parts):
+        raise InvalidInput(tr("{layer}: has no polygons").format(layer=name))
+    return tuple(polygon_of_rings(part, crs, context, name) for part in parts if part)

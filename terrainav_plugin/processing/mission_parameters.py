@@ -29,7 +29,7 @@ from ...core.resources import read_json
 from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import tr
-from .areas import area_of_extent, area_of_layer
+from .areas import area_of_extent, area_of_layer, no_fly_of_layer
 
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
@@ -114,6 +114,7 @@ def mission_of(run: Run) -> Mission:
         agl_m,
         camera,
         wind=_wind(run, entries["seed"]),
+        no_fly=no_fly_of_layer(run),
         map_types=tuple(run.algorithm.parameterAsEnumStrings(run.parameters, "MAP_TYPES", run.context)),
         source=other or run.choice("SOURCE"),
         img_size=_size(size) if size else None,
@@ -174,7 +175,10 @@ def _add_area(algorithm: Algorithm) -> None:
             [QgsProcessing.SourceType.TypeVectorPolygon, QgsProcessing.SourceType.TypeVectorPoint],
             optional=True,
         ),
-        tr("One polygon (with holes) to be covered, or points, each of which is one capture; in any CRS."),
+        tr(
+            "Polygons (with holes) to be covered, each with rows of its own; those that touch are one. Or points, each "
+            "of which is one capture. In any CRS."
+        ),
     )
     algorithm.add(
         QgsProcessingParameterString("COORDS", tr("Area: coordinates"), optional=True),
@@ -182,6 +186,12 @@ def _add_area(algorithm: Algorithm) -> None:
             "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, "
             "or a table whose first line names its columns; heights in metres."
         ),
+    )
+    algorithm.add(
+        QgsProcessingParameterFeatureSource(
+            "NO_FLY", tr("No-fly areas"), [QgsProcessing.SourceType.TypeVectorPolygon], optional=True
+        ),
+        tr("Polygons where no camera may stand: images planned inside are left out."),
     )
     field = field_named(Flight, "agl_m")
     algorithm.add(number_of("AGL", field, field.starts_with), sentence_of(field))

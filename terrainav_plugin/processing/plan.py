@@ -78,7 +78,7 @@ class Plan(Algorithm):
                     "overlap are counted on the pixels that the files will show; the error bound is that of the "
                     "methods chosen."
                 ),
-                tr("Give the area as an extent, as a layer of one polygon or of points, or as coordinates."),
+                tr("Give the area as an extent, as a layer of polygons or of points, or as coordinates."),
             ),
         )
 

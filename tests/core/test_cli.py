@@ -65,6 +65,44 @@ def test_plan_prints_the_figures_of_the_papers_mission(run):
     assert "uncovered" in paper.stdout
 
 
+def test_areas_and_no_fly_areas_come_from_files(run, tmp_path):
+    ring = "{0},35.1 {1},35.1 {1},35.103 {0},35.103 {0},35.1"
+    shape = (
+        "<Polygon><outerBoundaryIs><LinearRing><coordinates>{}</coordinates></LinearRing></outerBoundaryIs>"
+    )
+    fields = "".join(f"{shape}</Polygon>".format(ring.format(west, west + 0.003)) for west in (-89.9, -89.89))
+    (tmp_path / "fields.kml").write_text(
+        f"<kml><Placemark><MultiGeometry>{fields}</MultiGeometry></Placemark></kml>"
+    )
+    corners = [[-89.8998, 35.1002], [-89.8972, 35.1002], [-89.8972, 35.1028], [-89.8998, 35.1028]]
+    (tmp_path / "zone.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [corners]}))
+    options = ("--area", "fields.kml", "--agl", "120", "--overlap", "0.5")
+    whole = json.loads(run("plan", *options, "--json").stdout)
+    assert (whole["polygons"], whole["no_fly_areas"], whole["images_over_no_fly"]) == (2, 0, 0)
+    assert whole["complete"]
+    outputs = ("--output", "left.csv", "--output", "left.json")
+    left = json.loads(run("plan", *options, "--no-fly", "zone.geojson", *outputs, "--json").stdout)
+    assert left["images_over_no_fly"] > 0
+    assert left["images"] + left["images_over_no_fly"] == whole["images"]
+    assert not left["complete"]
+    again = json.loads(run("plan", "left.json", "--json").stdout)
+    assert again["images_over_no_fly"] == left["images_over_no_fly"]
+    lines = run("plan", "left.json").stdout
+    assert "area                    2 polygons, " in lines
+    assert f"over no-fly areas       {left['images_over_no_fly']} images left out" in lines
+    captured = run("capture", "left.json", "--data-dir", "OUT", "--quiet")
+    assert captured.returncode == 0, captured.stderr
+    assert len(list((tmp_path / "OUT" / "satellite").glob("*.tif"))) == left["images"]
+
+
+def test_what_is_wrong_with_files_of_areas_is_one_line(shell, tmp_path):
+    (tmp_path / "broken.kml").write_text("<kml><Polygon>")
+    told = one_line(shell("plan", "--area", "broken.kml", "--agl", "120"), 2)
+    assert "area file broken.kml: cannot be read as KML" in told
+    told = one_line(shell("plan", "--coords", BOX, "--no-fly", "none.kml"), 2)
+    assert "no-fly file none.kml: cannot be read" in told
+
+
 def test_plan_as_json_and_as_files(run, tmp_path):
     outputs = [f"--output=plan.{ending}" for ending in ("csv", "geojson", "kml", "json")]
     done = run("plan", "--coords", BOX, *outputs, "--json")

@@ -11,8 +11,11 @@ from PIL import Image
 from qgis.core import (
     QgsApplication,
     QgsAuthMethodConfig,
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
     QgsFeature,
     QgsGeometry,
+    QgsPointXY,
     QgsProcessingAlgRunnerTask,
     QgsProcessingContext,
     QgsProcessingException,
@@ -487,13 +490,82 @@ def test_bad_input_gives_one_line(parameters, words):
     assert words in refusal("plan", FOOTPRINTS="memory:", **parameters)
 
 
-def test_separate_polygons_are_no_area():
-    square = "(({0} 35, {1} 35, {1} 36, {0} 36, {0} 35))"
-    layer = memory_layer(
-        "Polygon", "EPSG:4326", ["Polygon " + square.format(-90, -89), "Polygon " + square.format(-80, -79)]
+#: Three squares, of which two share a side.
+SQUARES = [
+    f"Polygon (({w} {s}, {w + 0.003} {s}, {w + 0.003} {s + 0.003}, {w} {s + 0.003}, {w} {s}))"
+    for w, s in ((-89.9, 35.1), (-89.897, 35.1), (-89.88, 35.11))
+]
+
+
+def corners_of(feature):
+    return {(round(at.x(), 6), round(at.y(), 6)) for at in feature.geometry().vertices()}
+
+
+@pytest.mark.parametrize("crs", ["EPSG:4326", "EPSG:32616"])
+def test_separate_polygons_are_one_flight_and_those_that_touch_one_polygon(crs):
+    layer = memory_layer("Polygon", "EPSG:4326", SQUARES)
+    if crs != "EPSG:4326":
+        import processing
+
+        layer = processing.run(
+            "native:reprojectlayer", {"INPUT": layer, "TARGET_CRS": crs, "OUTPUT": "memory:"}
+        )["OUTPUT"]
+    found = features_of(run("plan", AREA=layer, AGL=120, FOOTPRINTS="memory:")["FOOTPRINTS"])
+    squares = [QgsGeometry.fromWkt(wkt) for wkt in SQUARES]
+    systems = (QgsCoordinateReferenceSystem(code) for code in ("EPSG:4326", "EPSG:3857"))
+    to_map = QgsCoordinateTransform(*systems, QgsProject.instance())
+    for square in squares:
+        square.transform(to_map)
+    whole = QgsGeometry.unaryUnion(squares)
+    covered = QgsGeometry.unaryUnion([feature.geometry() for feature in found])
+    # GEOS finds every place of all three in an image, but for a pixel along the rims.
+    assert whole.difference(covered.buffer(0.5, 1)).isEmpty()
+    there = [one for one in found if one.geometry().intersects(squares[2])]
+    assert 0 < len(there) < len(found)
+    # Rows go on from one polygon to the next, and pairs of column and row occur once.
+    assert len({(one["column"], one["row"]) for one in found}) == len(found)
+
+
+def test_a_multipolygon_is_as_good_as_its_parts_in_a_layer():
+    parts = ", ".join(SQUARES[at].removeprefix("Polygon ") for at in (0, 2))
+    several = memory_layer("MultiPolygon", "EPSG:4326", [f"MultiPolygon ({parts})"])
+    apart = memory_layer("Polygon", "EPSG:4326", [SQUARES[0], SQUARES[2]])
+    one, other = (
+        [
+            feature["name"]
+            for feature in features_of(run("plan", AREA=layer, AGL=120, FOOTPRINTS="memory:")["FOOTPRINTS"])
+        ]
+        for layer in (several, apart)
     )
-    assert refusal("plan", AREA=layer, FOOTPRINTS="memory:").startswith(
-        "area of 2 separate polygons: must be one"
+    assert one == other
+
+
+def test_images_over_a_layer_of_no_fly_areas_are_left_out():
+    area = memory_layer("Polygon", "EPSG:4326", [SQUARES[0], SQUARES[2]])
+    forbidden = "Polygon ((-89.899 35.101, -89.898 35.101, -89.898 35.102, -89.899 35.102, -89.899 35.101))"
+    no_fly = memory_layer("Polygon", "EPSG:4326", [forbidden])
+    asked = {"AREA": area, "AGL": 120, "OVERLAP_ALONG": 0.6, "OVERLAP_ACROSS": 0.6, "FOOTPRINTS": "memory:"}
+    whole = features_of(run("plan", **asked)["FOOTPRINTS"])
+    left = features_of(run("plan", NO_FLY=no_fly, **asked)["FOOTPRINTS"])
+    inside = QgsGeometry.fromWkt(forbidden)
+    out = [
+        one
+        for one in whole
+        if inside.contains(QgsGeometry.fromPointXY(QgsPointXY(one["lon_deg"], one["lat_deg"])))
+    ]
+    assert out
+    assert len(left) == len(whole) - len(out)
+    assert {(one["column"], one["row"]) for one in left} == {(one["column"], one["row"]) for one in whole} - {
+        (one["column"], one["row"]) for one in out
+    }
+
+
+def test_layers_without_polygons_are_no_areas():
+    line = memory_layer("LineString", "EPSG:4326", ["LineString (0 0, 1 1)"])
+    assert "has no polygons" in refusal("plan", AREA=line, FOOTPRINTS="memory:")
+    whole = memory_layer("Polygon", "EPSG:4326", [SQUARES[0]])
+    assert "images lie over no-fly areas" in refusal(
+        "plan", AREA=whole, NO_FLY=whole, AGL=120, FOOTPRINTS="memory:"
     )
 
 

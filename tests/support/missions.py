@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import strategies as st
 from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import FLAT_PARTS, Imagery
 from terrainav.core.mission.wind import Wind
@@ -13,12 +13,20 @@ from terrainav.core.mission.wind import Wind
 TRIANGLE = Polygon(
     (((-89.9, 35.16), (-89.82, 35.16), (-89.86, 35.11)), ((-89.87, 35.15), (-89.85, 35.15), (-89.86, 35.14)))
 )
+SEVERAL = Polygons(
+    (
+        TRIANGLE,
+        Polygon((((179.99, 10.0), (180.01, 10.0), (180.0, 10.01)),)),
+        Polygon((((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)),)),
+    )
+)
 
 areas = st.one_of(
     st.tuples(st.floats(0, 90), st.floats(-180, 180), st.floats(-90, 0), st.floats(-180, 180)).map(
         lambda v: Box(*v)
     ),
     st.just(TRIANGLE),
+    st.just(SEVERAL),
     st.lists(
         st.tuples(st.floats(-90, 90), st.floats(-180, 180), st.floats(0.01, 1e6)), min_size=1, max_size=3
     ).flatmap(

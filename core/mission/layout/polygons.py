@@ -114,7 +114,9 @@ def _laid_out(
         layout, passes = laid_out(mission.with_(area=polygon))
         count += len(layout.row)
         refuse_too_many(count, mission.output.max_images)
-        turn = 360.0 * round((float(placed.rings[0][0][0]) - polygon.rings[0][0][0]) / 360.0)
+        west, _, east, _ = placed.edges_deg
+        # On a CRS of the source's own they count from a turn of its own.
+        turn = 360.0 * round(((west + east) / 2.0 - float(np.mean(layout.lon_deg))) / 360.0)
         yield (
             layout._replace(lon_deg=layout.lon_deg + turn) if turn else layout,
             tuple(one._replace(area=polygon) for one in passes),

@@ -82,9 +82,9 @@ def test_a_hook_is_left_by_its_mouth():
 
 def test_ends_inside_are_refused_and_those_in_a_closed_hole_have_no_way_out():
     hole = SQUARE * 0.5 + 25.0
-    with pytest.raises(InvalidInput, match="start of a leg lies inside a no-fly area"):
+    with pytest.raises(InvalidInput, match="start of a leg: lies inside a no-fly area"):
         way_around(np.array([10.0, 10.0]), np.array([150.0, 50.0]), [[SQUARE, hole]])
-    with pytest.raises(InvalidInput, match="end of a leg lies inside a no-fly area"):
+    with pytest.raises(InvalidInput, match="end of a leg: lies inside a no-fly area"):
         way_around(np.array([150.0, 50.0]), np.array([10.0, 10.0]), [[SQUARE, hole]])
     with pytest.raises(InvalidInput, match="no way leads around"):
         way_around(np.array([50.0, 50.0]), np.array([150.0, 50.0]), [[SQUARE, hole]])

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons, holds
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.layout import polygons as polygons_of_layout
@@ -20,6 +21,7 @@ from terrainav.core.mission.layout.rows import Layout
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
+from terrainav.core.picture.heights import heights_of
 
 
 def square(west, south, size=0.002):
@@ -325,8 +327,8 @@ def test_coverage_tells_of_the_gap_that_no_fly_polygons_make():
     assert found.coverage.share == pytest.approx(share, abs=0.03)
     figures = estimate(found)
     assert figures.to_dict()["images_over_no_fly"] == found.left_out
-    assert ("left out over no-fly areas", f"{found.left_out} images") in figures.lines()
-    assert "left out over no-fly areas" not in dict(estimate(planned(FAR_APART.parts[0])).lines())
+    assert ("over no-fly areas", f"{found.left_out} images left out") in figures.lines()
+    assert "over no-fly areas" not in dict(estimate(planned(FAR_APART.parts[0])).lines())
 
 
 def test_a_polygon_all_of_whose_captures_are_left_out_counts_as_not_covered():
@@ -372,3 +374,32 @@ def test_wind_blows_on_the_captures_that_are_left():
     more = {"wind": Wind(6.0, 270.0, 0.1), "overlap_along": 0.6}
     found = planned(FAR_APART.parts[0], no_fly=(FORBIDDEN,), **more)
     assert len(found.nominal.lat_deg) == len(found) == len(found.times_s)
+
+
+@pytest.mark.parametrize("layout", ["cover", "rotated", "crosshatch"])
+def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout):
+    grid = named_source("world", SourceOptions(crs="EPSG:3413")).grid
+
+    def field(west, south):
+        east, north = west + 0.03, south + 0.004
+        return Polygon((((west, south), (east, south), (east, north), (west, north)),))
+
+    area = Polygons((field(179.99, 80.0), field(-179.9, 80.01), field(179.9, 80.0)))
+    found = plan(Mission(area, 120.0, crs="EPSG:3413", **LAYOUTS[layout]), grid)
+    assert found.coverage.complete
+    assert found.coverage.area_m2 == pytest.approx(area.area_m2())
+    assert found.imagery.share == 1.0
+    assert np.ptp(found.lon_deg) < 0.3
+    left = plan(found.mission.with_(no_fly=(field(179.99, 80.0),)), grid)
+    assert left.left_out > 0
+    assert left.coverage.uncovered_m2 > 0.0
+
+
+def test_polygons_over_relief_share_what_was_asked_for():
+    area = Polygons((square(-89.9, 35.1), square(-89.896, 35.101)))
+    mission = Mission(area, 120.0, overlap_along=0.5, overlap_across=0.4, elevation=("world",))
+    found = plan(mission, GRID, heights_of(mission, SourceOptions()))
+    assert found.coverage.complete
+    assert found.overlap.least_along > 0.49
+    assert found.overlap.least_across > 0.39
+    assert len(found.parts) == 2

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.mission.area import Box, Polygon
+from terrainav.core.mission.area import Box, Polygon, Polygons
 from terrainav.core.mission.coords import parse_coords
 from terrainav.core.mission.pose_table import table_text
 from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
@@ -71,6 +71,19 @@ def test_places_are_in_the_polygon_and_not_in_its_holes():
         assert shape.Contains(place)
     east = np.mean([lon < 0.0 for _, lon, _ in points.poses])
     assert 0.4 < east < 0.6
+
+
+def test_places_are_in_several_polygons_as_their_ground_has_it():
+    small, large = (
+        Polygon((((west, 10.0), (east, 10.0), (east, 10.2), (west, 10.2)),))
+        for west, east in ((179.8, 179.9), (-179.9, -179.6))
+    )
+    lat, lon, _ = columns(random_poses(Polygons((large, small)), 8_000, HOW, 3))
+    assert ((lat >= 10.0) & (lat <= 10.2)).all()
+    inside = ((lon >= 179.8) & (lon <= 179.9)), ((lon >= -179.9) & (lon <= -179.6))
+    assert (inside[0] | inside[1]).all()
+    # Three times the ground, within five standard deviations.
+    assert abs(int(inside[1].sum()) - 6_000) < 5.0 * math.sqrt(8_000 * 0.75 * 0.25)
 
 
 def test_heights_and_angles_are_of_their_distributions():

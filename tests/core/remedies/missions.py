@@ -88,7 +88,7 @@ def _no_polygon(case: Case) -> None:
 
 @remedy(
     "mission/area_files.py",
-    "{}: {}, which reads KML, is not installed; get it with: pip install 'terrainav[{}]', or give a GeoJSON file",
+    "{}: lxml, which reads KML, is not installed; get it with: pip install 'terrainav[kml]', or give a GeoJSON file",
 )
 def _no_lxml(case: Case) -> None:
     kml, geojson = case.tmp_path / "area.kml", case.tmp_path / "area.geojson"

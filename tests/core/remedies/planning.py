@@ -438,7 +438,7 @@ planned(
 )
 
 
-@remedy("geodesy/ways.py", "{} of a leg lies inside a no-fly area; move it outside")
+@remedy("geodesy/ways.py", "{}: lies inside a no-fly area; move it outside")
 def _inside_no_fly(case: Case) -> None:
     square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
     end = np.array([20.0, 5.0])

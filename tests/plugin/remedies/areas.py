@@ -19,7 +19,6 @@ from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, lines
 from terrainav.terrainav_plugin.form.area import area_of_text, entered_area
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
-from terrainav.terrainav_plugin.processing.areas import _polygon
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.test_area_layers import choose_way, dialog_of, layer_of
@@ -28,7 +27,7 @@ from tests.support.remedies import Case, remedy
 
 CONTEXT = QgsCoordinateTransformContext()
 UTM = "EPSG:32616"
-SQUARE, FAR = "Polygon ((0 0, 9 0, 9 9, 0 9, 0 0))", "Polygon ((50 50, 59 50, 59 59, 50 50))"
+SQUARE = "Polygon ((0 0, 9 0, 9 9, 0 9, 0 0))"
 LINE = "LineString (1 1, 2 2)"
 BOW_TIE = "Polygon ((0 0, 10 10, 0 10, 10 0, 0 0))"
 
@@ -155,21 +154,6 @@ def _no_crs(case: Case) -> None:
     case.refused(lambda: extent_of(layer, QgsProject.instance()))
     layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
     case.follow("set it in the layer's properties", lambda: extent_of(layer, QgsProject.instance()))
-
-
-@remedy(
-    "processing/areas.py",
-    "area of {count} separate polygons: must be one; select one, or run it as a batch",
-)
-def _separate(case: Case) -> None:
-    def joined(*features):
-        return _polygon(features, QgsCoordinateReferenceSystem("EPSG:4326"), CONTEXT, "area mine")
-
-    both = [feature(shape) for shape in (SQUARE, FAR)]
-    case.refused(lambda: joined(*both))
-    case.follow("select one", lambda: joined(both[0]))
-    # A batch runs once for each.
-    case.follow("run it as a batch", lambda: [joined(one) for one in both])
 
 
 @remedy("form/area.py", "give every point a yaw, or none")
