@@ -8,6 +8,7 @@ from qgis.core import (
     QgsMapLayer,
     QgsMapLayerProxyModel,
     QgsMapLayerType,
+    QgsPalLayerSettings,
     QgsProcessingAlgorithm,
     QgsTask,
     QgsWkbTypes,
@@ -45,6 +46,10 @@ if hasattr(Qgis, "LayerType"):  # QGIS 3.30
     VECTOR, RASTER = Qgis.LayerType.Vector, Qgis.LayerType.Raster
 else:
     VECTOR, RASTER = QgsMapLayerType.VectorLayer, QgsMapLayerType.RasterLayer
+
+LABELS_ALONG_LINE = (
+    Qgis.LabelPlacement.Line if hasattr(Qgis, "LabelPlacement") else QgsPalLayerSettings.Placement.Line
+)
 
 #: A task that can be stopped; the plugin says itself how it ended, where QGIS (3.26) lets it.
 TASK_FLAGS = QgsTask.Flag.CanCancel

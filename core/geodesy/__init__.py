@@ -10,6 +10,7 @@ In reading order:
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place
 - `local`: metres east, north and up of a place
+- `sun`: where the sun stands
 - `ways`: shortest ways around polygons of a plane
 - `quaternions`: unit quaternions and rotations
 - `frames`: map frames, rectangles of whole source pixels

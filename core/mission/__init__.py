@@ -22,6 +22,7 @@ In reading order:
 - `methods`: the kind of picture and its methods, by the error budget
 - `path`: what an aircraft flies: take-off, ways, lead-ins, captures and turns, in sorties
 - `plan`: a mission worked out, as arrays
+- `pilot`: sorties, the camera's interval and the sun
 - `estimate`: what a plan takes and gives, in figures
 - `outlines`: what is drawn of a plan, cut at the antimeridian
 - `export`: a plan in files

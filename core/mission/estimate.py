@@ -12,6 +12,7 @@ from ..errors import Message, OptionName
 from .area import Polygon, Polygons
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
+from .pilot import Sun, interval_s, sorties_text, sun_of, too_fast
 from .plan import Plan
 
 #: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.
@@ -68,6 +69,10 @@ class Summary:
     below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
     ground which images hold, but relief in front of it hides from all of them.
 
+    The flight is that from the first image to the last; the path also has the ways there and back, over all sorties,
+    and is None where the mission has no route. ``interval_s`` is the least time between two images of a row;
+    ``fov_deg`` is 0 where the camera does not look straight down.
+
     ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out
     because their camera would stand inside one of the ``no_fly_areas``.
 
@@ -112,6 +117,13 @@ class Summary:
     hidden_share: float | None = None
     filled_heights: int | None = None
     heights: int | None = None
+    path_m: float | None = None
+    path_s: float | None = None
+    sorties_s: tuple[float, ...] = ()
+    battery_min: float | None = None
+    interval_s: float | None = None
+    sun: Sun | None = None
+    fov_deg: float = 0.0
     polygons: int = 0
     no_fly_areas: int = 0
     images_over_no_fly: int = 0
@@ -119,7 +131,8 @@ class Summary:
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
         plain = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "accuracy"}
-        return {**plain, "accuracy": self.accuracy.to_dict()}
+        sun = None if self.sun is None else self.sun._asdict()
+        return {**plain, "sun": sun, "accuracy": self.accuracy.to_dict()}
 
     @property
     def lacks_imagery(self) -> bool:
@@ -147,6 +160,7 @@ class Summary:
             *self._relief(),
             (Message("flight distance"), length_text(self.flight_distance_m)),
             (Message("flight time"), duration_text(self.flight_s)),
+            *self._flown(),
         ]
         if self.covered_share is not None and self.uncovered_m2 is not None:
             words = Message("complete but for missing imagery") if self.lacks_imagery else Message("complete")
@@ -180,6 +194,22 @@ class Summary:
             *self.accuracy.lines(),
             *((Message("warning"), text) for text in self.warnings),
         ]
+        return lines
+
+    def _flown(self) -> list[tuple[str, str]]:
+        lines: list[tuple[str, str]] = []
+        if self.path_m is not None and self.path_s is not None:
+            path = Message("{0}, {1} with turns", length_text(self.path_m), duration_text(self.path_s))
+            lines.append((Message("flight path"), path))
+        return lines + [(label, text) for label, text in self.piloting()]
+
+    def piloting(self) -> list[tuple[Message, Message]]:
+        """Label and value of sorties and sun, where there is something to say of them."""
+        lines = []
+        if self.battery_min is not None:
+            lines.append((Message("sorties"), sorties_text(self.sorties_s, self.battery_min)))
+        if self.sun is not None:
+            lines.append((Message("sun"), self.sun.text(self.fov_deg)))
         return lines
 
     def _of_areas(self) -> list[tuple[str, str]]:
@@ -284,9 +314,22 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         polygons=_polygons(plan),
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
-        warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan)),
+        warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
         **relief,
+        **_flown(plan),
     )
+
+
+def _flown(plan: Plan) -> dict[str, Any]:
+    path, attitude = plan.path, plan.mission.attitude
+    figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": sun_of(plan)}
+    if attitude.tilt_deg == 0.0 and attitude.roll_deg == 0.0:
+        figures["fov_deg"] = plan.mission.camera.fov_deg
+    if not path.is_captures:
+        seconds = tuple(path.sorties_s.tolist())
+        figures.update(path_m=path.distance_m, path_s=sum(seconds), sorties_s=seconds)
+        figures["battery_min"] = plan.mission.route.battery_min
+    return figures
 
 
 def _polygons(plan: Plan) -> int:

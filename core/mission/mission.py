@@ -18,6 +18,8 @@ from .area import Area, Box, Points, Polygon, Polygons
 from .earlier import of_schema_1
 from .imageries import NamedImagery
 from .parts import (
+    BY_DISTANCE,
+    BY_WAYPOINT,
     FLAT_PARTS,
     PAPER,
     PAPER_MAX_PX,
@@ -126,6 +128,12 @@ class Mission:
         if isinstance(self.area, Points):
             return "single" if len(self.area.poses) == 1 else "list"
         return "raster"
+
+    @property
+    def trigger(self) -> str:
+        """What releases the camera: waypoints where the route says distance, but points have no rows."""
+        is_points = isinstance(self.area, Points)
+        return BY_WAYPOINT if is_points and self.route.trigger == BY_DISTANCE else self.route.trigger
 
     @property
     def by_imagery(self) -> dict[str, Mission]:

@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InvalidInput
 from ..geodesy.camera import Poses
+from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.projections import LocalPlane, along_geodesics, geodesics
+from ..geodesy.ways import way_around
+from .area import Points, Polygon, inside
+from .flight import legs
 from .mission import Mission
-from .relief import ReliefBelow
+from .parts import GROUND, HOVER, ONE_WAY
+from .relief import Overflown, ReliefBelow, no_ground
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -18,6 +27,26 @@ Numbers = NDArray[np.int64]
 #: Kinds of points. Take-off and landing lie on the ground; the points above them, at which the way there begins and
 #: the way back ends, are transit, as are those around no-fly polygons and over relief.
 TAKEOFF, TRANSIT, LEAD_IN, CAPTURE, TURNAROUND, LANDING = range(6)
+#: Climb and descent where the mission states no climb rate, metres a second: what multirotors do unhurried.
+CLIMB_M_PER_S = 3.0
+#: A stop at a capture: to brake, to settle, to take the image and to go on, seconds.
+HOVER_S = 3.0
+#: Share of the height above ground by which a leg between captures may come lower, where the flight follows the ground.
+SAG_SHARE = 0.1
+#: Sorties of one flight, at most: more are a slip of the pen.
+MOST_SORTIES = 999
+#: Share of a battery that a sortie uses at least to end with a row, rather than within the next one.
+_FULL = 0.5
+#: What ways keep from no-fly areas, metres: about as much as the position of an aircraft is off by.
+_NO_FLY_M = 5.0
+#: Sides of no-fly areas are straight in longitude and latitude: pieces of this length leave their chords by 2 cm where
+#: parallels bend most; and no side is cut into more.
+_SIDE_M, _MOST_PIECES = 1000.0, 256
+#: Heights that are the same, metres.
+_LOW_M = 0.01
+#: Legs are looked at every half cell of the relief, but not finer than this, metres, and not at more places in all, of
+#: which so many at once.
+_FINEST_M, _MOST_SAMPLES, _SAMPLES_AT_ONCE = 0.5, 20_000_000, 1_000_000
 
 
 class Planned(Protocol):
@@ -73,7 +102,7 @@ class FlightPath:
     sortie : array of int64
         Number of the sortie, from 0.
     time_s : array
-        When the aircraft leaves the point: seconds after the first capture, before 0 on the way there.
+        When the aircraft gets there: seconds after the first capture, below 0 on the way to it.
     base_m : float
         What heights count from in files of heights over the take-off: that of the ground there, or below the first
         capture where no take-off is set; over the ellipsoid.
@@ -102,13 +131,49 @@ class FlightPath:
         """How many sorties there are."""
         return int(self.sortie[-1]) + 1
 
+    @property
+    def sorties_s(self) -> Floats:
+        """Seconds of each sortie from its first point to its last."""
+        first = np.searchsorted(self.sortie, np.arange(self.sorties))
+        last = np.searchsorted(self.sortie, np.arange(self.sorties), side="right") - 1
+        seconds: Floats = self.time_s[last] - self.time_s[first]
+        return seconds
+
+    @property
+    def distance_m(self) -> float:
+        """Length over ground of all sorties, without climbs."""
+        length = legs(self.lat_deg, self.lon_deg).distance_m
+        return float(length[np.diff(self.sortie) == 0].sum())
+
+    @property
+    def is_captures(self) -> bool:
+        """Whether it has nothing but the captures, in one sortie."""
+        return self.sorties == 1 and bool((self.kind == CAPTURE).all())
+
+    def of(self, sortie: int) -> FlightPath:
+        """One sortie alone; its number and its times stay."""
+        first, last = np.searchsorted(self.sortie, [sortie, sortie + 1])
+        arrays = {name: values[first:last] for name, values in vars(self).items() if name != "base_m"}
+        return replace(self, **arrays)
+
 
 def flight_path(plan: Planned) -> FlightPath:
     """Work out the path of a plan; of a mission without a route the captures alone.
 
-    Where wind moves the captures it goes through the places that they were meant at.
+    Where wind moves the captures it goes through the places that they were meant at. Sorties follow each other without
+    a pause; a leg takes what its length takes at the ground speed, or its height at the climb rate, whichever is
+    longer, and a capture that is hovered at `HOVER_S` more. Turns take no time of their own.
+
+    Raises
+    ------
+    InvalidInput
+        A place of take-off inside a no-fly area, or without ground; a capture that no battery reaches.
     """
-    return _captures_alone(plan)
+    route = plan.mission.route
+    further = (
+        route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
+    )
+    return _Maker(plan).path() if further or plan.mission.no_fly else _captures_alone(plan)
 
 
 def _captures_alone(plan: Planned) -> FlightPath:
@@ -125,3 +190,440 @@ def _captures_alone(plan: Planned) -> FlightPath:
         plan.exposures_s,
         float(ground[0]),
     )
+
+
+class _Points(NamedTuple):
+    """Points one after the other, arrays (m,)."""
+
+    lat: Floats
+    lon: Floats
+    height: Floats
+    kind: NDArray[np.int8]
+    capture: Numbers
+
+    @classmethod
+    def of(cls, kind: int, lat: Floats, lon: Floats, height: Floats) -> _Points:
+        """Points of one kind that are no captures."""
+        return cls(lat, lon, height, np.full(len(lat), kind, np.int8), np.full(len(lat), -1, np.int64))
+
+    @classmethod
+    def joined(cls, parts: Sequence[_Points]) -> _Points:
+        """All of several parts, in their order."""
+        return cls(*(np.concatenate(values) for values in zip(*parts)))
+
+    def taken(self, which: Any) -> _Points:
+        """Some of them."""
+        return _Points(*(values[which] for values in self))
+
+
+class _Maker:
+    """Makes the path of a plan that has more than its captures."""
+
+    def __init__(self, plan: Planned) -> None:
+        self._mission, self._route = plan.mission, plan.mission.route
+        meant, count = plan.meant, len(plan.row)
+        ground = np.asarray(plan.ground_m)
+        self._captures = _Points(
+            np.asarray(meant.lat_deg),
+            np.asarray(meant.lon_deg),
+            np.asarray(ground + meant.agl_m),
+            np.full(count, CAPTURE, np.int8),
+            np.arange(count, dtype=np.int64),
+        )
+        self._row, self._capture_ground = plan.row, ground
+        is_points = isinstance(self._mission.area, Points)
+        asked = meant.agl_m if is_points else np.minimum(meant.agl_m, self._mission.flight.agl_m)
+        self._asked_agl = np.asarray(asked)
+        self._exposures_s = plan.exposures_s
+        self._own_times = isinstance(self._mission.area, Points) and bool(self._mission.area.times_s)
+        lat, lon = self._captures.lat, self._captures.lon
+        middle = float(lat.min() + lat.max()) / 2.0, float(lon.min() + lon.max()) / 2.0
+        self._plane = LocalPlane(*middle)
+        self._no_fly = [_near(polygon, middle[1]) for polygon in self._mission.no_fly]
+        self._rings = [[np.stack(self._plane.forward(y, x), axis=1) for x, y in one] for one in self._no_fly]
+        self._home = self._takeoff(middle[1])
+        self._level_m = float(ground[0])
+        self._relief = self._relief_below(plan.relief)
+        self._base_m = self._level_m if self._home is None else self._ground_at_home(self._home)
+        self._into_deg, self._out_deg = self._directions()
+        self._ways: dict[tuple[int, bool], tuple[_Points, float]] = {}
+        self._track = self._made_track()
+        self._at = np.flatnonzero(self._track.kind == CAPTURE)
+        self._track_s = np.append(0.0, np.cumsum(self._legs_s(self._track)))
+
+    def path(self) -> FlightPath:
+        """Whole path, sortie by sortie."""
+        parts = [self._sortie(first, last) for first, last in self._sorties()]
+        points = _Points.joined(parts)
+        sortie = np.repeat(np.arange(len(parts), dtype=np.int64), [len(part.kind) for part in parts])
+        seconds = np.append(0.0, np.cumsum(self._legs_s(points)))
+        # From landing to take-off is a change of batteries, and no way.
+        ends = np.flatnonzero(np.diff(sortie)) + 1
+        for end in ends.tolist():
+            seconds[end:] -= seconds[end] - seconds[end - 1]
+        taken = points.capture >= 0
+        if self._own_times:
+            own, known = seconds[taken], self._exposures_s
+            before, after = seconds < own[0], seconds > own[-1]
+            moved = np.interp(seconds, own, known)
+            seconds = np.where(
+                before, seconds - own[0] + known[0], np.where(after, seconds - own[-1] + known[-1], moved)
+            )
+        seconds = seconds - seconds[np.argmax(taken)]
+        ground = np.empty(len(points.kind))
+        ground[taken] = self._capture_ground[points.capture[taken]]
+        ground[~taken] = self._ground_m(points.lat[~taken], points.lon[~taken])
+        return FlightPath(
+            points.lat,
+            points.lon,
+            points.height,
+            ground,
+            points.kind,
+            points.capture,
+            sortie,
+            seconds,
+            self._base_m,
+        )
+
+    # --- the ground
+
+    def _takeoff(self, lon_deg: float) -> tuple[float, float] | None:
+        """Place of take-off, with its longitude next to another."""
+        if self._route.takeoff is None:
+            return None
+        lat, lon = self._route.takeoff
+        lon += 360.0 * round((lon_deg - lon) / 360.0)
+        if self._forbidden(np.array([lat]), np.array([lon]))[0]:
+            raise InvalidInput(
+                "take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area",
+                *self._route.takeoff,
+                field="takeoff",
+                remedy="move it outside",
+            )
+        return lat, lon
+
+    def _relief_below(self, relief: ReliefBelow | None) -> Overflown | None:
+        if relief is None:
+            return None
+        lat, lon = [self._captures.lat], [self._captures.lon]
+        for polygon in self._no_fly:
+            lon.append(polygon[0][0])
+            lat.append(polygon[0][1])
+        if self._home is not None:
+            lat.append(np.array(self._home[:1]))
+            lon.append(np.array(self._home[1:]))
+        room_m = max(self._route.lead_in_m, self._route.turnaround_m) + _NO_FLY_M
+        return relief.around(np.concatenate(lat), np.concatenate(lon), room_m)
+
+    def _ground_at_home(self, home: tuple[float, float]) -> float:
+        if self._relief is None:
+            return self._level_m
+        found = float(self._relief.ground_m(np.array(home[:1]), np.array(home[1:]))[0])
+        if math.isnan(found):
+            raise no_ground(*home)
+        return found
+
+    def _ground_m(self, lat: Floats, lon: Floats) -> Floats:
+        """Heights of the ground below points; that of the take-off where there is none."""
+        if self._relief is None:
+            return np.full(len(lat), self._level_m)
+        found = self._relief.ground_m(lat, lon)
+        return np.where(np.isnan(found), self._base_m, found)
+
+    def _least_m(self, lat: Floats, lon: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
+        """Least heights that a leg may have over places, and those that points there are given."""
+        if self._relief is None:
+            none = np.full(len(lat), -np.inf)
+            return none, none
+        least = self._relief.highest_m(lat, lon) + self._mission.terrain.clearance_m
+        if self._mission.terrain.height_above != GROUND:
+            return least, least
+        ground = self._relief.ground_m(lat, lon)
+        return np.fmax(least, ground + (1.0 - SAG_SHARE) * agl_m), np.fmax(least, ground + agl_m)
+
+    # --- rows and what lies between them
+
+    def _directions(self) -> tuple[Floats, Floats]:
+        """Azimuths in which captures are entered as the first of their row, and left as the last, (n,) each."""
+        lat, lon, row = self._captures.lat, wrap_lon_deg(self._captures.lon), self._row
+        count = len(lat)
+        into, out = np.full(count, np.nan), np.full(count, np.nan)
+        if count == 1:
+            return np.zeros(1), np.zeros(1)
+        start, end, _ = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])
+        same = row[1:] == row[:-1]
+        into[1:][same], out[:-1][same] = end[same], start[same]
+        into[:-1][same], out[1:][same] = start[same], end[same]
+        turned = 0.0 if self._mission.flight.order == ONE_WAY else 180.0
+        alone = np.flatnonzero(np.isnan(into))
+        for one in alone.tolist():
+            # A row of one capture goes on as its neighbour does, or the other way.
+            if one and not math.isnan(out[one - 1]):
+                into[one] = out[one] = out[one - 1] + turned
+        for one in alone[::-1].tolist():
+            if math.isnan(into[one]):
+                into[one] = out[one] = into[one + 1] + turned if one + 1 < count else start[-1]
+        alone = np.flatnonzero(np.isnan(into))
+        into[alone] = out[alone] = start[np.minimum(alone, count - 2)]
+        return into, out
+
+    def _beyond(self, which: Numbers, kind: int) -> tuple[_Points, Numbers]:
+        """Lead-ins before captures, or turnarounds behind them, but those that a no-fly area forbids; and whose."""
+        lead_in = kind == LEAD_IN
+        length_m = self._route.lead_in_m if lead_in else self._route.turnaround_m
+        if not length_m or not len(which):
+            return _Points.of(kind, *np.empty((3, 0))), which[:0]
+        azimuth = self._into_deg[which] + 180.0 if lead_in else self._out_deg[which]
+        own = self._captures.taken(which)
+        lat, lon, _ = along_geodesics(own.lat, wrap_lon_deg(own.lon), azimuth, np.full(len(which), length_m))
+        lon = own.lon + wrap_lon_deg(lon - own.lon)
+        least, _ = self._least_m(lat, lon, self._asked_agl[which])
+        free = ~self._forbidden(lat, lon)
+        points = _Points.of(kind, lat, lon, np.fmax(own.height, least))
+        return points.taken(free), which[free]
+
+    def _made_track(self) -> _Points:
+        """Captures, with what lies between them."""
+        turns = np.flatnonzero(np.diff(self._row))
+        behind, of_behind = self._beyond(turns, TURNAROUND)
+        before, of_before = self._beyond(turns + 1, LEAD_IN)
+        keys = np.concatenate([3 * self._captures.capture, 3 * of_behind + 1, 3 * of_before - 1])
+        points = _Points.joined([self._captures, behind, before]).taken(np.argsort(keys, kind="stable"))
+        return self._over_ground(self._around(points))
+
+    def _around(self, points: _Points) -> _Points:
+        """Points with legs that keep out of no-fly areas."""
+        if not self._rings or len(points.kind) < 2:
+            return points
+        place = np.stack(self._plane.forward(points.lat, points.lon), axis=1)
+        low, high = np.minimum(place[:-1], place[1:]), np.maximum(place[:-1], place[1:])
+        near = np.zeros(len(low), bool)
+        for polygon in self._rings:
+            corners = polygon[0]
+            near |= (
+                (high >= corners.min(axis=0) - _NO_FLY_M) & (low <= corners.max(axis=0) + _NO_FLY_M)
+            ).all(axis=1)
+        added: list[tuple[int, _Points]] = []
+        for leg in np.flatnonzero(near).tolist():
+            way = way_around(place[leg], place[leg + 1], self._rings, _NO_FLY_M)[1:-1]
+            if len(way):
+                lat, lon = self._plane.inverse(*way.T)
+                height = np.full(len(way), max(points.height[leg], points.height[leg + 1]))
+                added.append((leg, _Points.of(TRANSIT, lat, lon, height)))
+        return _with(points, added)
+
+    def _over_ground(self, points: _Points) -> _Points:
+        """Points with further ones where a leg would come too low over the relief."""
+        if self._relief is None or len(points.kind) < 2:
+            return points
+        length = legs(points.lat, points.lon).distance_m
+        step = max(self._relief.cell_m / 2.0, float(length.sum()) / _MOST_SAMPLES, _FINEST_M)
+        pieces = np.maximum(np.ceil(length / step), 1.0).astype(np.int64)
+        agl = self._agl_of(points)
+        added: list[tuple[int, _Points]] = []
+        blocks = np.flatnonzero(np.diff(np.cumsum(pieces) // _SAMPLES_AT_ONCE)) + 1
+        for some in np.split(np.arange(len(length)), blocks):
+            leg = np.repeat(some, pieces[some])
+            number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces[some]) - pieces[some], pieces[some])
+            share = number / pieces[leg]
+            lat, lon, line = (
+                values[leg] + share * (values[leg + 1] - values[leg])
+                for values in (points.lat, points.lon, points.height)
+            )
+            least, given = self._least_m(lat, lon, agl[leg])
+            low = np.unique(leg[(least - line > _LOW_M) & (number > 0)])
+            for one in low.tolist():
+                at = slice(*np.searchsorted(leg, [one, one + 1]))
+                ends = float(points.height[one]), float(points.height[one + 1])
+                which, height = _lifted(share[at], least[at], given[at], ends)
+                added.append((one, _Points.of(TRANSIT, lat[at][which], lon[at][which], height)))
+        return _with(points, added)
+
+    def _agl_of(self, points: _Points) -> Floats:
+        """Height above ground that is asked for on each leg, (m - 1,): the lower one of the captures around it."""
+        before = np.maximum(np.maximum.accumulate(points.capture), 0)
+        after = np.minimum.accumulate(np.where(points.capture < 0, len(self._row) - 1, points.capture)[::-1])[
+            ::-1
+        ]
+        agl: Floats = np.minimum(self._asked_agl[before[:-1]], self._asked_agl[after[1:]])
+        return agl
+
+    # --- sorties
+
+    def _sorties(self) -> list[tuple[int, int]]:
+        """First and last capture of each sortie."""
+        last, battery = len(self._row) - 1, self._route.battery_min
+        if battery is None:
+            return [(0, last)]
+        limit_s = 60.0 * battery
+        ends = np.append(np.flatnonzero(np.diff(self._row)), last)
+        found: list[tuple[int, int]] = []
+        first = 0
+        while first <= last:
+            if len(found) == MOST_SORTIES:
+                raise InvalidInput(
+                    "battery of {0:g} min: the flight needs more than {1:,} sorties",
+                    battery,
+                    MOST_SORTIES,
+                    field="battery_min",
+                    remedy="take a smaller area, a nearer take-off or a larger battery",
+                )
+            end = self._farthest(first, last, limit_s)
+            row_end = ends[np.searchsorted(ends, end, side="right") - 1] if end >= ends[0] else -1
+            if first <= row_end < end and _FULL * limit_s <= self._sortie_s(first, int(row_end)) <= limit_s:
+                end = int(row_end)
+            found.append((first, end))
+            first = end + 1
+        return found
+
+    def _farthest(self, first: int, last: int, limit_s: float) -> int:
+        """Last capture of a sortie that is as long as the battery allows."""
+        alone_s = self._sortie_s(first, first)
+        if alone_s > limit_s:
+            raise InvalidInput(
+                "battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min",
+                limit_s / 60.0,
+                first + 1,
+                alone_s / 60.0,
+                field="battery_min",
+                remedy="take off nearer to it, fly faster or take a larger battery",
+            )
+        if self._sortie_s(first, last) <= limit_s:
+            return last
+        fits, not_ = first, last
+        while not_ - fits > 1:
+            middle = (fits + not_) // 2
+            fits, not_ = (middle, not_) if self._sortie_s(first, middle) <= limit_s else (fits, middle)
+        return fits
+
+    def _sortie(self, first: int, last: int) -> _Points:
+        """Points of one sortie."""
+        own = self._track.taken(slice(self._at[first], self._at[last] + 1))
+        return _Points.joined([self._way(first, True)[0], own, self._way(last, False)[0]])
+
+    def _sortie_s(self, first: int, last: int) -> float:
+        """Seconds of one sortie."""
+        own = float(self._track_s[self._at[last]] - self._track_s[self._at[first]])
+        return self._way(first, True)[1] + own + self._way(last, False)[1]
+
+    def _way(self, capture: int, there: bool) -> tuple[_Points, float]:
+        """Way from take-off to a capture, without it, or from it back; and its seconds, its last leg among them."""
+        key = capture, there
+        if key not in self._ways:
+            end, _ = self._beyond(np.array([capture]), LEAD_IN if there else TURNAROUND)
+            own = self._captures.taken(slice(capture, capture + 1))
+            # A lead-in or a turnaround is flown as rows are, the rest high enough for all that is below.
+            both = [end, own] if there else [own, end]
+            near = self._over_ground(self._around(_Points.joined(both)))
+            near = near.taken(slice(0, -1) if there else slice(1, None))
+            outer = near if len(near.kind) else own
+            place = outer.taken(slice(0, 1) if there else slice(-1, None))
+            home = self._transit(place, capture) if self._home is not None else near.taken(slice(0, 0))
+            if not there:
+                home = home.taken(slice(None, None, -1))
+                home = home._replace(kind=np.where(home.kind == TAKEOFF, LANDING, home.kind).astype(np.int8))
+            way = _Points.joined([home, near] if there else [near, home])
+            timed = _Points.joined([way, own] if there else [own, way])
+            seconds = self._legs_s(timed)
+            self._ways[key] = way, float(seconds.sum())
+        return self._ways[key]
+
+    def _transit(self, place: _Points, capture: int) -> _Points:
+        """Points from take-off to a place, without it: up, across at one safe height, and above the place."""
+        if self._home is None:
+            return place.taken(slice(0, 0))
+        home = np.array(self._home[:1]), np.array(self._home[1:])
+        start = _Points.of(TRANSIT, *home, place.height)
+        across = self._around(_Points.joined([start, place._replace(kind=start.kind, capture=start.capture)]))
+        cruise_m = max(float(place.height[0]), self._highest_along(across, float(self._asked_agl[capture])))
+        across = across._replace(height=np.full(len(across.kind), cruise_m))
+        if cruise_m - float(place.height[0]) <= _LOW_M:
+            across = across.taken(slice(0, -1))
+        takeoff = _Points.of(TAKEOFF, *home, np.array([self._base_m]))
+        return _Points.joined([takeoff, across])
+
+    def _highest_along(self, points: _Points, agl_m: float) -> float:
+        """Height that is safe all along legs; minus infinity over level ground."""
+        if self._relief is None:
+            return -math.inf
+        length = legs(points.lat, points.lon).distance_m
+        highest = -math.inf
+        step = max(self._relief.cell_m / 2.0, _FINEST_M)
+        for leg, metres in enumerate(length.tolist()):
+            share = np.linspace(0.0, 1.0, min(math.ceil(metres / step), _SAMPLES_AT_ONCE) + 1)
+            lat, lon = (
+                values[leg] + share * (values[leg + 1] - values[leg]) for values in (points.lat, points.lon)
+            )
+            highest = max(highest, float(self._least_m(lat, lon, agl_m)[1].max()))
+        return highest
+
+    # --- time
+
+    @property
+    def _hover_s(self) -> float:
+        return HOVER_S if self._mission.trigger == HOVER else 0.0
+
+    def _legs_s(self, points: _Points) -> Floats:
+        """Seconds of each leg, (m - 1,), with the hovering at the capture that it begins at."""
+        way = legs(points.lat, points.lon)
+        flight, wind = self._mission.flight, self._mission.wind
+        speed: Floats | float = flight.airspeed_m_per_s
+        if wind is not None:
+            speed = wind.ground_speed_m_per_s(way.azimuth_deg, flight.airspeed_m_per_s)
+        climb = self._mission.terrain.climb_m_per_s or CLIMB_M_PER_S
+        seconds = np.maximum(way.distance_m / speed, np.abs(np.diff(points.height)) / climb)
+        hovered: Floats = seconds + self._hover_s * (points.capture[:-1] >= 0)
+        return hovered
+
+    def _forbidden(self, lat: Floats, lon: Floats) -> NDArray[np.bool_]:
+        """Which places lie inside a no-fly area."""
+        found = np.zeros(len(lat), bool)
+        for polygon in self._mission.no_fly:
+            found |= inside(polygon, lat, lon)
+        return found
+
+
+def _near(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:
+    """Rings of a polygon, in the turn of the world that is next to a longitude."""
+    rings = polygon.arrays()
+    turn = 360.0 * round((lon_deg - float(rings[0][0].mean())) / 360.0)
+    return [_cut(lon + turn, lat) for lon, lat in rings]
+
+
+def _cut(lon_deg: Floats, lat_deg: Floats) -> tuple[Floats, Floats]:
+    """Ring whose sides are cut so that straight lines between their pieces' ends in a plane are them."""
+    along = legs(np.append(lat_deg, lat_deg[0]), np.append(lon_deg, lon_deg[0])).distance_m
+    pieces = np.clip(np.ceil(along / _SIDE_M), 1, _MOST_PIECES).astype(np.int64)
+    side = np.repeat(np.arange(len(pieces)), pieces)
+    share = (np.arange(len(side)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[side]
+    lon, lat = (part[side] + share * (np.roll(part, -1) - part)[side] for part in (lon_deg, lat_deg))
+    return lon, lat
+
+
+def _with(points: _Points, added: list[tuple[int, _Points]]) -> _Points:
+    """Points with others in legs, which are told by the point that they begin at."""
+    if not added:
+        return points
+    keys = [np.arange(len(points.kind), dtype=np.float64)]
+    keys += [leg + np.arange(1.0, len(more.kind) + 1.0) / (len(more.kind) + 1.0) for leg, more in added]
+    whole = _Points.joined([points, *(more for _, more in added)])
+    return whole.taken(np.argsort(np.concatenate(keys), kind="stable"))
+
+
+def _lifted(share: Floats, least: Floats, given: Floats, ends: tuple[float, float]) -> tuple[Numbers, Floats]:
+    """Places of a leg (k,) that it is to go through, by index, and heights there: nowhere is it below the least then.
+
+    The lowest place is lifted, and so on with what remains too low.
+    """
+    share, height = np.append(share, 1.0), {0: ends[0], len(share): ends[1]}
+    least = np.append(least, -np.inf)
+    while True:
+        known = sorted(height)
+        line = np.interp(share, share[known], [height[one] for one in known])
+        below = least - line
+        below[known] = -np.inf
+        lowest = int(np.argmax(below))
+        if below[lowest] <= _LOW_M:
+            inner = known[1:-1]
+            return np.array(inner, np.int64), np.array([height[one] for one in inner])
+        height[lowest] = float(given[lowest])

@@ -421,11 +421,11 @@ class Plan:
     @cached_property
     def flight_distance_m(self) -> float:
         """Geodesic length of the way from the first capture to the last, without climbs."""
-        way = self._legs if self.nominal is None else legs(self.lat_deg, self.lon_deg)
+        way = self.legs if self.nominal is None else legs(self.lat_deg, self.lon_deg)
         return float(np.sum(way.distance_m))
 
     @cached_property
-    def _legs(self) -> Legs:
+    def legs(self) -> Legs:
         """Legs as they were meant to be."""
         return legs(self.meant.lat_deg, self.meant.lon_deg)
 
@@ -434,10 +434,14 @@ class Plan:
         """Poses as they were meant to be, which wind has moved."""
         return self.poses if self.nominal is None else self.nominal
 
-    @property
+    @cached_property
     def times_s(self) -> Floats:
-        """Seconds of each exposure after the first one, (n,): the points' own, or along the flight as it was meant."""
-        return self.exposures_s
+        """Seconds of each exposure after the first one, (n,): the points' own, or along the path as it was meant.
+
+        So turns count where the mission has a route, and ways to the take-off and back between sorties.
+        """
+        path = self.path
+        return self.exposures_s if path.is_captures else path.time_s[path.capture >= 0]
 
     @cached_property
     def exposures_s(self) -> Floats:
@@ -452,7 +456,7 @@ class Plan:
             return since
         times = np.zeros(len(self))
         np.cumsum(
-            intervals_s(self._legs, self.meant.agl_m, mission.flight.airspeed_m_per_s, mission.wind),
+            intervals_s(self.legs, self.meant.agl_m, mission.flight.airspeed_m_per_s, mission.wind),
             out=times[1:],
         )
         return times

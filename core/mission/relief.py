@@ -97,6 +97,32 @@ class ReliefFigures(NamedTuple):
     hidden_share: float
 
 
+class Overflown:
+    """Relief below a path that goes beyond the captures.
+
+    Parameters
+    ----------
+    ground, surface : Surface
+    clearance_distance_m : float
+    """
+
+    def __init__(self, ground: Surface, surface: Surface, clearance_distance_m: float) -> None:
+        self._ground, self._surface = ground, surface
+        self.cell_m = min(_cell_m(ground), _cell_m(surface))
+        self._near = _highest_around(surface, clearance_distance_m) if clearance_distance_m else None
+
+    def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Heights of the ground at positions (n,); NaN where there is none."""
+        return self._ground.heights(*self._ground.position(lat_deg, lon_deg))
+
+    def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Greatest height within the clearance's distance of positions (n,); minus infinity where there is none."""
+        found = self._surface.heights(*self._surface.position(lat_deg, lon_deg))
+        if self._near is not None:
+            found = np.fmax(found, self._near(lat_deg, lon_deg))
+        return np.where(np.isnan(found), -np.inf, found)
+
+
 class ReliefBelow:
     """What a mission's captures fly over and see, in cells as fine as the area allows.
 
@@ -153,6 +179,15 @@ class ReliefBelow:
         self._stand = np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()])
         self._read(*self._stand)
         return False
+
+    def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> Overflown:
+        """Relief about positions (n,), and so many metres around them."""
+        distance_m = self.mission.terrain.clearance_distance_m
+        around = _widened(lat_deg, lon_deg, room_m + distance_m)
+        ground = surface = self.heights.ground.surface(*around)
+        if self.heights.surface is not self.heights.ground:
+            surface = self.heights.surface.surface(*around)
+        return Overflown(ground, surface, distance_m)
 
     @property
     def is_level(self) -> bool:

@@ -2735,6 +2735,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{distance}, {duration} with turns</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{finest} per px at the highest, {coarsest} at the lowest</source>
         <translation>{finest} por px en lo más alto, {coarsest} en lo más bajo</translation>
     </message>
@@ -3727,6 +3732,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Planned images</source>
         <translation>Imágenes planificadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/preview/layers.py"/>
+        <source>Sortie {number}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4900,6 +4910,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Flight path with take-off and turns (metres)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight time (seconds)</source>
         <translation>Tiempo de vuelo (segundos)</translation>
     </message>
@@ -4965,6 +4980,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>The layer cannot be written: {reason}</source>
         <translation>No se puede escribir la capa: {reason}</translation>
     </message>
@@ -4977,6 +4997,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the capture (seconds)</source>
         <translation>Tiempo de la captura (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Time of the flight path (seconds)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6928,6 +6953,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
+        <location filename="../../core/mission/path.py"/>
         <source>move it outside</source>
         <translation>moverlo fuera</translation>
     </message>
@@ -8635,6 +8661,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>flight path</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>flight time</source>
         <translation>tiempo de vuelo</translation>
     </message>
@@ -8739,6 +8770,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>sun</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>the source has imagery of {0} of the area</source>
         <translation>la fuente tiene imágenes del {0} del área</translation>
     </message>
@@ -8826,6 +8867,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} {2} {3} or less</source>
         <translation>{0} {1} {2} {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}, {1} with turns</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10372,6 +10418,126 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take a smaller area, a nearer take-off or a larger battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take off nearer to it, fly faster or take a larger battery</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/path.py"/>
+        <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>north-west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south-east</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>south-west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>west</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.0f}° below the horizon in the {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.0f}° high in the {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0:.1f} to {1:.1f}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}, at the end {1}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: a bright spot, and glint on water, lie in the images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: long shadows</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: night</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}: {1} of {2:g} min</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}; fly at {1:g} m/s or slower ({2})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pilot.py"/>
+        <source>{0}; overlap less or fly higher</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>

@@ -15,7 +15,7 @@ from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QVBoxL
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
-from ..i18n import number_text, tr, translate
+from ..i18n import begun, number_text, tr, translate
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 from ..widgets import named, tool_button
 
@@ -226,8 +226,14 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
     flight = tr("{distance}, {duration}").format(
         distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
     )
+    if summary.path_m is not None and summary.path_s is not None:
+        # What a pilot needs to know: all of it, not only the part between the images.
+        flight = tr("{distance}, {duration} with turns").format(
+            distance=length_text(summary.path_m, unit), duration=duration_text(summary.path_s)
+        )
     lines += [
         (tr("Flight"), flight),
+        *((begun(translate(label)), translate(text)) for label, text in summary.piloting()),
         (tr("Download"), _download(summary)),
         (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
     ]

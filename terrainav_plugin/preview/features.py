@@ -153,6 +153,51 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
     ]
 
 
+def flight_of(plan: Plan, index: CaptureIndex, clock: Clock) -> Flight | Route:
+    """What an aircraft flies: from capture to capture, or a path that has more than these."""
+    return Flight(plan, index, clock) if plan.path.is_captures else Route(plan, clock)
+
+
+class Route:
+    """The path of a plan that has more than its captures, sortie by sortie; it is always drawn whole."""
+
+    is_short = True
+
+    def __init__(self, plan: Plan, clock: Clock) -> None:
+        self._plan, self._clock = plan, clock
+        path, rows = plan.path, np.full(len(plan.path), -1)
+        taken = path.capture >= 0
+        rows[taken] = plan.row[path.capture[taken]]
+        # Of rows of a long flight their ends.
+        inside = taken & np.append(False, rows[1:] == rows[:-1]) & np.append(rows[1:] == rows[:-1], False)
+        self._kept = ~inside if len(path) > MOST_CORNERS else np.ones(len(path), bool)
+
+    def whole(self) -> list[QgsFeature]:
+        """The line of each sortie."""
+        return [self._line(number) for number in range(self._plan.path.sorties)]
+
+    def ends(self) -> list[QgsFeature]:
+        """The same: ways there and back are what there is to see from afar."""
+        return self.whole()
+
+    def is_clear(self, _bounds: Rect, _px_per_m: float) -> bool:
+        """Whether it is to be drawn."""
+        return True
+
+    def near(self, _ids: Numbers, _rect: Rect) -> list[QgsFeature]:
+        """The line of each sortie."""
+        return self.whole()
+
+    def _line(self, number: int) -> QgsFeature:
+        path = self._plan.path.of(number)
+        kept = self._kept[self._plan.path.sortie == number]
+        lines = flight_lines(self._plan.grid.plane, [(path.lon_deg[kept], path.lat_deg[kept])])
+        begin, end = (moment(self._clock.start_ms + 1000.0 * float(path.time_s[at])) for at in (0, -1))
+        place = float(path.lat_deg[0]), float(wrap_lon_deg(path.lon_deg[:1])[0])
+        images, several = int(np.count_nonzero(path.capture >= 0)), self._plan.path.sorties > 1
+        return feature(lines, path.distance_m, images, *place, begin, end, number + 1 if several else 0)
+
+
 class Flight:
     """The way from the first capture of a plan to the last."""
 
@@ -166,6 +211,7 @@ class Flight:
             float(lon[0]),
             moment(clock.at_ms[0]),
             moment(clock.until_ms[-1]),
+            0,
         )
         self._whole = _corners(plan.row)
         if self.is_short:

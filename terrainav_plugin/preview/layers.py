@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from qgis.core import Qgis, QgsVectorLayer
+from qgis.core import Qgis, QgsPalLayerSettings, QgsVectorLayer, QgsVectorLayerSimpleLabeling
 
+from ..compat import LABELS_ALONG_LINE
 from ..i18n import tr
 from ..map.mission_group import ROLE
 from ..paths import style
@@ -25,7 +26,7 @@ FIELDS = {
     "centres": f"{_POSE}&field=gsd_m:double&field=yaw:double&{_TIMES}",
     "flight": (
         "field=length_m:double&field=images:integer&field=first_lat:double&field=first_lon:double"
-        "&field=start:datetime&field=end:datetime"
+        "&field=start:datetime&field=end:datetime&field=sortie:integer"
     ),
     "density": "field=images:double",
 }
@@ -103,7 +104,9 @@ def _map_tip(role: str) -> str:
         sky = f"[% CASE WHEN \"horizon\" THEN '<br/>{horizon}' ELSE '' END %]"
         return f"{name}{gsd}<br/>{attitude}{sky}<br/>{overlap}<br/>{time}"
     if role == "flight":
-        return tr("{length} km, {count} images, from {start} to {end} UTC").format(
+        sortie = _sortie_text()
+        which = f"[% CASE WHEN \"sortie\" > 0 THEN '<b>{sortie}</b><br/>' ELSE '' END %]"
+        return which + tr("{length} km, {count} images, from {start} to {end} UTC").format(
             length='[% round("length_m" / 1000, 2) %]',
             count='[% "images" %]',
             start="[% format_date(\"start\", 'yyyy-MM-dd HH:mm:ss') %]",
@@ -114,11 +117,33 @@ def _map_tip(role: str) -> str:
     return ""
 
 
+def _sortie_text() -> str:
+    """Which sortie a line is of, as the inside of a text in an expression."""
+    return tr("Sortie {number}").replace("'", "''").format(number="' || \"sortie\" || '")
+
+
 def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
     """Load a style; one that is loaded takes away map tips and times, which are the same in all."""
     layer.loadNamedStyle(style(name))
     layer.setMapTipTemplate(_map_tip(role))
     _set_times(layer, role)
+    if role == "flight":
+        _label_sorties(layer)
+
+
+def _label_sorties(layer: QgsVectorLayer) -> None:
+    """Write along the line of each of several sorties which one it is; colours repeat, and not all tell them apart."""
+    labels = QgsPalLayerSettings()
+    text = _sortie_text()
+    labels.fieldName, labels.isExpression = f"if(\"sortie\" > 0, '{text}', '')", True
+    labels.placement = LABELS_ALONG_LINE
+    style = labels.format()
+    halo = style.buffer()
+    halo.setEnabled(True)
+    style.setBuffer(halo)
+    labels.setFormat(style)
+    layer.setLabeling(QgsVectorLayerSimpleLabeling(labels))
+    layer.setLabelsEnabled(True)
 
 
 def _set_times(layer: QgsVectorLayer, role: str) -> None:

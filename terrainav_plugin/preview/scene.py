@@ -10,7 +10,7 @@ import numpy as np
 
 from ..map.outlines import metres, placed
 from .density import Cells, density_features, levels, mean_images
-from .features import Clock, Flight, Picked, area_features, centre_features, footprint_features, part_of
+from .features import Clock, Picked, area_features, centre_features, flight_of, footprint_features, part_of
 from .index import Boxes, CaptureIndex, shown_by
 from .view import MERCATOR, Rect, world_of
 
@@ -91,7 +91,7 @@ class Scene:
         self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan, self.windows))
         check()
         self._clock = Clock(plan)
-        self._flight = Flight(plan, self.index, self._clock)
+        self._flight = flight_of(plan, self.index, self._clock)
         self._area = area_features(plan)
         self._whole_flight, self._flight_ends = self._flight.whole(), self._flight.ends()
         self.bounds = _bounds(plan, self.index.boxes)

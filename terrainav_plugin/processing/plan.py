@@ -54,7 +54,7 @@ _CAPTURE = (
     ("time_s", "number"),
     ("time", "time"),
 )
-_FLIGHT = (("images", "integer"), ("length_m", "number"), ("flight_s", "number"))
+_FLIGHT = (("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer"))
 
 
 class Plan(Algorithm):
@@ -139,7 +139,7 @@ class Plan(Algorithm):
         for name, found, kind, fields in (
             ("FOOTPRINTS", footprints, kinds.MultiPolygon, capture_fields()),
             ("CAPTURES", captures, kinds.Point, capture_fields()),
-            ("FLIGHT", lambda one: [flight_line(one)], kinds.MultiLineString, flight_fields()),
+            ("FLIGHT", flight_lines_of, kinds.MultiLineString, flight_fields()),
         ):
             if run.parameters.get(name) is None:
                 continue
@@ -200,12 +200,20 @@ def captures(plan: Plan) -> Iterator[QgsFeature]:
         yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
 
 
-def flight_line(plan: Plan) -> QgsFeature:
-    """Way from the first capture to the last, in two parts where it crosses the antimeridian."""
+def flight_lines_of(plan: WorkedOut) -> Iterator[QgsFeature]:
+    """Way from the first capture to the last, or the path of each sortie; in parts across the antimeridian."""
     from ..map.outlines import flight_lines
 
-    lines = flight_lines(plan.grid.plane, [(plan.lon_deg, plan.lat_deg)])
-    return feature_of(lines, (len(plan), plan.flight_distance_m, plan.flight_s))
+    path = plan.path
+    if path.is_captures:
+        lines = flight_lines(plan.grid.plane, [(plan.lon_deg, plan.lat_deg)])
+        yield feature_of(lines, (len(plan), plan.flight_distance_m, plan.flight_s, 1))
+        return
+    for number, seconds in enumerate(path.sorties_s.tolist()):
+        one = path.of(number)
+        lines = flight_lines(plan.grid.plane, [(one.lon_deg, one.lat_deg)])
+        images = sum(capture >= 0 for capture in one.capture.tolist())
+        yield feature_of(lines, (images, one.distance_m, seconds, number + 1))
 
 
 def fill(
@@ -238,6 +246,9 @@ def _figures() -> dict[str, str]:
         "CAPTURE_S": tr("Time of the capture (seconds)"),
         "FLIGHT_M": tr("Flight distance (metres)"),
         "FLIGHT_S": tr("Flight time (seconds)"),
+        "PATH_M": tr("Flight path with take-off and turns (metres)"),
+        "PATH_S": tr("Time of the flight path (seconds)"),
+        "SORTIES": tr("Sorties"),
         "ERROR_BOUND": tr("Bound of the error (px)"),
     }
 
@@ -259,6 +270,9 @@ def _values(summary: Summary) -> dict[str, Any]:
         "CAPTURE_S": summary.seconds,
         "FLIGHT_M": summary.flight_distance_m,
         "FLIGHT_S": summary.flight_s,
+        "PATH_M": summary.path_m,
+        "PATH_S": summary.path_s,
+        "SORTIES": len(summary.sorties_s) or None,
         "ERROR_BOUND": summary.accuracy.bound_px,
     }
     return {name: value for name, value in values.items() if value is not None}

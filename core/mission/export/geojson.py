@@ -7,11 +7,12 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..plan import Plan
-from .rows import POSE_COLUMNS, WINDOW_COLUMNS, batches, closed_rings, parts
+from .rows import POSE_COLUMNS, WINDOW_COLUMNS, batches, closed_rings, parts, sorties_of
 
 
 def geojson_text(plan: Plan) -> Iterator[str]:
     """Text of the footprints, in blocks."""
+    sorties = sorties_of(plan)
     yield '{"type": "FeatureCollection", "features": [\n'
     for part, batch in zip(parts(len(plan)), batches(plan)):
         names = POSE_COLUMNS + WINDOW_COLUMNS
@@ -22,6 +23,8 @@ def geojson_text(plan: Plan) -> Iterator[str]:
             if len(rings) > 1:
                 geometry = {"type": "MultiPolygon", "coordinates": [[ring] for ring in rings]}
             properties = {**dict(zip(names, row)), **_sight(plan, part.start + len(features))}
+            if sorties is not None:
+                properties["sortie"] = sorties[part.start + len(features)]
             feature = {"type": "Feature", "properties": properties, "geometry": geometry}
             features.append(json.dumps(feature))
         yield ",\n".join(features) + (",\n" if part.stop < len(plan) else "\n")

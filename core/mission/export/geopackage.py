@@ -14,7 +14,7 @@ from ...errors import Message, OutputError
 from ...files import partial_file
 from ..plan import Plan
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
-from .waypoints import flight_line
+from .waypoints import flight_line, takeoff_of
 
 #: Ending of the file while it is written: GDAL wants its own at the very end.
 PARTIAL_ENDING = ".part.gpkg"
@@ -37,7 +37,9 @@ def geopackage_notes(plan: Plan) -> tuple[str, ...]:
 
 
 def write_geopackage(plan: Plan, path: Path) -> None:
-    """Write the layers ``footprints``, ``captures`` and ``flight_line``, whole or not at all.
+    """Write the layers ``footprints``, ``captures``, ``flight_line`` and, where it is set, ``takeoff``.
+
+    The file is written whole or not at all.
 
     Raises
     ------
@@ -126,6 +128,10 @@ def _write(ogr: Any, plan: Plan, partial: Path, failed: Callable[[], None]) -> N
         line = data.CreateLayer("flight_line", _wgs84(), ogr.wkbMultiLineString25D)
         failed()
         _draw(ogr, line, plan)
+        place = takeoff_of(plan)
+        if place is not None:
+            _mark(ogr, data.CreateLayer("takeoff", _wgs84(), ogr.wkbPoint), place)
+            failed()
     finally:
         # Before the file is renamed or removed. Newer bindings have a better word for it.
         (data.Close if hasattr(data, "Close") else data.Destroy)()
@@ -141,15 +147,33 @@ def _wgs84() -> Any:
 
 
 def _draw(ogr: Any, layer: Any, plan: Plan) -> None:
-    """Make the one feature of the flight line, where there is one."""
+    """Make the feature of the flight line, where there is one: of a path with more than captures one of each sortie."""
     for name in ("length_m", "flight_s"):
         layer.CreateField(ogr.FieldDefn(name, ogr.OFTReal))
-    if len(plan) < 2:
+    path = plan.path
+    figures = [(plan.flight_distance_m, plan.flight_s)]
+    if not path.is_captures:
+        layer.CreateField(ogr.FieldDefn("sortie", ogr.OFTInteger))
+        each = map(path.of, range(path.sorties))
+        figures = [(one.distance_m, float(seconds)) for one, seconds in zip(each, path.sorties_s)]
+    if len(path) < 2:
         return
+    for sortie, (length_m, seconds) in enumerate(figures):
+        feature = ogr.Feature(layer.GetLayerDefn())
+        feature.SetField(0, length_m)
+        feature.SetField(1, seconds)
+        if not path.is_captures:
+            feature.SetField(2, sortie + 1)
+        feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(_flight_line(plan, sortie)))
+        layer.CreateFeature(feature)
+
+
+def _mark(ogr: Any, layer: Any, place: tuple[float, float]) -> None:
+    """Make the one feature of the place of take-off."""
+    lat, lon = place
     feature = ogr.Feature(layer.GetLayerDefn())
-    feature.SetField(0, plan.flight_distance_m)
-    feature.SetField(1, plan.flight_s)
-    feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(_flight_line(plan)))
+    shape = struct.pack("<BI2d", _LITTLE, _POINT, lon, lat)
+    feature.SetGeometryDirectly(ogr.CreateGeometryFromWkb(shape))
     layer.CreateFeature(feature)
 
 
@@ -196,8 +220,8 @@ def _captures(plan: Plan) -> Iterator[bytes]:
         yield from (struct.pack("<BI3d", _LITTLE, _POINT + _WITH_Z, *place) for place in places)
 
 
-def _flight_line(plan: Plan) -> bytes:
-    lines = [line for line in flight_line(plan) if len(line[0]) > 1]
+def _flight_line(plan: Plan, sortie: int) -> bytes:
+    lines = [line for line in flight_line(plan, sortie) if len(line[0]) > 1]
     head = struct.pack("<BII", _LITTLE, _MULTI_LINE + _WITH_Z, len(lines))
     for lon, lat, agl in lines:
         places = chain.from_iterable(zip(lon.tolist(), lat.tolist(), agl.tolist()))

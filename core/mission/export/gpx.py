@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from ...errors import Message
 from ..plan import Plan
 from .rows import parts
-from .waypoints import Waypoint, not_flown, waypoints
+from .waypoints import Waypoint, not_flown, takeoff_of, waypoints
 
 #: Name of our extensions; nothing is fetched from it.
 NAMESPACE = "https://github.com/terrainav/terrainav/gpx/1"
@@ -25,12 +25,19 @@ def gpx_text(plan: Plan) -> Iterator[str]:
         '<gpx version="1.1" creator="TerrAInav" xmlns="http://www.topografix.com/GPX/1/1" '
         f'xmlns:terrainav="{NAMESPACE}">\n'
         f"<metadata><name>TerrAInav plan</name><time>{plan.start}</time></metadata>\n"
-        "<rte><name>TerrAInav flight</name><desc>Heights are metres above ground</desc>\n"
     )
-    flown = waypoints(plan)
-    for part in parts(len(plan)):
-        yield "".join(_point(next(flown)) for _ in range(part.stop - part.start))
-    yield "</rte>\n</gpx>\n"
+    path = plan.path
+    place = takeoff_of(plan)
+    if place is not None:
+        yield f'<wpt lat="{place[0]:.9f}" lon="{_lon(place[1])}"><name>Take-off</name></wpt>\n'
+    for sortie in range(path.sorties):
+        name = "TerrAInav flight" if path.sorties == 1 else f"TerrAInav flight, sortie {sortie + 1}"
+        yield f"<rte><name>{name}</name><desc>Heights are metres above ground</desc>\n"
+        flown = waypoints(plan, sortie)
+        for part in parts(len(path.of(sortie))):
+            yield "".join(_point(next(flown)) for _ in range(part.stop - part.start))
+        yield "</rte>\n"
+    yield "</gpx>\n"
 
 
 def gpx_notes(plan: Plan) -> tuple[str, ...]:

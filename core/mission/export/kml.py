@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ...errors import Message
 from ..plan import Plan
 from .rows import Corners, closed_rings, parts
-from .waypoints import Waypoint, flight_line, waypoints
+from .waypoints import Waypoint, flight_line, takeoff_of, waypoints
 
 #: Captures up to which each has its footprint and its mark: some 40 MB, about what Google Earth still opens. Of more
 #: of them the file has the flight line alone.
@@ -32,10 +32,18 @@ def kml_text(plan: Plan) -> Iterator[str]:
             marks = zip(plan.names[part], closed_rings(plan, part))
             yield "".join(_footprint(name, rings) for name, rings in marks)
         yield "</Folder>\n<Folder><name>Waypoints</name>\n"
-        yield from map(_waypoint, waypoints(plan))
+        yield from (_waypoint(one) for one in waypoints(plan) if one.is_capture)
         yield "</Folder>\n"
     yield "<Folder><name>Flight line</name>\n"
-    yield _line(plan)
+    place = takeoff_of(plan)
+    if place is not None:
+        yield (
+            f"<Placemark><name>Take-off</name><Point><coordinates>{place[1]},{place[0]}</coordinates>"
+            "</Point></Placemark>\n"
+        )
+    count = plan.path.sorties
+    for sortie in range(count):
+        yield _line(plan, sortie, "Flight line" if count == 1 else f"Sortie {sortie + 1}")
     yield "</Folder>\n</Document></kml>\n"
 
 
@@ -83,17 +91,17 @@ def _waypoint(one: Waypoint) -> str:
     )
 
 
-def _line(plan: Plan) -> str:
+def _line(plan: Plan, sortie: int, name: str) -> str:
     lines = "".join(
         "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>"
         + " ".join(f"{x},{y},{z}" for x, y, z in zip(lon.tolist(), lat.tolist(), agl.tolist()))
         + "</coordinates></LineString>"
-        for lon, lat, agl in flight_line(plan)
+        for lon, lat, agl in flight_line(plan, sortie)
         if len(lon) > 1
     )
     if not lines:
         return ""
     return (
-        "<Placemark><name>Flight line</name><styleUrl>#flight</styleUrl>"
+        f"<Placemark><name>{name}</name><styleUrl>#flight</styleUrl>"
         f"<MultiGeometry>{lines}</MultiGeometry></Placemark>\n"
     )

@@ -7,10 +7,14 @@ https://www.litchiutilities.com/docs/litchiCsv.php; limits of a mission are thos
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import groupby
 
 import numpy as np
 
 from ...errors import InvalidInput, Message
+from ..flight import legs
+from ..parts import BY_DISTANCE, HOVER
+from ..path import LANDING, TAKEOFF
 from ..plan import Plan
 from .waypoints import Waypoint, not_flown, waypoints
 
@@ -30,25 +34,30 @@ HIGHEST_M = 500.0
 FASTEST_M_PER_S = 15.0
 #: Lowest and highest pitch that the format takes.
 _PITCHES_DEG = (-90.0, 30.0)
-#: Codes of the columns: the pitch is set; the height is above ground; a picture is taken; no further action.
-_INTERPOLATE, _ABOVE_GROUND, _TAKE_PHOTO, _NONE = 2, 1, 1, -1
+#: Codes of the columns: the pitch is set; the height is above ground; the aircraft stays; an image is taken; no further
+#: action.
+_INTERPOLATE, _ABOVE_GROUND, _STAY, _TAKE_PHOTO, _NONE = 2, 1, 0, 1, -1
+#: How long an aircraft that hovers for an image stays, milliseconds.
+_STAY_MS = 1000
 
 
 def check_litchi(plan: Plan) -> None:
     """Raise InvalidInput for a mission that Litchi or DJI's drones do not take."""
-    meant = plan.poses if plan.nominal is None else plan.nominal
-    if len(plan) < FEWEST_WAYPOINTS:
+    meant, path = plan.meant, plan.path
+    air = ~np.isin(path.kind, (TAKEOFF, LANDING))
+    count = int(np.count_nonzero(air))
+    if count < FEWEST_WAYPOINTS:
         raise InvalidInput(
             "Litchi mission of one waypoint: takes two or more", remedy="plan a list or an area"
         )
-    if len(plan) > MOST_PARTS * MOST_WAYPOINTS:
+    if plan.mission.trigger != BY_DISTANCE and count > MOST_PARTS * MOST_WAYPOINTS:
         raise InvalidInput(
             "Litchi mission of {0:,} waypoints: takes {1:,} or fewer",
-            len(plan),
+            count,
             MOST_PARTS * MOST_WAYPOINTS,
             remedy="plan a smaller area, a greater height or less overlap",
         )
-    highest = float(meant.agl_m.max())
+    highest = float(meant.agl_m.max()) if path.is_captures else float(path.agl_m.max())
     if highest > HIGHEST_M:
         raise InvalidInput(
             "Litchi mission at {0:g} m: must be {1:g} m above ground or less", highest, HIGHEST_M
@@ -66,16 +75,35 @@ def check_litchi(plan: Plan) -> None:
 
 
 def litchi_texts(plan: Plan) -> list[Iterator[str]]:
-    """Text of each file, in blocks: parts of one flight, of `MOST_WAYPOINTS` or fewer, as long as each other."""
-    count = len(plan)
-    files = -(-count // MOST_WAYPOINTS)
-    flown = waypoints(plan)
+    """Text of each file, in blocks: sorties, in parts of `MOST_WAYPOINTS` or fewer, as long as each other."""
     speed = min(plan.mission.flight.airspeed_m_per_s, FASTEST_M_PER_S)
-    sizes = [count * (number + 1) // files - count * number // files for number in range(files)]
-    # At most 10,000 waypoints: all of them may be in memory.
-    return [
-        iter([",".join(COLUMNS) + "\n", *(_line(next(flown), speed) for _ in range(size))]) for size in sizes
-    ]
+    texts = []
+    for sortie in range(plan.path.sorties):
+        # At most 10,000 waypoints: all of them may be in memory.
+        lines = [_line(one, speed, actions, spacing_m) for one, actions, spacing_m in _shots(plan, sortie)]
+        count, files = len(lines), -(-len(lines) // MOST_WAYPOINTS)
+        ends = [count * number // files for number in range(files + 1)]
+        texts += [iter([",".join(COLUMNS) + "\n", *lines[first:end]]) for first, end in zip(ends, ends[1:])]
+    return texts
+
+
+def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
+    """Waypoints of a sortie in the air, with the actions there, and the distance between images from there on.
+
+    Where distance releases the camera, of a row there are its ends alone.
+    """
+    trigger = plan.mission.trigger
+    hover = (_STAY, _STAY_MS) if trigger == HOVER else ()
+    flown = (one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING))
+    for (is_capture, _), group in groupby(flown, key=lambda one: (one.is_capture, one.row)):
+        run = list(group)
+        if is_capture and trigger == BY_DISTANCE and len(run) > 1:
+            way = legs(np.array([one.lat_deg for one in run]), np.array([one.lon_deg for one in run]))
+            yield run[0], (_TAKE_PHOTO, 0), float(way.distance_m.min())
+            yield run[-1], (_TAKE_PHOTO, 0), -1.0
+            continue
+        for one in run:
+            yield one, (*hover, _TAKE_PHOTO, 0) if is_capture else (), -1.0
 
 
 def litchi_notes(plan: Plan) -> tuple[str, ...]:
@@ -96,15 +124,15 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
     return (*not_flown(plan), *notes)
 
 
-def _line(one: Waypoint, speed_m_per_s: float) -> str:
+def _line(one: Waypoint, speed_m_per_s: float, actions: tuple[int, ...], spacing_m: float) -> str:
     # Plain decimals: eight of a degree are a millimetre. Headings are rounded before they are taken modulo 360.
     heading = round(one.heading_deg, 2) % 360.0
-    actions = (_TAKE_PHOTO, 0, *(_NONE, 0) * (ACTIONS - 1))
+    actions = (*actions, *(_NONE, 0) * (ACTIONS - len(actions) // 2))
     cells = (
         *(f"{one.lat_deg:.8f}", f"{one.lon_deg:.8f}", f"{one.agl_m:.2f}", f"{heading:.2f}", "0", "0"),
         *(str(_INTERPOLATE), f"{one.gimbal_pitch_deg:.2f}"),
         *map(str, actions),
         *(str(_ABOVE_GROUND), f"{speed_m_per_s:.2f}", "0", "0", "0", "0"),
-        *("-1", "-1"),
+        *("-1", "-1" if spacing_m < 0.0 else f"{spacing_m:.2f}"),
     )
     return ",".join(cells) + "\n"

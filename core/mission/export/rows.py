@@ -65,6 +65,18 @@ def batches(plan: Plan) -> Iterator[dict[str, list[Any]]]:
         yield batch
 
 
+def sorties_of(plan: Plan) -> list[int] | None:
+    """Number of each capture's sortie, from 1, (n,); None where there is one sortie."""
+    path = plan.path
+    if path.sorties == 1:
+        return None
+    numbers = np.empty(len(plan), np.int64)
+    taken = path.capture >= 0
+    numbers[path.capture[taken]] = path.sortie[taken] + 1
+    found: list[int] = numbers.tolist()
+    return found
+
+
 def closed_rings(plan: Plan, part: slice) -> Iterator[list[Corners]]:
     """Closed rings, counter-clockwise, of each capture's footprint; several where it crosses ±180°."""
     for rings in footprints_deg(plan, part):

@@ -1,4 +1,4 @@
-"""The captures as waypoints for an autopilot: where to fly, how to point aircraft and gimbal, and when."""
+"""The path as waypoints for an autopilot: where to fly, how to point aircraft and gimbal, and when."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...errors import Message
 from ...geodesy.mercator import wrap_lon_deg
 from ..outlines import cut_line
+from ..path import CAPTURE, LANDING, LEAD_IN, TAKEOFF, TRANSIT, TURNAROUND
 from ..plan import Plan
 from .rows import clock, parts
 
@@ -20,21 +21,41 @@ Floats = NDArray[np.float64]
 LINE_POINTS = 50_000
 
 
+#: What waypoints that are no captures are called.
+NAMES = {
+    TAKEOFF: "take-off",
+    TRANSIT: "transit",
+    LEAD_IN: "lead-in",
+    TURNAROUND: "turnaround",
+    LANDING: "landing",
+}
+
+
 class Waypoint(NamedTuple):
-    """One capture as it is asked of an aircraft.
+    """One point of a path as it is asked of an aircraft.
 
     Parameters
     ----------
+    name : str
+        Of the capture, or one of `NAMES`.
+    column, row : int
+        Of the capture; -1 at points between.
     lat_deg, lon_deg : float
         Longitude in [-180, 180).
     heading_deg : float
-        Of the aircraft, which is where the top of the picture points, in [0, 360).
+        Of the aircraft, which is where the top of the image points, in [0, 360); that of the capture ahead at points
+        between, and that of the last one on the way back.
+    agl_m : float
+        Height above ground; 0 at take-off and landing.
     above_first_m : float
-        Height above the ground below the first capture; the height above ground where that is level.
+        Height above the ground at take-off, or below the first capture where none is set; the height above ground where
+        that is level.
     gimbal_pitch_deg : float
         -90 straight down, 0 to the horizon.
     time : str
         UTC, ISO 8601 to the millisecond.
+    kind : int
+        One of `path`'s kinds: `CAPTURE`, or what lies between.
     """
 
     name: str
@@ -47,6 +68,12 @@ class Waypoint(NamedTuple):
     heading_deg: float
     gimbal_pitch_deg: float
     time: str
+    kind: int = CAPTURE
+
+    @property
+    def is_capture(self) -> bool:
+        """Whether an image is taken here."""
+        return self.kind == CAPTURE
 
     @property
     def details(self) -> dict[str, float]:
@@ -55,45 +82,73 @@ class Waypoint(NamedTuple):
         return {name: getattr(self, name) for name in names}
 
 
-def waypoints(plan: Plan) -> Iterator[Waypoint]:
-    """Captures in flight order, where they were meant to be: what wind does to a flight is not asked of an aircraft.
+def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
+    """Points of a path in flight order, of one sortie or of all; of a mission without a route the captures alone.
 
-    A gimbal does not look backwards: a view that is lifted to the rear becomes one to the front of an aircraft that
-    is turned around. It sees the same ground, upside down.
+    They are where they were meant to be: what wind does to a flight is not asked of an aircraft. A gimbal does not look
+    backwards: a view that is lifted to the rear becomes one to the front of an aircraft that is turned around. It sees
+    the same ground, upside down.
     """
-    meant = plan.poses if plan.nominal is None else plan.nominal
-    lon = wrap_lon_deg(meant.lon_deg)
-    above_first = meant.agl_m + (plan.ground_m - plan.ground_m[0])
-    for part in parts(len(plan)):
-        backwards = meant.tilt_deg[part] < 0.0
-        heading = np.mod(meant.yaw_deg[part] + 180.0 * backwards, 360.0)
+    path, meant = plan.path if sortie is None else plan.path.of(sortie), plan.meant
+    lon = wrap_lon_deg(path.lon_deg)
+    taken, ahead = path.capture >= 0, _captures_ahead(path.capture)
+    agl, above_first = path.agl_m, path.height_m - path.base_m
+    # To the last digit, as the plan has them.
+    own = path.capture[taken]
+    agl[taken] = meant.agl_m[own]
+    above_first[taken] = meant.agl_m[own] + (plan.ground_m[own] - path.base_m)
+    for part in parts(len(path)):
+        at = ahead[part]
+        backwards = meant.tilt_deg[at] < 0.0
+        heading = np.mod(meant.yaw_deg[at] + 180.0 * backwards, 360.0)
         # The remainder of a tiny negative angle is rounded to 360.
         heading = np.where(heading >= 360.0, 0.0, heading)
+        kinds, captures = path.kind[part].tolist(), path.capture[part].tolist()
+        columns, rows = (np.where(taken[part], values[at], -1).tolist() for values in (plan.column, plan.row))
         yield from map(
             Waypoint._make,
             zip(
-                plan.names[part],
-                plan.column[part].tolist(),
-                plan.row[part].tolist(),
-                meant.lat_deg[part].tolist(),
+                [plan.names[one] if one >= 0 else NAMES[kind] for one, kind in zip(captures, kinds)],
+                columns,
+                rows,
+                path.lat_deg[part].tolist(),
                 lon[part].tolist(),
-                meant.agl_m[part].tolist(),
+                agl[part].tolist(),
                 above_first[part].tolist(),
                 heading.tolist(),
-                (np.abs(meant.tilt_deg[part]) - 90.0).tolist(),
-                clock(plan.start, plan.times_s[part]),
+                (np.abs(meant.tilt_deg[at]) - 90.0).tolist(),
+                clock(plan.start, path.time_s[part]),
+                kinds,
             ),
         )
 
 
-def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
+def _captures_ahead(capture: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Capture that each point of a path leads to, (m,): itself, the next one, and behind the last one that."""
+    known = np.flatnonzero(capture >= 0)
+    ahead: NDArray[np.int64] = capture[
+        known[np.minimum(np.searchsorted(known, np.arange(len(capture))), len(known) - 1)]
+    ]
+    return ahead
+
+
+def takeoff_of(plan: Plan) -> tuple[float, float] | None:
+    """Latitude and longitude, in [-180, 180), of the place of take-off; None where there is none."""
+    place = plan.mission.route.takeoff
+    return None if place is None else (place[0], float(wrap_lon_deg(np.array(place[1]))))
+
+
+def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Floats, Floats]]:
     """Way from waypoint to waypoint as longitudes, latitudes and heights above ground, cut at the antimeridian.
 
-    Of more than `LINE_POINTS` waypoints it goes through every k-th and through the ends of the rows, and where even
-    those are too many, through every k-th.
+    Of a path with more than its captures it has all points, of one sortie or of all. Else of more than `LINE_POINTS`
+    waypoints it goes through every k-th and through the ends of the rows, and where even those are too many, through
+    every k-th.
     """
-    meant = plan.poses if plan.nominal is None else plan.nominal
-    count = len(plan)
+    if not plan.path.is_captures:
+        path = plan.path if sortie is None else plan.path.of(sortie)
+        return [(lon, lat, agl) for lon, lat, agl in cut_line(path.lon_deg, path.lat_deg, path.agl_m)]
+    meant, count = plan.meant, len(plan)
     stride = -(-count // LINE_POINTS)
     places = np.arange(0, count, stride)
     if stride > 1:
@@ -107,8 +162,7 @@ def flight_line(plan: Plan) -> list[tuple[Floats, Floats, Floats]]:
 
 def not_flown(plan: Plan) -> tuple[str, ...]:
     """What of a mission an autopilot's mission of waypoints cannot say, one line each."""
-    notes = []
-    meant = plan.poses if plan.nominal is None else plan.nominal
+    notes, meant = [], plan.meant
     roll, tilt = float(meant.roll_deg[np.abs(meant.roll_deg).argmax()]), float(meant.tilt_deg.min())
     if roll:
         notes.append(Message("the roll of {0:g} deg is left out: waypoints have none", roll))

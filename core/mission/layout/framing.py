@@ -24,11 +24,11 @@ from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
 from ..mission import Mission
 from ..no_fly import left_out
-from ..parts import GROUND
+from ..parts import FIRST, GROUND
 from ..relief import Flown, ReliefBelow
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, lay_out, point_angles_deg
+from .rows import Layout, from_entry, lay_out, point_angles_deg
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -153,21 +153,27 @@ def framed(
             zoom = min(zoom, lower)
             layout, parts = in_rows(1.0 / grid.world_px(zoom))
     layout, passes, parts, lost = left_out(mission.no_fly, layout, passes, parts)
+    layout = from_entry(mission, layout, (*parts, *(one.first for one in passes)))
     flown = None
     if relief is not None:
         flown = relief.flown(layout)
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    alike = bool(passes) and mission.wind is None and grid.own is None and flown is None
-    windows = _windows(framing, poses, grid, zoom, alike=alike)
+    alike = passes and mission.wind is None and grid.own is None and flown is None
+    windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
     return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown, parts, lost)
 
 
-def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, *, alike: bool) -> Windows:
-    """Windows of captures; those that are nearly alike share theirs."""
+def _laid_out_first(mission: Mission, layout: Layout) -> int:
+    """Index of the capture that a flight as laid out begins with: frames are told from it wherever a flight begins."""
+    return 0 if mission.route.entry == FIRST else int(np.lexsort((layout.column, layout.row))[0])
+
+
+def _windows(framing: Framing, poses: Poses, grid: PixelGrid, zoom: int, alike: int | None) -> Windows:
+    """Windows of captures; those that are nearly alike, as is told from the one by this index, share theirs."""
     pixel = 1.0 / grid.world_px(zoom)
-    if alike:
-        edges, run = _rounded_edges(framing, poses, pixel), np.arange(len(poses.lat_deg))
+    if alike is not None:
+        edges, run = _rounded_edges(framing, poses, pixel, alike), np.arange(len(poses.lat_deg))
     else:
         first, run = runs_on(grid, poses)
         edges = framing.edges(poses.take(first), pixel)
@@ -201,8 +207,10 @@ def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
     return mission.with_(agl_m=float(least.min()))
 
 
-def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
+def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int) -> FrameEdges:
     """Edges of frames of turned rows, (n,): poses whose latitude and yaw are nearly the same share theirs.
+
+    How nearly is told from the frame of one of them.
 
     A frame no point of which is farther than r from the camera lies in the image of one that is turned by an angle, or
     stretched by a share, where it is smaller by r times that angle or share on every side.
@@ -214,7 +222,8 @@ def _rounded_edges(framing: Framing, poses: Poses, pixel: float) -> FrameEdges:
         down = np.maximum(np.abs(edges.top_v - v), np.abs(edges.bottom_v - v))
         return np.hypot(across, down), np.minimum(*edges.size) / 2.0
 
-    (far,), (near,) = far_and_near(framing.edges(poses.take(slice(0, 1)), pixel), poses.lat_deg[:1])
+    one = slice(reference, reference + 1)
+    (far,), (near,) = far_and_near(framing.edges(poses.take(one), pixel), poses.lat_deg[one])
     turn_deg = math.degrees(2.0 * _NARROWED * max(float(near), _SMALLEST) / max(float(far), _SMALLEST))
     step_deg = turn_deg / (1.0 + math.tan(math.radians(float(np.abs(poses.lat_deg).max()))))
     lat, yaw = np.rint(poses.lat_deg / step_deg), np.rint(poses.yaw_deg / turn_deg)

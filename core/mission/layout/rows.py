@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
@@ -16,7 +17,7 @@ from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_
 from ...geodesy.projections import utm_zone
 from ..area import Box, Points, Polygon, Polygons, row_spans, touching
 from ..mission import Mission
-from ..parts import ONE_WAY
+from ..parts import COMPASS_CORNERS, FIRST, NEAREST, ONE_WAY
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -613,6 +614,69 @@ def in_order(layout: Layout, order: str) -> Layout:
     """Rows one after the other: to and fro, or each from its first column."""
     column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
     return picked(layout, np.lexsort((column, layout.row)))
+
+
+def from_entry(mission: Mission, layout: Layout, firsts: tuple[int, ...]) -> Layout:
+    """Captures in the order in which a flight takes them that enters their rows where the mission's route says.
+
+    The rows are those of the layout, flown from their other end, in the opposite order, or both. Of the four captures
+    that a flight may begin with each belongs to the corner of the compass that, all together, they are nearest to. A
+    further pass begins where it is nearest to the end of the one before. Points keep their order.
+
+    Parameters
+    ----------
+    firsts : tuple of int
+        Index of the first capture of each pass, and of each of several polygons, which keep their order; none for a
+        single one.
+    """
+    route = mission.route
+    if isinstance(mission.area, Points) or route.entry == FIRST:
+        return layout
+    starts = sorted({0, *(first for first in firsts if first < len(layout.row))})
+    north = layout.lat_deg - layout.lat_deg[0]
+    east = (layout.lon_deg - layout.lon_deg[0]) * math.cos(math.radians(float(layout.lat_deg.mean())))
+    place = np.stack([east, north], axis=1)
+    orders: list[Numbers] = []
+    for start, end in zip(starts, [*starts[1:], len(layout.row)]):
+        ways = [one + start for one in _ways(layout, slice(start, end), mission.flight.order)]
+        begins = place[[one[0] for one in ways]]
+        if orders:
+            chosen = _nearest(begins, place[orders[-1][-1]])
+        elif route.entry == NEAREST and route.takeoff is not None:
+            lat, lon = route.takeoff
+            turn = 360.0 * round((float(layout.lon_deg[0]) - lon) / 360.0)
+            scale = math.cos(math.radians(float(layout.lat_deg.mean())))
+            home = np.array([(lon + turn - layout.lon_deg[0]) * scale, lat - layout.lat_deg[0]])
+            chosen = _nearest(begins, home)
+        else:
+            chosen = _corners_of(begins, place[start:end])[list(COMPASS_CORNERS).index(route.entry)]
+        orders.append(ways[chosen])
+    return picked(layout, np.concatenate(orders))
+
+
+def _ways(layout: Layout, part: slice, order: str) -> list[Numbers]:
+    """Orders of a pass: from its first row or its last, and along its first row or back."""
+    _, row = np.unique(layout.row[part], return_inverse=True)
+    found = []
+    for rows in (row, row.max() - row):
+        back = np.zeros_like(rows) if order == ONE_WAY else rows % 2
+        both = (layout.column[part], -layout.column[part])
+        found += [np.lexsort((np.where(back, -column, column), rows)) for column in both]
+    return found
+
+
+def _nearest(places: Floats, to: Floats) -> int:
+    return int(np.argmin(np.hypot(*(places - to).T)))
+
+
+def _corners_of(begins: Floats, places: Floats) -> tuple[int, ...]:
+    """Which of four places (4, 2) is whose corner of the box around places (n, 2), by `COMPASS_CORNERS`."""
+    low, high = places.min(axis=0), places.max(axis=0)
+    corners = np.array(
+        [[(low, high)[side > 0][axis] for axis, side in enumerate(both)] for both in COMPASS_CORNERS.values()]
+    )
+    apart = np.square(begins[np.newaxis] - corners[:, np.newaxis]).sum(axis=-1)
+    return min(itertools.permutations(range(4)), key=lambda which: float(apart[range(4), which].sum()))
 
 
 # --- the paper's grid

@@ -484,3 +484,71 @@ def test_ground_that_relief_hides_from_all_images_is_told(dem, values):
     assert hidden > 0.02
     assert found.hidden_share == pytest.approx(hidden, abs=0.008)
     assert f"relief hides about {100 * found.hidden_share:.1f} %" in dict(found.lines())["coverage"]
+
+
+# --- the path between captures
+
+
+def along(path, surface=hills, step_m=0.5):
+    """Heights of the path and of a surface below it, at places along it, without the ways up and down at home."""
+    x, y = TO_UTM.transform(path.lon_deg, path.lat_deg)
+    x, y, z = x - WEST, NORTH - y, path.height_m
+    parts = []
+    for at in range(len(path) - 1):
+        if np.hypot(x[at + 1] - x[at], y[at + 1] - y[at]) < 0.01:
+            continue
+        share = np.linspace(0.0, 1.0, int(np.hypot(x[at + 1] - x[at], y[at + 1] - y[at]) / step_m) + 2)
+        parts.append([values[at] + share * (values[at + 1] - values[at]) for values in (x, y, z)])
+    east, south, height = (np.concatenate(values) for values in zip(*parts))
+    return height, surface(east, south)
+
+
+def test_legs_between_captures_keep_nine_tenths_of_the_height_over_hills(dem):
+    # From slope to slope, with a summit between them.
+    west, east = box(500.0, 440.0, 501.0, 439.0), box(900.0, 440.0, 901.0, 439.0)
+    points = Points(tuple((place.south_deg, place.west_deg, 40.0) for place in (west, east)))
+    mission = Mission(points, 40.0, CAMERA, elevation=(dem["hills"],))
+    height, ground = along(flown(mission).path)
+    assert (height - ground).min() < 10.0
+    path = flown(mission.with_(lead_in_m=10.0)).path
+    height, ground = along(path)
+    assert (height - ground).min() >= 0.9 * 40.0 - 0.1
+    assert path.agl_m[path.capture < 0].max() < 45.0
+
+
+def test_legs_keep_the_clearance_over_a_tower(dem):
+    where = box(380.0, 560.0, 620.0, 440.0)
+    mission = Mission(
+        where,
+        60.0,
+        CAMERA,
+        elevation=(dem["tower"],),
+        clearance_m=15.0,
+        clearance_distance_m=6.0,
+        lead_in_m=5.0,
+    )
+    height, surface = along(flown(mission).path, tower)
+    assert (height - surface).min() >= 15.0 - 0.2
+
+
+def test_the_way_from_a_valley_is_flown_over_the_highest_ground_on_it(dem):
+    home = box(300.0, 850.0, 301.0, 849.0)
+    takeoff = (home.north_deg, home.west_deg)
+    made = flown(Mission(AREA, 40.0, CAMERA, elevation=(dem["hills"],), takeoff=takeoff))
+    path = made.path
+    x, y = TO_UTM.transform(takeoff[1], takeoff[0])
+    assert path.base_m == pytest.approx(hills(x - WEST, NORTH - y), abs=0.05)
+    assert path.height_m[[0, -1]] == pytest.approx(path.base_m)
+    ways = [path.of(0).kind.tolist().index(3), len(path) - 1 - path.kind[::-1].tolist().index(3)]
+    for way in (slice(0, ways[0]), slice(ways[1] + 1, None)):
+        height = path.height_m[way]
+        # One height from above the take-off to above the rows.
+        assert np.ptp(height[height > path.base_m + 1.0]) < 1e-6
+    height, ground = along(path)
+    assert (height - ground).min() >= 0.9 * 40.0 - 0.1
+    assert made.path.agl_m[path.capture >= 0] == pytest.approx(40.0)
+
+
+def test_a_take_off_without_ground_is_refused(dem):
+    with pytest.raises(InvalidInput, match=r"no height at latitude 38\.0"):
+        _ = flown(Mission(AREA, 80.0, CAMERA, elevation=(dem["hills"],), takeoff=(38.0, -77.0))).path
