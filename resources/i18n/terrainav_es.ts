@@ -383,7 +383,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Select on the &amp;map</source>
-        <translation>Seleccionar en el &amp;mapa</translation>
+        <translation>Seleccionar &amp;en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -512,7 +512,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a pixel of the screen, with Shift by ten; Esc ends it.</source>
-        <translation>Cambiar el área en el mapa: arrastre dentro de ella para moverla; arrastre los lados y las esquinas de un rectángulo, o los vértices de un polígono. Al arrastrar el lado de un polígono se añade un vértice; un clic derecho sobre un vértice, o Supr, lo quita; un clic derecho en otra parte recorta huecos y añade polígonos. Las flechas mueven el área un píxel de la pantalla, con Mayús diez; Esc termina.</translation>
+        <translation>Cambiar el área en el mapa: arrastre dentro de ella para moverla; arrastre los lados y las esquinas de un recuadro, o los vértices de un polígono. Al arrastrar el lado de un polígono se añade un vértice; un clic derecho sobre un vértice, o Supr, lo quita; un clic derecho en otra parte recorta huecos y añade polígonos. Las flechas mueven el área un píxel de la pantalla, con Mayús diez; Esc termina.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -815,11 +815,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>&amp;Draw no-fly area</source>
-        <translation>&amp;Dibujar zona de exclusión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>&amp;Map canvas extent</source>
         <translation>&amp;Extensión del lienzo del mapa</translation>
     </message>
@@ -845,6 +840,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>A&amp;rea file (KML, GeoJSON)…</source>
+        <translation>Arch&amp;ivo del área (KML, GeoJSON)…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>All polygons of a KML, KMZ or GeoJSON file</source>
         <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON</translation>
     </message>
@@ -852,11 +852,6 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>All polygons of a KML, KMZ or GeoJSON file, with their holes</source>
         <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON, con sus huecos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Area &amp;file…</source>
-        <translation>Archivo del ár&amp;ea…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -881,6 +876,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Draw &amp;no-fly area</source>
+        <translation>Di&amp;bujar zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Draw a hole inside the area</source>
         <translation>Dibujar un hueco dentro del área</translation>
     </message>
@@ -893,7 +893,7 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>Draw pol&amp;ygon</source>
-        <translation>Dibujar políg&amp;ono</translation>
+        <translation>Dibujar polí&amp;gono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -933,13 +933,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>No-fly areas from &amp;file…</source>
-        <translation>Zonas de exclusión de un &amp;archivo…</translation>
+        <source>No-fly areas from file (&amp;KML, GeoJSON)…</source>
+        <translation>Zonas de exclusión de un archivo (&amp;KML, GeoJSON)…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>No-fly areas from &amp;layer…</source>
-        <translation>Zonas de exclusión de una &amp;capa…</translation>
+        <source>No-fly areas from lay&amp;er…</source>
+        <translation>Zonas de e&amp;xclusión de una capa…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -959,7 +959,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Poly&amp;gons of a layer…</source>
-        <translation>Polí&amp;gonos de una capa…</translation>
+        <translation>Políg&amp;onos de una capa…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -1004,7 +1004,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>Make it a &amp;polygon</source>
-        <translation>Convertirla en &amp;polígono</translation>
+        <translation>Convertir en &amp;polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
@@ -1029,7 +1029,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>make it a polygon</source>
-        <translation>convertirla en polígono</translation>
+        <translation>convertir en polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>

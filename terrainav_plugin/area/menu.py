@@ -78,19 +78,19 @@ class NoFlyMenu(MenuButton):
                     (
                         NoFlyWay.DRAW,
                         "=no_fly",
-                        tr("&Draw no-fly area"),
+                        tr("Draw &no-fly area"),
                         tr("Click each corner on the map; a double click, a right click or Enter finishes"),
                     ),
                     (
                         NoFlyWay.LAYER,
                         "/mIconPolygonLayer.svg",
-                        tr("No-fly areas from &layer…"),
+                        tr("No-fly areas from lay&er…"),
                         tr("Polygons of a layer, all or those selected"),
                     ),
                     (
                         NoFlyWay.FILE,
                         "/mActionFileOpen.svg",
-                        tr("No-fly areas from &file…"),
+                        tr("No-fly areas from file (&KML, GeoJSON)…"),
                         tr("All polygons of a KML, KMZ or GeoJSON file"),
                     ),
                 ),
@@ -177,7 +177,7 @@ class AreaMenu(MenuButton):
                 (
                     Way.AREA_FILE,
                     "/mActionFileOpen.svg",
-                    tr("Area &file…"),
+                    tr("A&rea file (KML, GeoJSON)…"),
                     tr("All polygons of a KML, KMZ or GeoJSON file, with their holes"),
                 ),
                 (
