@@ -22,7 +22,7 @@ from ..messages import Messages
 from ..paths import symbol
 from ..tasks import single_shot
 from .bands import NO_FLY_COLOURS, AreaMark
-from .corners import as_polygons, with_hole, with_polygon
+from .corners import as_polygons, pointed, with_hole, with_polygon
 from .dialogs import LayerDialog, LineDialog, PointsDialog, PolygonDialog
 from .drawing import PolygonTool
 from .editing import AreaEditing
@@ -45,8 +45,6 @@ from .tools import AreaTool, BoxTool, PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.
 _MARGIN = 1.5
-#: Of degrees, a centimetre on the ground: a click is no nearer.
-_DECIMALS = 7
 #: Pause in typing after which the map goes to an area that is out of sight.
 _PAUSE_MS = 600
 
@@ -419,9 +417,8 @@ class AreaControl(QObject):
         self._editing.set_no_fly(tuple(dict.fromkeys((*entered_no_fly(self._editing.state()), *added))), step)
 
     def _take_takeoff(self, lat_deg: float, lon_deg: float) -> None:
-        self._editing.set_takeoff(
-            takeoff_text((round(lat_deg, _DECIMALS), round(lon_deg, _DECIMALS))), tr("set take-off point")
-        )
+        lon, lat = pointed(lon_deg, lat_deg)
+        self._editing.set_takeoff(takeoff_text((lat, lon)), tr("set take-off point"))
 
     def _take_single(self, lat_deg: float, lon_deg: float) -> None:
         state = self._editing.state()

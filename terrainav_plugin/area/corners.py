@@ -14,6 +14,8 @@ from .outline import Corner, kept_lat, polygon_geometry, rings_of
 
 #: A ring has no fewer corners.
 LEAST_CORNERS = 3
+#: Of degrees, a centimetre on the ground: a pointer is no nearer, and the panel's entries show them all.
+DECIMALS = 7
 #: Sides of a box as long as this are the longer way around, and no edges of a polygon.
 _HALF_TURN_DEG = 180.0
 #: Square degrees that two areas may share without overlapping: a square micrometre on the ground.
@@ -30,6 +32,11 @@ def as_polygons(area: Area) -> Polygon | Polygons | None:
     return None if isinstance(area, Points) else area
 
 
+def pointed(lon_deg: float, lat_deg: float) -> Position:
+    """Place that was pointed at, with the digits that mean something."""
+    return round(lon_deg, DECIMALS), round(lat_deg, DECIMALS)
+
+
 def with_corner_moved(
     area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float
 ) -> Polygon | Polygons:
@@ -37,7 +44,7 @@ def with_corner_moved(
 
     def move(ring: list[Position]) -> None:
         lon, lat = ring[corner.at]
-        ring[corner.at] = lon + dlon_deg, kept_lat(lat, dlat_deg)
+        ring[corner.at] = pointed(lon + dlon_deg, kept_lat(lat, dlat_deg))
 
     return _changed(area, corner, move)
 
@@ -48,7 +55,7 @@ def with_corner_added(
     """Area with another corner on the edge after one."""
 
     def add(ring: list[Position]) -> None:
-        ring.insert(corner.at + 1, (_near(lon_deg, ring[corner.at][0]), lat_deg))
+        ring.insert(corner.at + 1, pointed(_near(lon_deg, ring[corner.at][0]), lat_deg))
 
     return _changed(area, corner, add)
 

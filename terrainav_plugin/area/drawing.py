@@ -25,7 +25,7 @@ from ..i18n import tr, translate
 from ..map.canvas import TemporaryTool
 from ..units import METRES, area_text, length_text
 from .bands import AREA_COLOURS, BandColours, PointerText, area_band, corner_band
-from .corners import LEAST_CORNERS
+from .corners import LEAST_CORNERS, pointed
 from .layers import polygon_of_rings
 from .outline import place_at
 
@@ -194,7 +194,8 @@ class PolygonTool(TemporaryTool):
         if not QgsGeometry.fromPolygonXY([ring]).isGeosValid():
             raise InvalidInput(tr("the outline would cross itself"))
         context = QgsProject.instance().transformContext()
-        return polygon_of_rings([ring], self._crs, context, tr("outline"), self._tolerance_m(corners[0]))
+        found = polygon_of_rings([ring], self._crs, context, tr("outline"), self._tolerance_m(corners[0]))
+        return Polygon(tuple(tuple(pointed(*corner) for corner in ring) for ring in found.rings))
 
     def _tolerance_m(self, point: QgsPointXY) -> float:
         """Metres on the ground that half a pixel of the screen shows."""
