@@ -6,6 +6,7 @@ import argparse
 from typing import Any
 
 from ..dataset.folder import DEFAULT_ENTROPY, FRAMES, LAYOUTS, PARTS, SEED, SHARES, TARGETS, TRAIN, WAYS
+from ..exports.kinds import KINDS
 from ..geodesy.lens import Lens
 from ..map_types import MAP_TYPES
 from ..mission.options import OPTIONS, Option
@@ -28,13 +29,6 @@ _SHARED = (
     *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
-#: Formats of exports, by the names of `exports.formats`; those that take a dataset of any images; and the layouts of
-#: `exports.localisers`, which take a benchmark.
-EXPORTS = ("colmap", "nerfstudio", "tum", "kitti")
-DATASET_EXPORTS = ("parquet", "huggingface", "croissant")
-#: Of these, what may lie in the dataset's own folder.
-BESIDE_TABLES = ("parquet", "croissant")
-BENCHMARK_EXPORTS = ("university-1652", "denseuav", "uav-visloc", "gta-uav", "ortholoc", "anyvisloc")
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
@@ -334,7 +328,7 @@ def _add_export(commands: Any) -> None:
         "--as",
         dest="format",
         required=True,
-        choices=(*EXPORTS, *DATASET_EXPORTS, *BENCHMARK_EXPORTS),
+        choices=tuple(KINDS),
         help="of camera frames: COLMAP's model, nerfstudio's, or a trajectory; of a dataset: tables as Parquet, "
         "folders of images for Hugging Face's datasets, or a description of the files; of a benchmark: the layout of "
         "a set that localisers are judged on",

@@ -2,6 +2,7 @@
 
 In reading order:
 
+- `kinds`: the formats by name, and one way into all of them
 - `views`: camera frames of a dataset with their poses in one local frame
 - `formats`: COLMAP models, nerfstudio's transforms, trajectories as TUM and KITTI have them
 - `tables`: tables of any dataset as Parquet, with footprints

@@ -803,9 +803,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <location filename="../../terrainav_plugin/area/tools.py"/>
-        <source>&amp;Add a polygon</source>
-        <translation>&amp;Añadir un polígono</translation>
+        <source>&amp;Corridor along a line…</source>
+        <translation>C&amp;orredor a lo largo de una línea…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -840,13 +839,9 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>A&amp;rea file (KML, GeoJSON)…</source>
-        <translation>Arch&amp;ivo del área (KML, GeoJSON)…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>All polygons of a KML, KMZ or GeoJSON file</source>
-        <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON</translation>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Add anoth&amp;er polygon</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -860,11 +855,22 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Area file (KML, Geo&amp;JSON)…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Circles from which the camera looks at a point</source>
+        <translation>Círculos desde los que la cámara mira a un punto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Click a point on the map: the mission is one image, straight above it</source>
         <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
         <source>Click each corner on the map; a double click, a right click or Enter finishes</source>
         <translation>Haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina</translation>
     </message>
@@ -873,11 +879,6 @@
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>Cut a &amp;hole</source>
         <translation>Recortar un &amp;hueco</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Draw &amp;no-fly area</source>
-        <translation>Di&amp;bujar zona de exclusión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -893,7 +894,7 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>Draw pol&amp;ygon</source>
-        <translation>Dibujar polí&amp;gono</translation>
+        <translation>Tra&amp;zar polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -902,13 +903,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>F&amp;açade along a line…</source>
+        <translation>F&amp;achada a lo largo de una línea…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Flights along a wall, one above the other; the camera looks at it</source>
+        <translation>Vuelos a lo largo de un muro, uno encima de otro; la cámara lo mira</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Flights around a building, one above the other; the camera looks at its walls</source>
+        <translation>Vuelos alrededor de un edificio, uno encima de otro; la cámara mira a sus muros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, lines of lat lon agl [yaw], or a table whose first line names its columns; heights in the unit chosen</source>
         <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl, líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en la unidad elegida</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Ground that no image is taken over: drawn, of a layer or of a file</source>
-        <translation>Terreno sobre el que no se toma ninguna imagen: dibujado, de una capa o de un archivo</translation>
+        <source>Images at random places of the area, with random heights, directions and tilts</source>
+        <translation>Imágenes en lugares aleatorios del área, con alturas, direcciones e inclinaciones aleatorias</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -927,19 +943,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>No-fly areas</source>
-        <translation>Zonas de exclusión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>No-fly areas from file (&amp;KML, GeoJSON)…</source>
-        <translation>Zonas de exclusión de un archivo (&amp;KML, GeoJSON)…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>No-fly areas from lay&amp;er…</source>
-        <translation>Zonas de e&amp;xclusión de una capa…</translation>
+        <source>O&amp;rbit around a point…</source>
+        <translation>Ór&amp;bita alrededor de un punto…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -959,12 +964,22 @@
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Poly&amp;gons of a layer…</source>
-        <translation>Políg&amp;onos de una capa…</translation>
+        <translation>Polí&amp;gonos de una capa…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Polygons of a layer, all or those selected</source>
-        <translation>Polígonos de una capa, todos o los seleccionados</translation>
+        <source>Ra&amp;ndom poses in the area…</source>
+        <translation>Poses aleator&amp;ias en el área…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Rows along a line that show all of a strip</source>
+        <translation>Pasadas a lo largo de una línea que muestran toda una franja</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Str&amp;ucture around a polygon…</source>
+        <translation>Estructura: &amp;vuelo alrededor de un polígono…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -985,6 +1000,152 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>The selected polygons, or all, with their holes; images that touch none are left out</source>
         <translation>Los polígonos seleccionados, o todos, con sus huecos; las imágenes que no tocan ninguno se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>&amp;Draw no-fly area</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>All polygons of a KML, KMZ or GeoJSON file</source>
+        <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>Ground that no image is taken over: drawn, of a layer or of a file</source>
+        <translation>Terreno sobre el que no se toma ninguna imagen: dibujado, de una capa o de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>No-fly areas</source>
+        <translation>Zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>No-fly areas from &amp;file…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>No-fly areas from &amp;layer…</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>Polygons of a layer, all or those selected</source>
+        <translation>Polígonos de una capa, todos o los seleccionados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Height above ground, from and to</source>
+        <translation>&amp;Altura sobre el suelo, desde y hasta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Images</source>
+        <translation>&amp;Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Tilt up to</source>
+        <translation>&amp;Inclinación hasta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Camera and overlaps ({along} %, {across} %) are those of the panel.</source>
+        <translation>La cámara y los solapes ({along} %, {across} %) son los del panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Camera, height ({height}) and overlaps ({along} %, {across} %) are those of the panel.</source>
+        <translation>La cámara, la altura ({height}) y los solapes ({along} %, {across} %) son los del panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Centre of the circles; starts as the middle of the map</source>
+        <translation>Centro de los círculos; al principio, el centro del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Centre, l&amp;atitude and longitude</source>
+        <translation>Centro, l&amp;atitud y longitud</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Corridor along a line</source>
+        <translation>Corredor a lo largo de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Façade along a line</source>
+        <translation>Fachada a lo largo de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>From the l&amp;eft</source>
+        <translation>Desde la izqui&amp;erda</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Greatest tilt; the least is 0</source>
+        <translation>Inclinación máxima; la mínima es 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Its only feature is taken.</source>
+        <translation>Se toma su único objeto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Nothing is selected in it: all {n} features are taken.</source>
+        <translation>No hay nada seleccionado en ella: se toman todos los objetos ({n}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Number of images</source>
+        <translation>Número de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Orbit around a point</source>
+        <translation>Órbita alrededor de un punto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Places evenly inside the area, in any direction, at heights and tilts evenly between two values.</source>
+        <translation>Lugares repartidos por igual en el área, en cualquier dirección, con alturas e inclinaciones repartidas por igual entre dos valores.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Random poses in the area</source>
+        <translation>Poses aleatorias en el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Selected features are taken: {n}.</source>
+        <translation>Se toman los objetos seleccionados: {n}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Structure around a polygon</source>
+        <translation>Estructura alrededor de un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>The camera stands to the left of the lines, in their direction; otherwise to their right</source>
+        <translation>La cámara está a la izquierda de las líneas, en su sentido; si no, a su derecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>no area to draw poses in: draw a box or a polygon first</source>
+        <translation>no hay un área para las poses: dibuje antes un rectángulo o un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>the camera is not complete: fix its fields in the panel first</source>
+        <translation>la cámara no está completa: corrija antes sus campos en el panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
@@ -1914,7 +2075,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2736,7 +2897,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{distance}, {duration} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{distance}, {duration} con los giros</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3028,6 +3189,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Map type</source>
         <translation>Tipo de mapa</translation>
     </message>
@@ -3232,7 +3394,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3394,7 +3556,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>none: from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>ninguno: de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3736,7 +3898,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Sortie {number}</source>
-        <translation type="unfinished"></translation>
+        <translation>Salida {number}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4385,6 +4547,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a description of its files. A benchmark becomes the layout of a published one.</source>
+        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face o una descripción de sus archivos. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Clean a dataset</source>
         <translation>Limpiar un conjunto de datos</translation>
     </message>
@@ -4400,8 +4567,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Export a dataset or benchmark</source>
+        <translation>Exportar un conjunto de datos o de evaluación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Folder of the diagrams</source>
         <translation>Carpeta de los diagramas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Folder of the export</source>
+        <translation>Carpeta de la exportación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Format</source>
+        <translation>Formato</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4455,6 +4637,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Images, files or queries written</source>
+        <translation>Imágenes, archivos o consultas escritos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Least entropy (bits)</source>
         <translation>Entropía mínima (bits)</translation>
     </message>
@@ -4462,6 +4649,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Mark rejected images in the table, move them as well, or put all back.</source>
         <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out.</source>
+        <translation>Que aún no exista o esté vacía; si se omite, parquet y croissant van a la del propio conjunto de datos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4475,8 +4667,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of a capture, or of a benchmark.</source>
+        <translation>De una captura o de un conjunto de evaluación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them.</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.</source>
+        <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De un conjunto de evaluación: {benchmarks}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of several, the one that is exported. If empty: satellite, or all for formats of datasets.</source>
+        <translation>De varios, el que se exporta. Si está vacío: satellite, o todos en los formatos de conjuntos de datos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4585,6 +4792,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Writes a dataset or a benchmark in a format of other programs.</source>
+        <translation>Escribe un conjunto de datos o de evaluación en un formato de otros programas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Writes the part of each image to the column “split” of the tables: train, validation or test. Images of one place are in the same part in all map types; failed and rejected ones are in none.</source>
         <translation>Escribe la parte de cada imagen en la columna «split» de las tablas: train, validation o test. Las imágenes de un mismo lugar están en la misma parte en todos los tipos de mapa; las fallidas y las rechazadas no están en ninguna.</translation>
     </message>
@@ -4592,6 +4804,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>dataset,clean,entropy,filter,reject,training,machine learning</source>
         <translation>conjunto de datos,dataset,limpiar,entropía,filtro,rechazar,entrenamiento,aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,benchmark</source>
+        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,evaluación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4911,7 +5128,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight path with take-off and turns (metres)</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo con despegue y giros (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4981,7 +5198,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>Salidas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5001,7 +5218,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the flight path (seconds)</source>
-        <translation type="unfinished"></translation>
+        <translation>Tiempo de la trayectoria de vuelo (segundos)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6630,6 +6847,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/formats.py"/>
+        <location filename="../../core/exports/kinds.py"/>
         <location filename="../../core/exports/localisers.py"/>
         <source>format {0!r}: must be one of {1}</source>
         <translation>formato {0!r}: debe ser uno de {1}</translation>
@@ -6638,6 +6856,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/huggingface.py"/>
         <source>map type {0!r}: has no image to export</source>
         <translation>tipo de mapa {0!r}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>format {0}: needs the folder to write to</source>
+        <translation>formato {0}: necesita la carpeta en la que escribir</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>map type {0!r}: benchmarks have none to choose from</source>
+        <translation>tipo de mapa {0!r}: los conjuntos de evaluación no tienen ninguno que elegir</translation>
     </message>
     <message>
         <location filename="../../core/exports/localisers.py"/>
@@ -8662,7 +8890,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8771,12 +8999,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sun</source>
-        <translation type="unfinished"></translation>
+        <translation>sol</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8871,7 +9099,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0}, {1} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, {1} con los giros</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9592,7 +9820,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>As laid out</source>
-        <translation type="unfinished"></translation>
+        <translation>Según la disposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9602,7 +9830,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>At each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>En cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9622,7 +9850,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>By distance along rows</source>
-        <translation type="unfinished"></translation>
+        <translation>Por distancia a lo largo de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9667,7 +9895,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Hover and capture</source>
-        <translation type="unfinished"></translation>
+        <translation>Detenerse y capturar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9697,7 +9925,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Nearest to take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>La más cercana al despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9707,12 +9935,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9757,12 +9985,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9832,12 +10060,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery</source>
-        <translation type="unfinished"></translation>
+        <translation>batería</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: necesita un punto de despegue, donde empieza y termina cada salida</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9862,7 +10090,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
-        <translation type="unfinished"></translation>
+        <translation>esquina de las pasadas por la que empieza el vuelo; en pasadas giradas, la más cercana a esa dirección. first: según la disposición de las pasadas; nearest: la esquina más cercana al despegue. Los puntos conservan su orden</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9897,12 +10125,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry nearest: needs a take-off point to be near to</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada nearest: necesita un punto de despegue del que estar cerca</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9912,7 +10140,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9997,7 +10225,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far before the first capture of each row the flight is already on its line</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto antes de la primera captura de cada pasada vuela ya en línea con ella</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10007,7 +10235,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far the flight goes on beyond the end of each row before it turns</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10092,7 +10320,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>latitud y longitud del lugar donde empieza y termina el vuelo; si se omite, el vuelo va de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10102,12 +10330,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>lead-in</source>
-        <translation type="unfinished"></translation>
+        <translation>tramo de entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>least interval of images</source>
-        <translation type="unfinished"></translation>
+        <translation>intervalo mínimo de imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10252,7 +10480,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>set a take-off point{0}</source>
-        <translation type="unfinished"></translation>
+        <translation>indique un punto de despegue{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10322,20 +10550,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue {0}: debe ser una latitud de -90 a 90 y una longitud de -360 a 360 grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>the shortest time between two images that the camera can keep up</source>
-        <translation type="unfinished"></translation>
+        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
     </message>
@@ -10347,12 +10576,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>trigger</source>
-        <translation type="unfinished"></translation>
+        <translation>disparo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>turnaround</source>
-        <translation type="unfinished"></translation>
+        <translation>prolongación para el giro</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10367,7 +10596,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>waypoint: una imagen en cada punto de ruta, sin detenerse; distance: la cámara se dispara según la distancia volada en cada pasada; hover: la aeronave se detiene en cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10422,122 +10651,122 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: el vuelo necesita más de {1:,} salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take a smaller area, a nearer take-off or a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>tome un área menor, un despegue más cercano o una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take off nearer to it, fly faster or take a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue más cerca de ella, vuele más deprisa o tome una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue en la latitud {0:.6f}, longitud {1:.6f}: está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>east</source>
-        <translation type="unfinished"></translation>
+        <translation>este</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
-        <translation type="unfinished"></translation>
+        <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north</source>
-        <translation type="unfinished"></translation>
+        <translation>norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-east</source>
-        <translation type="unfinished"></translation>
+        <translation>noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-west</source>
-        <translation type="unfinished"></translation>
+        <translation>noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south</source>
-        <translation type="unfinished"></translation>
+        <translation>sur</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-east</source>
-        <translation type="unfinished"></translation>
+        <translation>sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-west</source>
-        <translation type="unfinished"></translation>
+        <translation>suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>west</source>
-        <translation type="unfinished"></translation>
+        <translation>oeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° below the horizon in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:.0f}° bajo el horizonte al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° high in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>a {0:.0f}° de altura al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.1f} to {1:.1f}</source>
-        <translation type="unfinished"></translation>
+        <translation>de {0:.1f} a {1:.1f}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}, at the end {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, al final {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: a bright spot, and glint on water, lie in the images</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: en las imágenes hay un punto brillante y reflejos en el agua</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: long shadows</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: sombras largas</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: night</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: noche</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: {1} of {2:g} min</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1} de {2:g} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; fly at {1:g} m/s or slower ({2})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; vuele a {1:g} m/s o más despacio ({2})</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; overlap less or fly higher</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; reduzca el solape o vuele más alto</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -10886,6 +11115,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}, que lee estos archivos, no está instalado</translation>
     </message>
     <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>distance {0:g} m: leaves no place that is so far from every wall</source>
+        <translation>distancia {0:g} m: no deja ningún lugar tan alejado de todos los muros</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>line of corners at one place: needs two or more</source>
+        <translation>línea con vértices en un solo lugar: necesita dos o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>line of {0:,.0f} km: a pattern reaches up to {1:g} km</source>
+        <translation>línea de {0:,.0f} km: un patrón alcanza hasta {1:g} km</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>take a shorter distance</source>
+        <translation>tome una distancia menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>take shorter lines</source>
+        <translation>tome líneas más cortas</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>{0:,.0f} poses: must be from 1 to {1:,}</source>
+        <translation>{0:,.0f} poses: deben ser de 1 a {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>{0}: there is none</source>
+        <translation>{0}: no hay ninguno</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/priors.py"/>
         <source>folder {0}: its table has no poses of a camera</source>
         <translation>carpeta {0}: su tabla no tiene poses de una cámara</translation>
@@ -10953,13 +11217,63 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Circles</source>
+        <translation>&amp;Círculos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Distance</source>
+        <translation>&amp;Distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Highest height</source>
+        <translation>Altura &amp;máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Images a circle</source>
+        <translation>&amp;Imágenes por círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Lowest height</source>
+        <translation>A&amp;ltura mínima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Offset to the right</source>
+        <translation>&amp;Desplazamiento a la derecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Radius</source>
+        <translation>&amp;Radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>&amp;Speed</source>
         <translation>V&amp;elocidad</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Tilt</source>
+        <translation>&amp;Inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Width</source>
+        <translation>&amp;Ancho</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>Camera rolls with the aircr&amp;aft</source>
         <translation>La cámara alabea con la aero&amp;nave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Height of the &amp;target</source>
+        <translation>Altura del &amp;objetivo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -10978,6 +11292,91 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>circles</source>
+        <translation>círculos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>circles from the lowest height to the highest, as far from each other</source>
+        <translation>círculos desde la altura mínima hasta la máxima, a igual distancia entre ellos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>distance</source>
+        <translation>distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>distance of the captures from the centre</source>
+        <translation>distancia de las capturas al centro</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>distance of the captures from the wall</source>
+        <translation>distancia de las capturas al muro</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>give the highest height as well</source>
+        <translation>indique también la altura máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the highest circle; left out, there is one</source>
+        <translation>altura sobre el suelo del círculo más alto; si no se indica, hay uno solo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the highest flight; left out, there is one</source>
+        <translation>altura sobre el suelo del vuelo más alto; si no se indica, hay uno solo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the lowest circle</source>
+        <translation>altura sobre el suelo del círculo más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the lowest flight</source>
+        <translation>altura sobre el suelo del vuelo más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground, at the centre, of what the middle of the images shows</source>
+        <translation>altura sobre el suelo, en el centro, de lo que muestra el medio de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height of the target</source>
+        <translation>altura del objetivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>highest height</source>
+        <translation>altura máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>highest height {0:g} m: is below the lowest, {1:g} m</source>
+        <translation>altura máxima {0:g} m: está por debajo de la mínima, {1:g} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>how far to the right of the line the middle of the strip lies</source>
+        <translation>a qué distancia a la derecha de la línea está el medio de la franja</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>images a circle</source>
+        <translation>imágenes por círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>images of each circle</source>
+        <translation>imágenes de cada círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>interval in metres</source>
         <translation>intervalo en metros</translation>
     </message>
@@ -10993,8 +11392,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>lowest height</source>
+        <translation>altura mínima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>mean length of outages {0} s: must be above 0</source>
         <translation>duración media de las interrupciones {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>offset</source>
+        <translation>desplazamiento</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>radius</source>
+        <translation>radio</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -11018,6 +11432,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>tilt of the camera: 90 looks level at the wall, less looks down at it</source>
+        <translation>inclinación de la cámara: 90 mira al muro en horizontal, menos lo mira desde arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>time from one exposure to the next</source>
         <translation>tiempo de una exposición a la siguiente</translation>
     </message>
@@ -11025,6 +11444,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>way flown from one exposure to the next</source>
         <translation>camino volado de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>width</source>
+        <translation>ancho</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>width of the strip along the line; 0 is one row above the line</source>
+        <translation>ancho de la franja a lo largo de la línea; 0 es una pasada sobre la línea</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>{0} circles at one height: must be 1</source>
+        <translation>{0} círculos a una sola altura: debe ser 1</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -11259,12 +11693,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/units.py"/>
         <source>min</source>
-        <translation type="unfinished"></translation>
+        <translation>min</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
         <source>minutes</source>
-        <translation type="unfinished"></translation>
+        <translation>minutos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

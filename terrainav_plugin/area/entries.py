@@ -23,7 +23,8 @@ from ..i18n import number_text, tr
 from ..paths import icon
 from ..widgets import FieldMarks, line_edit, named, row, tool_button
 from .history import AreaHistory
-from .menu import AreaMenu, NoFlyMenu
+from .menu import AreaMenu
+from .no_fly import NoFlyMenu
 
 #: Room for five digits and a sign.
 _EDGE_PX = 70

@@ -1,4 +1,4 @@
-"""The menus of what an area, and no-fly areas, may be taken from."""
+"""The menu of what an area may be taken from."""
 
 from __future__ import annotations
 
@@ -19,14 +19,10 @@ class Way:
 
     DRAW, DRAW_POLYGON, SINGLE, CANVAS = "draw", "draw_polygon", "single", "canvas"
     LAYER, POLYGON, POINTS, LINE = "layer", "polygon", "points", "line"
+    CORRIDOR, FACADE, STRUCTURE, ORBIT = "corridor", "facade", "structure", "orbit"
+    RANDOM = "random"
     AREA_FILE, FILE, PASTE = "area_file", "file", "paste"
     ADD_POLYGON, ADD_HOLE, TO_BOX = "add_polygon", "add_hole", "box"
-
-
-class NoFlyWay:
-    """Ways to no-fly areas, by the names of the menu's entries."""
-
-    DRAW, LAYER, FILE = "draw_no_fly", "no_fly_layer", "no_fly_file"
 
 
 #: Name, icon, text and tooltip of each entry, in groups. An icon that begins with "=" is the plugin's own.
@@ -63,39 +59,6 @@ class MenuButton(QPushButton):
                 self.actions_by_name[way] = action
             menu.addSeparator()
         self.setMenu(menu)
-
-
-class NoFlyMenu(MenuButton):
-    """A button with the ways to no-fly areas."""
-
-    def __init__(self) -> None:
-        super().__init__(
-            tr("No-fly areas"),
-            "no_fly",
-            tr("Ground that no image is taken over: drawn, of a layer or of a file"),
-            (
-                (
-                    (
-                        NoFlyWay.DRAW,
-                        "=no_fly",
-                        tr("Draw &no-fly area"),
-                        tr("Click each corner on the map; a double click, a right click or Enter finishes"),
-                    ),
-                    (
-                        NoFlyWay.LAYER,
-                        "/mIconPolygonLayer.svg",
-                        tr("No-fly areas from lay&er…"),
-                        tr("Polygons of a layer, all or those selected"),
-                    ),
-                    (
-                        NoFlyWay.FILE,
-                        "/mActionFileOpen.svg",
-                        tr("No-fly areas from file (&KML, GeoJSON)…"),
-                        tr("All polygons of a KML, KMZ or GeoJSON file"),
-                    ),
-                ),
-            ),
-        )
 
 
 class AreaMenu(MenuButton):
@@ -175,9 +138,41 @@ class AreaMenu(MenuButton):
             ),
             (
                 (
+                    Way.CORRIDOR,
+                    "/mActionOffsetCurve.svg",
+                    tr("&Corridor along a line…"),
+                    tr("Rows along a line that show all of a strip"),
+                ),
+                (
+                    Way.ORBIT,
+                    "/mActionAddRing.svg",
+                    tr("O&rbit around a point…"),
+                    tr("Circles from which the camera looks at a point"),
+                ),
+                (
+                    Way.FACADE,
+                    "/mActionOffsetPointSymbols.svg",
+                    tr("F&açade along a line…"),
+                    tr("Flights along a wall, one above the other; the camera looks at it"),
+                ),
+                (
+                    Way.STRUCTURE,
+                    "/mActionFillRing.svg",
+                    tr("Str&ucture around a polygon…"),
+                    tr("Flights around a building, one above the other; the camera looks at its walls"),
+                ),
+                (
+                    Way.RANDOM,
+                    "/algorithms/mAlgorithmRandomPointsWithinPolygon.svg",
+                    tr("Ra&ndom poses in the area…"),
+                    tr("Images at random places of the area, with random heights, directions and tilts"),
+                ),
+            ),
+            (
+                (
                     Way.AREA_FILE,
                     "/mActionFileOpen.svg",
-                    tr("A&rea file (KML, GeoJSON)…"),
+                    tr("Area file (KML, Geo&JSON)…"),
                     tr("All polygons of a KML, KMZ or GeoJSON file, with their holes"),
                 ),
                 (
@@ -203,7 +198,7 @@ class AreaMenu(MenuButton):
                 (
                     Way.ADD_POLYGON,
                     "=draw_polygon",
-                    tr("&Add a polygon"),
+                    tr("Add anoth&er polygon"),
                     tr("Draw one more polygon; what it overlaps is joined with it"),
                 ),
                 (

@@ -453,7 +453,7 @@ class AreaTool(TemporaryTool):
                 )
             )
         entries.append(("add_hole", tr("Cut a &hole"), self.hole_wanted.emit))
-        entries.append(("add_polygon", tr("&Add a polygon"), self.polygon_wanted.emit))
+        entries.append(("add_polygon", tr("Add anoth&er polygon"), self.polygon_wanted.emit))
         if inside is not None and inside[1]:
             entries.append(
                 (

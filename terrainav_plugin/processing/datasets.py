@@ -1,4 +1,4 @@
-"""Algorithms: a dataset cleaned of images with too little to see, and divided into training, validation and test."""
+"""Algorithms: a dataset cleaned of images with too little to see, divided into parts, and exported."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from qgis.core import (
 )
 
 from ...core.dataset.folder import DEFAULT_ENTROPY, SEED, SHARES, WAYS
+from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
 
@@ -282,6 +283,61 @@ class Split(_OfDataset):
             "GAP_IMAGES": made.gap + made.unknown,
             "LABELS": json.dumps(json.loads(made.labels.to_json())),
         }
+
+
+class Export(Algorithm):
+    """A dataset or a benchmark in a format of other programs."""
+
+    NAME = "export"
+    GROUP = "datasets"
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Export a dataset or benchmark"),
+            tr("Writes a dataset or a benchmark in a format of other programs."),
+            tr("dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,benchmark"),
+            (
+                tr(
+                    "Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay "
+                    "where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a "
+                    "description of its files. A benchmark becomes the layout of a published one."
+                ),
+            ),
+        )
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        self.add_dataset(tr("Of a capture, or of a benchmark."))
+        self.add(
+            QgsProcessingParameterEnum(
+                "FORMAT", tr("Format"), options=list(KINDS), defaultValue="colmap", usesStaticStrings=True
+            ),
+            tr("Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.").format(
+                **{
+                    name: ", ".join(kinds)
+                    for name, kinds in (("views", VIEWS), ("datasets", DATASETS), ("benchmarks", BENCHMARKS))
+                }
+            ),
+        )
+        self.add(
+            QgsProcessingParameterString("MAP_TYPE", tr("Map type"), optional=True),
+            tr("Of several, the one that is exported. If empty: satellite, or all for formats of datasets."),
+        )
+        self.add(
+            QgsProcessingParameterFolderDestination(
+                "FOLDER", tr("Folder of the export"), optional=True, createByDefault=False
+            ),
+            tr("Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out."),
+        )
+        self.add_numbers({"COUNT": tr("Images, files or queries written")})
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Export."""
+        folder, target, kind = run.text("DATASET"), run.text("FOLDER") or None, run.choice("FORMAT")
+        map_type = run.text("MAP_TYPE").strip() or None
+        done = off_main_thread(lambda _: export_as(folder, target, kind, map_type), run.feedback)
+        return {"FOLDER": target or folder, "COUNT": done.written}
 
 
 def add_shares(algorithm: Algorithm) -> None:

@@ -73,3 +73,23 @@ def test_split_that_cannot_be_made_is_told_in_a_line_and_changes_nothing(dataset
     assert told["TRAIN_IMAGES"] == 32
     assert path.read_bytes() == before
     assert not (dataset / "labels.json").exists()
+
+
+def export(**parameters):
+    import processing
+
+    return processing.run("terrainav:export", parameters, feedback=Feedback())
+
+
+def test_export_writes_beside_the_tables_unless_a_folder_is_named(dataset, tmp_path):
+    found = export(DATASET=str(dataset), FORMAT="croissant")
+    assert (found["FOLDER"], found["COUNT"]) == (str(dataset), 1)
+    described = json.loads((dataset / "croissant.json").read_text())
+    assert len(described["recordSet"]) == 1
+    with pytest.raises(QgsProcessingException, match="needs the folder to write to"):
+        export(DATASET=str(dataset), FORMAT="nerfstudio")
+
+
+def test_export_of_map_frames_as_a_model_is_refused_in_one_line(dataset, tmp_path):
+    with pytest.raises(QgsProcessingException, match=r"has no mission\.json"):
+        export(DATASET=str(dataset), FORMAT="colmap", FOLDER=str(tmp_path / "model"))

@@ -53,8 +53,8 @@ class _Ways(NamedTuple):
 #: Whether the captures of a pass are taken from the last to the first, and whether each row is turned round then: as
 #: laid out, from the other end of the first row, and from either end of the last row.
 _TURNS = ((False, False), (False, True), (True, False), (True, True))
-#: Those that fly each row from its first capture.
-_ONE_WAY_TURNS = (0, 3)
+#: Those that fly each row in the direction in which it is laid out.
+_SAME_DIRECTIONS = (0, 3)
 
 
 def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
@@ -91,7 +91,8 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     found = list(_laid_out(mission, area, laid_out))
-    ways = [_ways(layout, passes, mission.flight.order) for layout, passes in found]
+    turns = _turns(mission)
+    ways = [_ways(layout, passes, turns) for layout, passes in found]
     chosen = _shortest(ways)
     layouts, joined, firsts, rows, count = [], [], [], 0, 0
     for part, way in chosen:
@@ -145,9 +146,13 @@ def _runs(row: Numbers) -> tuple[Numbers, Numbers]:
     return np.append(0, change), np.append(change - 1, len(row) - 1)
 
 
-def _ways(layout: Layout, passes: tuple[Pass, ...], order: str) -> _Ways:
+def _turns(mission: Mission) -> tuple[int, ...]:
+    """Which of `_TURNS` a mission's rows may be flown by: those of one direction keep to it."""
+    return _SAME_DIRECTIONS if mission.flight.order == ONE_WAY else tuple(range(len(_TURNS)))
+
+
+def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _Ways:
     """Ways to fly the rows of a polygon: each of its passes from either end of its first row or its last."""
-    which = _ONE_WAY_TURNS if order == ONE_WAY else tuple(range(len(_TURNS)))
     each: list[dict[int, tuple[Floats, Floats, int]]] = []
     for part in _slices(layout, passes):
         first, last = (

@@ -11,12 +11,12 @@ from pathlib import Path
 import pytest
 from osgeo import ogr
 from terrainav.core.capture.runner import capture
-from terrainav.core.cli.dataset_options import DATASET_EXPORTS
 from terrainav.core.dataset.table import seconds_of
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports.croissant import CROISSANT_FILE, write_croissant
 from terrainav.core.exports.formats import export
 from terrainav.core.exports.huggingface import write_huggingface
+from terrainav.core.exports.kinds import DATASETS
 from terrainav.core.exports.tables import PARQUET_FILE, write_parquet
 from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
@@ -223,7 +223,7 @@ def test_what_is_no_time_is_refused():
 def test_the_command(dataset, tmp_path, monkeypatch, capsys):
     pytest.importorskip("pyarrow")
     run = command(tmp_path, monkeypatch, capsys)
-    for format_ in DATASET_EXPORTS:
+    for format_ in DATASETS:
         target = ["hf"] if format_ == "huggingface" else []
         done = run("export", str(dataset), *target, "--as", format_, "--map-type", "roadmap")
         assert (done.returncode, done.stderr) == (0, "")

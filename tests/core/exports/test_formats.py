@@ -12,10 +12,10 @@ from PIL import Image
 from pyproj import Transformer
 from scipy.spatial.transform import Rotation
 from terrainav.core.capture.runner import capture
-from terrainav.core.cli.dataset_options import EXPORTS
 from terrainav.core.dataset.clean import clean
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports.formats import FORMATS, ORIGIN_FILE, export
+from terrainav.core.exports.kinds import VIEWS
 from terrainav.core.exports.views import Views
 from terrainav.core.geodesy.quaternions import quaternions_of
 from terrainav.core.imagery.opening import open_source
@@ -184,7 +184,7 @@ def test_windows_of_the_map_are_no_cameras_images(tmp_path):
 
 
 def test_the_command(captured, tmp_path, monkeypatch, capsys):
-    assert set(EXPORTS) == set(FORMATS)
+    assert set(VIEWS) == set(FORMATS)
     run = command(tmp_path, monkeypatch, capsys)
     done = run("export", str(captured), "model", "--as", "colmap")
     assert done.returncode == 0

@@ -16,9 +16,9 @@ from scipy.ndimage import binary_erosion
 from terrainav.core.benchmark.folder import POSITIVE, Benchmark
 from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark
-from terrainav.core.cli.dataset_options import BENCHMARK_EXPORTS
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports import localisers
+from terrainav.core.exports.kinds import BENCHMARKS
 from terrainav.core.exports.localisers import LAYOUTS, export_benchmark
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Points
@@ -429,7 +429,7 @@ def test_the_same_bytes_and_nothing_half_made(level, tmp_path, monkeypatch):
 
 
 def test_refusals_and_the_command(level, tmp_path, monkeypatch, capsys):
-    assert set(BENCHMARK_EXPORTS) == set(LAYOUTS)
+    assert set(BENCHMARKS) == set(LAYOUTS)
     with pytest.raises(InvalidInput, match="format 'kitti': must be one of university-1652, denseuav"):
         export_benchmark(level, tmp_path / "a", "kitti")
     (tmp_path / "mine").mkdir()

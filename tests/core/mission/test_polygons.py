@@ -221,7 +221,7 @@ def test_polygons_along_a_line_are_flown_from_one_end_to_the_other(count):
 def test_no_other_order_of_few_polygons_is_shorter():
     """All orders of polygons and all ways to fly each of them, one by one."""
     ways = [
-        polygons_of_layout._ways(found, (), "serpentine")
+        polygons_of_layout._ways(found, (), (0, 1, 2, 3))
         for found in (
             Layout(
                 np.tile(np.arange(3), 2),
@@ -403,3 +403,11 @@ def test_polygons_over_relief_share_what_was_asked_for():
     assert found.overlap.least_along > 0.49
     assert found.overlap.least_across > 0.39
     assert len(found.parts) == 2
+
+
+def test_rows_of_one_direction_keep_to_it():
+    found = planned(FAR_APART, order="one-way", overlap_along=0.3)
+    same_row = found.row[1:] == found.row[:-1]
+    assert same_row.any()
+    assert (np.diff(found.lon_deg)[same_row] > 0.0).all()
+    assert (np.diff(found.column)[same_row] == 1).all()

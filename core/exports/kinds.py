@@ -1,0 +1,106 @@
+"""The formats by name, and one way into all of them. What forms and the command show needs no numerics."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+from ..errors import InvalidInput
+
+#: Names of the formats and what people read: of camera frames, of any dataset's tables, and of benchmarks.
+VIEWS = {
+    "colmap": "COLMAP",
+    "nerfstudio": "nerfstudio",
+    "tum": "TUM trajectory",
+    "kitti": "KITTI trajectory",
+}
+DATASETS = {
+    "parquet": "Parquet tables",
+    "huggingface": "Hugging Face datasets",
+    "croissant": "Croissant description",
+}
+BENCHMARKS = {
+    "university-1652": "University-1652",
+    "denseuav": "DenseUAV",
+    "uav-visloc": "UAV-VisLoc",
+    "gta-uav": "GTA-UAV",
+    "ortholoc": "OrthoLoC",
+    "anyvisloc": "AnyVisLoc",
+}
+KINDS = {**VIEWS, **DATASETS, **BENCHMARKS}
+#: Those that go into the dataset's own folder unless another is named.
+BESIDE_TABLES = ("parquet", "croissant")
+
+
+class Exported(NamedTuple):
+    """What was written.
+
+    Parameters
+    ----------
+    written : int
+        Images of camera frames, files of a dataset, or queries of a benchmark.
+    paths : tuple of Path
+        The files, or the folder.
+    """
+
+    written: int
+    paths: tuple[Path, ...]
+
+
+def export_as(
+    folder: str | os.PathLike[str],
+    target: str | os.PathLike[str] | None,
+    kind: str,
+    map_type: str | None = None,
+) -> Exported:
+    """Write a dataset, or a benchmark, in a format of other programs.
+
+    Parameters
+    ----------
+    target : path or None
+        Folder to write to; None for the dataset's own, which only `BESIDE_TABLES` go into.
+    kind : str
+        One of `KINDS`.
+    map_type : str or None
+        Of several, the one that is exported; None for all, or for the only one.
+
+    Raises
+    ------
+    InvalidInput
+        Another format, no folder to write to, no such map type, no such dataset or benchmark.
+    OutputError
+        A folder that cannot be written.
+    """
+    if kind not in KINDS:
+        raise InvalidInput("format {0!r}: must be one of {1}", kind, ", ".join(KINDS))
+    if target is None:
+        if kind not in BESIDE_TABLES:
+            raise InvalidInput("format {0}: needs the folder to write to", kind)
+        target = folder
+    if kind in DATASETS:
+        return _export_dataset(folder, target, kind, map_type)
+    if kind in BENCHMARKS:
+        from ..benchmark.folder import Benchmark
+        from .localisers import export_benchmark
+
+        if map_type is not None:
+            raise InvalidInput("map type {0!r}: benchmarks have none to choose from", map_type)
+        return Exported(export_benchmark(Benchmark.read(folder), target, kind), (Path(target),))
+    from .formats import export
+    from .views import Views
+
+    views = Views.read(folder, map_type)
+    return Exported(len(views), (export(views, target, kind),))
+
+
+def _export_dataset(
+    folder: str | os.PathLike[str], target: str | os.PathLike[str], kind: str, map_type: str | None
+) -> Exported:
+    from .croissant import write_croissant
+    from .huggingface import write_huggingface
+    from .tables import write_parquet
+
+    write = {"parquet": write_parquet, "huggingface": write_huggingface, "croissant": write_croissant}
+    paths = tuple(write[kind](folder, target, map_type))
+    return Exported(len(paths), paths)
