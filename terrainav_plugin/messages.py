@@ -104,13 +104,17 @@ class Messages(QObject):
         what : str
             What there is not because of it, as a sentence.
         """
-        if self._refusal is not None:
-            self._iface.messageBar().popWidget(self._refusal)
+        self.withdraw_refusal()
         text = f"{reason[:1].upper()}{reason[1:].rstrip('.')}. {what}"
         short = shortened(text)
         self._refusal = self._show(
             short, Qgis.MessageLevel.Warning, details="" if short == text else text, logged=text
         )
+
+    def withdraw_refusal(self) -> None:
+        """Take back the refusal that is shown, if any."""
+        if self._refusal is not None:
+            self._iface.messageBar().popWidget(self._refusal)
 
     def error(self, text: str, details: str = "") -> None:
         """Say that something failed that should not have."""

@@ -32,6 +32,11 @@ def icon(name: str) -> QIcon:
     return QIcon(str(RESOURCES / f"{name}.svg"))
 
 
+def symbol(name: str) -> str:
+    """Path of an image that a place is marked by on the map."""
+    return str(RESOURCES / f"{name}.svg")
+
+
 def style(name: str) -> str:
     """Path of a layer style."""
     return str(RESOURCES / f"{name}.qml")

@@ -75,6 +75,7 @@ class TerrAInavPlugin:
         self.iface.rasterMenu().addMenu(self._menu)
         self._add("dock", tr("Mission &panel"), self._toggle_dock, checkable=True)
         self._add("draw_box", tr("&Draw box"), self._toggle_box_tool, checkable=True)
+        self._add("draw_polygon", tr("Draw pol&ygon"), self._toggle_polygon_tool, checkable=True)
         self._add("preview", tr("Preview &footprints"), self._toggle_preview, checkable=True)
         self._add("test_shot", tr("&Test shot"), self._toggle_point_tool, checkable=True)
         self._add("capture", tr("&Capture"), lambda: self._use(lambda w: w.capture()))
@@ -182,6 +183,7 @@ class TerrAInavPlugin:
     def _wire(self, session: Session) -> None:
         """Let the toolbar follow what is going on."""
         session.box_tool.setAction(self.actions["draw_box"])
+        session.areas.polygon_tool.setAction(self.actions["draw_polygon"])
         session.point_tool.setAction(self.actions["test_shot"])
         session.viewing.tool.setAction(self.actions["view_images"])
         self.actions["dock"].setChecked(session.dock.isUserVisible())
@@ -201,6 +203,9 @@ class TerrAInavPlugin:
 
     def _toggle_box_tool(self, on: bool) -> None:
         self._use(lambda session: session.draw_box() if on else session.box_tool.stop())
+
+    def _toggle_polygon_tool(self, on: bool) -> None:
+        self._use(lambda session: session.draw_polygon() if on else session.areas.polygon_tool.stop())
 
     def _toggle_point_tool(self, on: bool) -> None:
         self._use(lambda session: session.take_test_shot() if on else session.point_tool.stop())

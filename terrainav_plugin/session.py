@@ -22,7 +22,8 @@ from .cleaning.cleaning import Cleaning
 from .dataset.placing import OpenProject
 from .form.state import FormState
 from .i18n import tr, translate
-from .map.mission_group import MissionGroup
+from .map.canvas import is_in_sight
+from .map.mission_group import GroupsOnTop, MissionGroup
 from .messages import Messages
 from .missions.missions import Missions
 from .panel.camera import camera_choices
@@ -66,6 +67,7 @@ class Session(QObject):
         self._units = self.settings.units
         self.project = QgsProject.instance()
         self.open_project = OpenProject(self.project)
+        self._groups_on_top = GroupsOnTop(self.project)
         canvas, window = iface.mapCanvas(), iface.mainWindow()
         self.planner = Planner()
         self.preview = Preview(self.project, canvas)
@@ -123,6 +125,11 @@ class Session(QObject):
         """Let the user draw the area."""
         self.dock.setUserVisible(True)
         self.box_tool.start()
+
+    def draw_polygon(self) -> None:
+        """Let the user draw the area corner by corner."""
+        self.dock.setUserVisible(True)
+        self.areas.polygon_tool.start()
 
     def take_test_shot(self) -> None:
         """Let the user click where one picture is to be taken."""
@@ -204,6 +211,7 @@ class Session(QObject):
         ):
             room.close()
         self.open_project.close()
+        self._groups_on_top.close()
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
             signal.disconnect(self._show_hint)
         self.source_list.close()
@@ -225,6 +233,7 @@ class Session(QObject):
         form.changed.connect(self._show_hint)
         form.draw_box_clicked.connect(self.draw_box)
         form.show_on_map_clicked.connect(self.show_on_map)
+        form.route.pick_clicked.connect(self.areas.takeoff_tool.start)
         form.key.selectedConfigIdChanged.connect(self._key_chosen)
         dock.preview_toggled.connect(self.set_preview)
         dock.test_shot_clicked.connect(self.take_test_shot)
@@ -329,7 +338,7 @@ class Session(QObject):
 
     def _zoom_if_out_of_sight(self, box: Box) -> None:
         """Move the map only where the preview could not be seen: users keep the view they chose."""
-        if not self.iface.mapCanvas().extent().intersects(self.background.rectangle(box)):
+        if not is_in_sight(self.iface.mapCanvas(), self.background.rectangle(box)):
             self.background.zoom_to(box)
 
     def _show_hint(self, *_: object) -> None:

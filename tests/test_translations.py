@@ -83,6 +83,8 @@ def test_keys_of_a_menu_or_form_differ(translations):
     together = {
         "menu": "plugin.py",
         "ways to an area": "area/menu.py",
+        "ways to no-fly areas": "area/no_fly.py",
+        "changes of an area": "area/tools.py",
         "missions": "missions/missions.py",
         "viewer": "results/viewer.py",
         "area dialogs": "area/dialogs.py",

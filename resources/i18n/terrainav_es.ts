@@ -5,13 +5,48 @@
     <name>TerrAInav</name>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Area from a file</source>
+        <translation>Área de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Area from polygons of a layer</source>
+        <translation>Área de polígonos de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>Click one polygon of “{layer}” on the map.</source>
         <translation>Haga clic en un polígono de «{layer}» en el mapa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner</source>
+        <translation>Haga clic en el primer vértice</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner of one more polygon</source>
+        <translation>Haga clic en el primer vértice de otro polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner of the hole</source>
+        <translation>Haga clic en el primer vértice del hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Click the first corner of the no-fly area</source>
+        <translation>Haga clic en el primer vértice de la zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>Extent of a layer</source>
         <translation>Extensión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Go on drawing; Backspace takes the last corner back.</source>
+        <translation>Siga dibujando; Retroceso quita el último vértice.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -25,6 +60,21 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No-fly areas from a file</source>
+        <translation>Zonas de exclusión de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>No-fly areas from a layer</source>
+        <translation>Zonas de exclusión de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Polygons (*.kml *.kmz *.geojson *.json);;All files (*)</source>
+        <translation>Polígonos (*.kml *.kmz *.geojson *.json);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>Text file of points: lat lon agl [yaw], or a table with a header</source>
         <translation>Archivo de texto con puntos: lat lon agl [guiñada], o una tabla con encabezado</translation>
     </message>
@@ -35,8 +85,38 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>The area is as it was.</source>
+        <translation>El área queda como estaba.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>add a polygon</source>
+        <translation>añadir un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>area file</source>
+        <translation>archivo del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>cut a hole</source>
+        <translation>recortar un hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>draw a no-fly area</source>
+        <translation>dibujar una zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>draw box</source>
         <translation>dibujar recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>draw polygon</source>
+        <translation>dibujar polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -55,13 +135,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>no-fly areas of a file</source>
+        <translation>zonas de exclusión de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>no-fly areas of {layer}</source>
+        <translation>zonas de exclusión de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>points of {layer}</source>
         <translation>puntos de {layer}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
-        <source>polygon of {layer}</source>
-        <translation>polígono de {layer}</translation>
+        <source>polygons of {layer}</source>
+        <translation>polígonos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>set take-off point</source>
+        <translation>fijar el punto de despegue</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -77,6 +172,28 @@
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>the clipboard holds no text; copy coordinates first</source>
         <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>there is no area of polygons</source>
+        <translation>no hay ningún área de polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/corners.py"/>
+        <source>a hole must lie inside the area</source>
+        <translation>un hueco debe estar dentro del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/corners.py"/>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>a polygon needs at least 3 corners</source>
+        <translation>un polígono necesita al menos 3 vértices</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/corners.py"/>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>the outline would cross itself</source>
+        <translation>el contorno se cruzaría consigo mismo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -107,11 +224,6 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Roll from field</source>
         <translation>A&amp;labeo del campo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>&amp;Select on the map</source>
-        <translation>Seleccionar en el ma&amp;pa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -147,11 +259,6 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
         <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Area from a selected polygon</source>
-        <translation>Área de un polígono seleccionado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -220,8 +327,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>It has one polygon, which is taken.</source>
-        <translation>Tiene un solo polígono, que es el que se toma.</translation>
+        <source>Its only polygon will be used.</source>
+        <translation>Se usará su único polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -245,8 +352,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
-        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
+        <source>Nothing is selected: all {n} polygons are taken.</source>
+        <translation>No hay nada seleccionado: se toman los {n} polígonos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -265,13 +372,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Polygons</source>
+        <translation>Polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Polygons that are taken, with their holes</source>
+        <translation>Polígonos que se toman, con sus huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Select on the &amp;map</source>
+        <translation>Seleccionar &amp;en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>The project has no layer of lines: add one, or draw a box instead.</source>
         <translation>El proyecto no tiene ninguna capa de líneas: añada una, o dibuje un recuadro en su lugar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>The project has no layer of polygons: add one, or draw a box instead.</source>
-        <translation>El proyecto no tiene ninguna capa de polígonos: añada una, o dibuje un recuadro en su lugar.</translation>
+        <source>The project has no layer of polygons: add one, or draw a polygon instead.</source>
+        <translation>El proyecto no tiene ninguna capa de polígonos: añada una o dibuje un polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -351,6 +473,21 @@
         <translation>Hay {n} polígonos seleccionados.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>outline</source>
+        <translation>contorno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/drawing.py"/>
+        <source>this place is outside the map</source>
+        <translation>este lugar está fuera del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/editing.py"/>
+        <source>clear the no-fly areas</source>
+        <translation>quitar las zonas de exclusión</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/editing.py"/>
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>make it a box</source>
@@ -363,9 +500,19 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>1 no-fly area</source>
+        <translation>1 zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Area</source>
         <translation>Área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a pixel of the screen, with Shift by ten; Esc ends it.</source>
+        <translation>Cambiar el área en el mapa: arrastre dentro de ella para moverla; arrastre los lados y las esquinas de un recuadro, o los vértices de un polígono. Al arrastrar el lado de un polígono se añade un vértice; un clic derecho sobre un vértice, o Supr, lo quita; un clic derecho en otra parte recorta huecos y añade polígonos. Las flechas mueven el área un píxel de la pantalla, con Mayús diez; Esc termina.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -379,6 +526,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace takes the last corner back, Esc gives up</source>
+        <translation>Dibujar un polígono: haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina, Retroceso quita el último vértice y Esc abandona</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>E</source>
         <translation>E</translation>
     </message>
@@ -389,13 +541,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Move</source>
-        <translation>Mover</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own tools, in their layer.</source>
-        <translation>Mover el área en el mapa: arrastrar dentro de ella, o arrastrar los bordes y esquinas de un recuadro; las teclas de flecha la mueven un píxel de pantalla, con Mayús diez; Esc termina. Los vértices de los polígonos se mueven con las herramientas de QGIS, en su capa.</translation>
+        <source>Edit</source>
+        <translation>Editar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -414,8 +561,19 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>No image is taken and no leg leads there</source>
+        <translation>Allí no se toma ninguna imagen ni pasa ningún tramo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Northern edge: latitude in degrees, up to 90</source>
         <translation>Borde norte: latitud en grados, hasta 90</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -470,8 +628,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>clear</source>
+        <translation>quitar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>degrees</source>
         <translation>grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>{n} no-fly areas</source>
+        <translation>{n} zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/history.py"/>
@@ -510,6 +678,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>area of {count} features</source>
+        <translation>área de {count} objetos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>feature {id}</source>
         <translation>objeto {id}</translation>
     </message>
@@ -535,18 +708,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>no polygon is selected: select exactly one in its layer</source>
-        <translation>no hay ningún polígono seleccionado: seleccionar exactamente uno en su capa</translation>
+        <source>no polygon is selected: select at least one in its layer</source>
+        <translation>no hay ningún polígono seleccionado: seleccione al menos uno en su capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>rectangle</source>
         <translation>rectángulo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{count} polygons are selected, but an area is a single polygon: select only one, or join them first (Vector &gt; Geoprocessing Tools &gt; Dissolve)</source>
-        <translation>hay {count} polígonos seleccionados, y un área es uno: seleccionar solo ese, o unirlos antes (Vectorial &gt; Herramientas de geoproceso &gt; Disolver)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -572,11 +740,6 @@
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has no geometry: select one that has</source>
         <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{feature} has {count} parts, but an area is a single polygon: split it first (Vector &gt; Geometry Tools &gt; Multipart to Singleparts) and select one part</source>
-        <translation>{feature} tiene {count} partes, y un área es una: separarlas antes (Vectorial &gt; Herramientas de geometría &gt; Multiparte a monoparte) y seleccionar una de ellas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -676,8 +839,24 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Add anoth&amp;er polygon</source>
+        <translation>Añadir un polígono &amp;más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>All polygons of a KML, KMZ or GeoJSON file, with their holes</source>
+        <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON, con sus huecos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Area &amp;from</source>
         <translation>Área de&amp;sde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Area file (KML, Geo&amp;JSON)…</source>
+        <translation>Archivo del área (KML, Geo&amp;JSON)…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -688,6 +867,34 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Click a point on the map: the mission is one image, straight above it</source>
         <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>Click each corner on the map; a double click, a right click or Enter finishes</source>
+        <translation>Haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Cut a &amp;hole</source>
+        <translation>Recortar un &amp;hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Draw a hole inside the area</source>
+        <translation>Dibujar un hueco dentro del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Draw one more polygon; what it overlaps is joined with it</source>
+        <translation>Dibujar otro polígono; lo que se solape con él se une a él</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <location filename="../../terrainav_plugin/plugin.py"/>
+        <source>Draw pol&amp;ygon</source>
+        <translation>Tra&amp;zar polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -746,11 +953,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>One selected polygon, with its holes; images that do not touch it are left out</source>
-        <translation>Un polígono seleccionado, con sus huecos; las imágenes que no lo tocan se omiten</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
         <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
     </message>
@@ -761,6 +963,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Poly&amp;gons of a layer…</source>
+        <translation>Polí&amp;gonos de una capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Ra&amp;ndom poses in the area…</source>
         <translation>Poses aleator&amp;ias en el área…</translation>
     </message>
@@ -768,11 +975,6 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Rows along a line that show all of a strip</source>
         <translation>Pasadas a lo largo de una línea que muestran toda una franja</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Selected pol&amp;ygon…</source>
-        <translation>Polí&amp;gono seleccionado…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -793,6 +995,47 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>The box of what the map shows now</source>
         <translation>El recuadro de lo que muestra ahora el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The selected polygons, or all, with their holes; images that touch none are left out</source>
+        <translation>Los polígonos seleccionados, o todos, con sus huecos; las imágenes que no tocan ninguno se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>&amp;Draw no-fly area</source>
+        <translation>&amp;Dibujar zona de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>All polygons of a KML, KMZ or GeoJSON file</source>
+        <translation>Todos los polígonos de un archivo KML, KMZ o GeoJSON</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>Ground that no image is taken over: drawn, of a layer or of a file</source>
+        <translation>Terreno sobre el que no se toma ninguna imagen: dibujado, de una capa o de un archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>No-fly areas</source>
+        <translation>Zonas de exclusión aérea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>No-fly areas from &amp;file…</source>
+        <translation>Zonas de exclusión de un &amp;archivo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>No-fly areas from &amp;layer…</source>
+        <translation>Zonas de exclusión de una &amp;capa…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <source>Polygons of a layer, all or those selected</source>
+        <translation>Polígonos de una capa, todos o los seleccionados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -906,8 +1149,53 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>&amp;Remove this hole</source>
+        <translation>&amp;Quitar este hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>&amp;Remove this polygon</source>
+        <translation>&amp;Quitar este polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Add a &amp;corner here</source>
+        <translation>Añadir un &amp;vértice aquí</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Make it a &amp;polygon</source>
+        <translation>Convertir en &amp;polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Set &amp;take-off point here</source>
+        <translation>Fijar aquí el punto de &amp;despegue</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>The outline would cross itself</source>
+        <translation>El contorno se cruzaría consigo mismo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>add a corner</source>
+        <translation>añadir un vértice</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>drag an edge</source>
         <translation>arrastrar un borde</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>make it a polygon</source>
+        <translation>convertir en polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>move a corner</source>
+        <translation>mover un vértice</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
@@ -918,6 +1206,21 @@
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>move the area</source>
         <translation>mover el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>remove a corner</source>
+        <translation>quitar un vértice</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>remove a hole</source>
+        <translation>quitar un hueco</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>remove a polygon</source>
+        <translation>quitar un polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -1645,11 +1948,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>Polygon</source>
-        <translation>Polígono</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>Single capture</source>
         <translation>Captura única</translation>
     </message>
@@ -1728,6 +2026,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>{n} points</source>
         <translation>{n} puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{n} polygons</source>
+        <translation>{n} polígonos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -3174,6 +3477,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize every image to the width and height below, in pixels (px)</source>
         <translation>Redimensionar todas las imágenes a la anchura y altura de abajo, en píxeles (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Set take-off point, by a click on the map</source>
+        <translation>Fijar el punto de despegue con un clic en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4802,11 +5110,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>No-fly areas</source>
-        <translation>Zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>

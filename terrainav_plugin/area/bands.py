@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from qgis.core import QgsProject
+from qgis.core import QgsGeometry, QgsPointXY, QgsProject
 from qgis.gui import QgsMapCanvas, QgsRubberBand
 from qgis.PyQt.QtCore import QObject, QPoint, Qt
 from qgis.PyQt.QtGui import QColor
@@ -13,12 +13,30 @@ from qgis.PyQt.QtWidgets import QLabel
 from ...core.mission.area import Area
 from ..compat import POINT, POLYGON
 from ..plain import plain_label
-from .outline import Outline, middle_of
+from .outline import Corner, Outline, turns_to
+
+
+class BandColours(NamedTuple):
+    """What a band is drawn in."""
+
+    line: QColor
+    fill: QColor
+    brush: Qt.BrushStyle = Qt.BrushStyle.SolidPattern
+
 
 #: Vermillion and its tint of the Okabe-Ito palette, which colour-blind people tell apart.
-LINE, FILL = QColor(213, 94, 0), QColor(213, 94, 0, 40)
+AREA_COLOURS = BandColours(QColor(213, 94, 0), QColor(213, 94, 0, 40))
+#: The images inside are looked at in their own colours.
+OUTLINE_COLOURS = AREA_COLOURS._replace(fill=QColor(0, 0, 0, 0))
+#: Red as on flight maps, hatched, so that what is below stays in sight.
+NO_FLY_COLOURS = BandColours(QColor(190, 0, 30), QColor(190, 0, 30, 200), Qt.BrushStyle.BDiagPattern)
 _HANDLE_PX = 9
 _POINT_PX = 8
+_MIDDLE_PX = 7
+#: Width and height of the plugin's symbols, which are drawn as large as they are.
+_SYMBOL_PX = 24
+#: Edges shorter than this on the screen have no handle in their middle.
+_LEAST_EDGE_PX = 40.0
 #: The readout stands this far from the pointer, so that it hides nothing of what is aimed at.
 _ASIDE_PX = 16
 #: Over maps of any colour, in themes that paint no background of labels: the readout brings its own.
@@ -26,15 +44,29 @@ _READOUT_STYLE = "QLabel { background-color: #202020; color: #ffffff; border-rad
 
 
 class AreaMark(QObject):
-    """Outline of an area, in any CRS of the canvas."""
+    """Outline of an area, in any CRS of the canvas.
 
-    def __init__(self, canvas: QgsMapCanvas) -> None:
+    Parameters
+    ----------
+    colours : BandColours
+    symbol : str
+        Path of an image that points are shown by; a dot without one.
+
+    Attributes
+    ----------
+    area : Box, Polygon, Polygons, Points or None
+        What is outlined while the mark is shown.
+    """
+
+    def __init__(
+        self, canvas: QgsMapCanvas, colours: BandColours = OUTLINE_COLOURS, symbol: str = ""
+    ) -> None:
         super().__init__()
         self._canvas = canvas
-        self._area: Area | None = None
+        self.area: Area | None = None
         self._drawn_on = 0
         self._shown = False
-        self._bands = AreaBands(canvas)
+        self._bands = AreaBands(canvas, colours, symbol)
         canvas.destinationCrsChanged.connect(self._draw)
         canvas.extentsChanged.connect(self._follow)
 
@@ -46,8 +78,8 @@ class AreaMark(QObject):
 
     def set_area(self, area: Area | None) -> None:
         """Take another area; None for none."""
-        if area != self._area:
-            self._area = area
+        if area != self.area:
+            self.area = area
             self._draw()
 
     def set_shown(self, shown: bool) -> None:
@@ -63,51 +95,62 @@ class AreaMark(QObject):
 
     def _turn(self) -> int:
         """Turns around the Earth between the area and the middle of the view; 0 in maps without such turns."""
-        if self._area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
+        if self.area is None or not self._canvas.mapSettings().destinationCrs().isGeographic():
             return 0
-        return round((self._canvas.extent().center().x() - middle_of(self._area)[0]) / 360.0)
+        return turns_to(self.area, self._canvas.extent().center().x())
 
     def _draw(self) -> None:
         self._drawn_on = self._turn()
-        if self._area is None or not self._shown:
+        if self.area is None or not self._shown:
             self._bands.clear()
             return
         crs, near = self._canvas.mapSettings().destinationCrs(), self._canvas.extent().center().x()
-        self._bands.show(Outline(self._area, crs, QgsProject.instance(), near), with_handles=False)
+        self._bands.show(Outline(self.area, crs, QgsProject.instance(), near), with_handles=False)
 
 
 class AreaBands:
     """Outline and handles of one area."""
 
-    def __init__(self, canvas: QgsMapCanvas) -> None:
-        self._canvas = canvas
+    def __init__(
+        self, canvas: QgsMapCanvas, colours: BandColours = OUTLINE_COLOURS, symbol: str = ""
+    ) -> None:
+        self._canvas, self._colours, self._symbol = canvas, colours, symbol
         self._bands: list[QgsRubberBand] = []
 
-    def show(self, outline: Outline, with_handles: bool) -> None:
-        """Draw an outline in place of the one before."""
+    def show(self, outline: Outline, with_handles: bool, picked: Corner | None = None) -> None:
+        """Draw an outline in place of the one before, with one of its corners filled."""
         if not self._bands:
             icons = QgsRubberBand.IconType
             self._bands = [
-                area_band(self._canvas),
+                area_band(self._canvas, POLYGON, self._colours),
                 _icon_band(self._canvas, icons.ICON_CIRCLE, _POINT_PX),
+                _icon_band(self._canvas, icons.ICON_CIRCLE, _MIDDLE_PX),
+                corner_band(self._canvas),
                 _icon_band(self._canvas, icons.ICON_FULL_BOX, _HANDLE_PX),
             ]
-            # The images inside are looked at in their own colours.
-            self._bands[0].setFillColor(QColor(0, 0, 0, 0))
-            # White inside tells handles from the line they lie on.
+            if self._symbol:
+                self._bands[1].setSvgIcon(self._symbol, QPoint(-_SYMBOL_PX // 2, -_SYMBOL_PX // 2))
             self._bands[2].setFillColor(QColor(255, 255, 255))
-        area, points, handles = self._bands
+            self._bands[4].setFillColor(AREA_COLOURS.line)
+        area, points, middles, handles, chosen = self._bands
         area.reset(POLYGON)
-        points.reset(POINT)
-        handles.reset(POINT)
+        for band in (points, middles, handles, chosen):
+            band.reset(POINT)
         shape = outline.shape
         if not shape.isEmpty():
             band = points if shape.type() == POINT else area
             # The canvas's own coordinates: nothing is to be transformed.
             band.setToGeometry(shape, None)
         if with_handles:
-            for place in outline.handles.values():
-                handles.addPoint(place)
+            _show_points(handles, [*outline.handles.values(), *outline.corners.values()])
+            least = _LEAST_EDGE_PX * self._canvas.mapUnitsPerPixel()
+            long = (
+                corner
+                for corner, segments in outline.edges.items()
+                if sum(start.distance(end) for start, end in segments) >= least
+            )
+            _show_points(middles, [outline.middles[corner] for corner in long])
+            _show_points(chosen, [outline.corners[picked]] if picked in outline.corners else [])
 
     def clear(self) -> None:
         """Take it away."""
@@ -150,13 +193,32 @@ class PointerText:
             self._label = None
 
 
-def area_band(canvas: QgsMapCanvas, kind: Any = POLYGON) -> QgsRubberBand:
+def area_band(
+    canvas: QgsMapCanvas, kind: Any = POLYGON, colours: BandColours = AREA_COLOURS
+) -> QgsRubberBand:
     """Make a band for an area, or for points of it."""
     band = QgsRubberBand(canvas, kind)
-    band.setStrokeColor(LINE)
-    band.setFillColor(FILL)
+    band.setStrokeColor(colours.line)
+    band.setFillColor(colours.fill)
+    band.setBrushStyle(colours.brush)
     band.setWidth(2)
     return band
+
+
+def corner_band(canvas: QgsMapCanvas, colours: BandColours = AREA_COLOURS) -> QgsRubberBand:
+    """Make a band for handles: white inside tells them from the line they lie on."""
+    band = area_band(canvas, POINT, colours)
+    band.setIcon(QgsRubberBand.IconType.ICON_FULL_BOX)
+    band.setIconSize(_HANDLE_PX)
+    band.setBrushStyle(Qt.BrushStyle.SolidPattern)
+    band.setFillColor(QColor(255, 255, 255))
+    return band
+
+
+def _show_points(band: QgsRubberBand, points: list[QgsPointXY]) -> None:
+    """Fill a band of points: all at once, as each that is added has all of them looked at."""
+    if points:
+        band.setToGeometry(QgsGeometry.fromMultiPointXY(points), None)
 
 
 def _icon_band(canvas: QgsMapCanvas, icon: QgsRubberBand.IconType, size_px: int) -> QgsRubberBand:

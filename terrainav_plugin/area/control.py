@@ -11,36 +11,43 @@ from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtWidgets import QApplication, QDialog, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.mission.area import Area, Box, Points
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, parts_of
 from ...core.mission.parts import utc_time
 from ..compat import POLYGON, VECTOR
-from ..form.area import FormError, area_words, entered_area, with_area
+from ..form.area import FormError, area_words, entered_area, entered_no_fly, with_area
+from ..form.mission_form import takeoff, takeoff_text
+from ..form.state import FormState
 from ..i18n import tr, translate
-from ..map.canvas import canvas_rectangle, show_extent
+from ..map.canvas import canvas_rectangle, is_in_sight, show_extent
 from ..messages import Messages
+from ..paths import symbol
 from ..tasks import single_shot
-from .bands import AreaMark
+from .bands import NO_FLY_COLOURS, AreaMark
+from .corners import as_polygons, pointed, with_hole, with_polygon
 from .dialogs import LayerDialog, LineDialog, PointsDialog, PolygonDialog
+from .drawing import PolygonTool
 from .editing import AreaEditing
 from .entries import AreaEntries
 from .layers import (
+    Found,
     Reading,
     ReadTask,
+    area_file,
     extent_of,
     flown_lines,
+    no_fly_file,
     points,
+    polygons,
     rectangle_area,
-    selected_polygon,
     text_file,
 )
 from .menu import Way
+from .no_fly import NoFlyWay
 from .patterns import PATTERNS, pattern_dialog
 from .tools import AreaTool, BoxTool, PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.
 _MARGIN = 1.5
-#: Areas with no side of this many pixels of the screen are a dot, and count as out of sight.
-_DOT_PX = 6.0
 #: Pause in typing after which the map goes to an area that is out of sight.
 _PAUSE_MS = 600
 
@@ -61,11 +68,17 @@ class AreaControl(QObject):
     Attributes
     ----------
     tool : AreaTool
-        Moves the area on the map.
+        Changes the area on the map.
+    polygon_tool, hole_tool, part_tool, no_fly_tool : PolygonTool
+        Draw the area, a hole in it, one more polygon of it, and a no-fly area.
+    takeoff_tool : PointTool
+        Takes the take-off point.
     single_tool : PointTool
         Takes the place of a single capture.
     mark : AreaMark
         Shows the area on the map as long as neither that tool nor a preview does.
+    no_fly_mark, takeoff_mark : AreaMark
+        Show the no-fly areas and the take-off point.
     """
 
     def __init__(
@@ -87,25 +100,34 @@ class AreaControl(QObject):
         keys = self._editing.undo_keys
         self.tool = AreaTool(self._canvas, keys)
         self.single_tool = PointTool(self._canvas)
+        self.polygon_tool = PolygonTool(self._canvas, tr("Click the first corner"))
+        self.hole_tool = PolygonTool(self._canvas, tr("Click the first corner of the hole"))
+        self.part_tool = PolygonTool(self._canvas, tr("Click the first corner of one more polygon"))
+        self.no_fly_tool = PolygonTool(
+            self._canvas, tr("Click the first corner of the no-fly area"), NO_FLY_COLOURS
+        )
+        self.takeoff_tool = PointTool(self._canvas)
         self.mark, self._previewed = AreaMark(self._canvas), False
+        self.no_fly_mark = AreaMark(self._canvas, NO_FLY_COLOURS)
+        self.takeoff_mark = AreaMark(self._canvas, symbol=symbol("takeoff"))
         self._pause = single_shot(self._go_to_typed, self, _PAUSE_MS)
         panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
         entries.edit.clicked.connect(self._switch_tool)
-        entries.area_from.chosen.connect(self._take)
+        entries.draw_polygon.clicked.connect(self.polygon_tool.start)
+        for menu in (entries.area_from, entries.no_fly_from):
+            menu.chosen.connect(self._take)
         self._editing.noted.connect(self._follow)
         self._editing.coordinates_entered.connect(self._pause.start)
+        self._editing.history.stepped.connect(self._pause.start)
         # Whoever moves the map meanwhile looks at something else.
         self._canvas.extentsChanged.connect(self._pause.stop)
         self._canvas.mapToolSet.connect(self._show_mark)
         panel.visibilityChanged.connect(self._show_mark)
-        self.tool.dragging.connect(self._show_dragged)
-        self.tool.changed.connect(self._take_moved)
-        box_tool.drawn.connect(self._take_drawn)
-        self.single_tool.clicked.connect(self._take_single)
-        self.single_tool.refused.connect(messages.warning)
+        self._join_tools()
         self._ways: dict[str, Callable[[], None]] = {
             Way.DRAW: box_tool.start,
+            Way.DRAW_POLYGON: self.polygon_tool.start,
             Way.CANVAS: self.take_canvas,
             Way.SINGLE: self.single_tool.start,
             Way.LAYER: self._ask_for_layer,
@@ -113,9 +135,15 @@ class AreaControl(QObject):
             Way.POINTS: self._ask_for_points,
             Way.LINE: self._ask_for_line,
             **{way: partial(self._ask_for_pattern, way) for way in PATTERNS},
+            Way.AREA_FILE: self._ask_for_area_file,
             Way.FILE: self._ask_for_file,
             Way.PASTE: self.paste,
+            Way.ADD_POLYGON: self.part_tool.start,
+            Way.ADD_HOLE: self.hole_tool.start,
             Way.TO_BOX: self._editing.make_box,
+            NoFlyWay.DRAW: self.no_fly_tool.start,
+            NoFlyWay.LAYER: self._ask_for_no_fly_layer,
+            NoFlyWay.FILE: self._ask_for_no_fly_file,
         }
 
     def close(self) -> None:
@@ -128,10 +156,38 @@ class AreaControl(QObject):
         self._canvas.extentsChanged.disconnect(self._pause.stop)
         self._canvas.mapToolSet.disconnect(self._show_mark)
         self._panel.visibilityChanged.disconnect(self._show_mark)
-        self.mark.close()
-        for tool in (self.tool, self.single_tool):
+        for mark in (self.mark, self.no_fly_mark, self.takeoff_mark):
+            mark.close()
+        for tool in (*self._polygon_tools(), self.takeoff_tool, self.single_tool, self.tool):
             tool.stop()
             tool.deleteLater()
+
+    def _polygon_tools(self) -> tuple[PolygonTool, ...]:
+        return self.polygon_tool, self.hole_tool, self.part_tool, self.no_fly_tool
+
+    def _join_tools(self) -> None:
+        """Have what the map's tools tell entered."""
+        tool = self.tool
+        tool.dragging.connect(self._show_dragged)
+        tool.changed.connect(self._take_changed)
+        tool.hole_wanted.connect(self.hole_tool.start)
+        tool.polygon_wanted.connect(self.part_tool.start)
+        tool.takeoff_set.connect(self._take_takeoff)
+        tool.refused.connect(lambda reason: self._messages.refused(reason, tr("The area is as it was.")))
+        self._box_tool.drawn.connect(self._take_drawn)
+        self.polygon_tool.drawn.connect(self._take_drawn_polygon)
+        self.hole_tool.accept = lambda hole: with_hole(self._polygons(), hole)
+        self.hole_tool.drawn.connect(self._take_hole)
+        self.part_tool.drawn.connect(self._take_part)
+        self.no_fly_tool.drawn.connect(self._take_no_fly)
+        for drawing in self._polygon_tools():
+            drawing.refused.connect(self._refuse_drawn)
+            # What was wrong with an outline is of no interest once another tool is taken up.
+            drawing.deactivated.connect(self._messages.withdraw_refusal)
+        self.takeoff_tool.clicked.connect(self._take_takeoff)
+        self.single_tool.clicked.connect(self._take_single)
+        for point in (self.single_tool, self.takeoff_tool):
+            point.refused.connect(self._messages.warning)
 
     # --- ways to an area
 
@@ -154,8 +210,16 @@ class AreaControl(QObject):
         except FormError as wrong:
             self._refuse(translate(wrong))
 
-    def read(self, step: str, reading: Callable[[], Reading]) -> None:
-        """Read an area on a thread, and enter it when it is there; a reading under way is dropped."""
+    def read(
+        self, step: str, reading: Callable[[], Reading], take: Callable[[Found, str], None] | None = None
+    ) -> None:
+        """Read an area on a thread, and enter it when it is there; a reading under way is dropped.
+
+        Parameters
+        ----------
+        take : callable or None
+            What becomes of what was found, with the name of the step; None for the mission's area.
+        """
         try:
             task = ReadTask(step, reading())
         except TerrAInavError as wrong:
@@ -164,7 +228,7 @@ class AreaControl(QObject):
         if self._task is not None:
             self._task.cancel()
         self._task = task
-        task.begin(self._take_read)
+        task.begin(lambda task: self._take_read(task, take or self._take_area_read))
 
     def _ask_for_layer(self) -> None:
         dialog = LayerDialog(self._iface.mainWindow(), tr("Extent of a layer"), self._iface.activeLayer())
@@ -172,7 +236,8 @@ class AreaControl(QObject):
 
     def _take_extent(self, layer: QgsMapLayer) -> None:
         step = tr("extent of {layer}").format(layer=layer.name())
-        self._enter(lambda: extent_of(layer, self._project), step)
+        if self._enter(lambda: extent_of(layer, self._project), step):
+            self._show_on_canvas()
 
     def _take_polygon(self) -> None:
         layer = self._iface.activeLayer()
@@ -180,9 +245,9 @@ class AreaControl(QObject):
         if is_polygons and layer.selectedFeatureCount():
             self._read_polygon(layer)
             return
-        dialog = PolygonDialog(self._iface.mainWindow(), layer)
+        dialog = PolygonDialog(self._iface.mainWindow(), tr("Area from polygons of a layer"), layer)
         dialog.select.clicked.connect(lambda: self._let_select(dialog))
-        self._open(dialog, lambda: self._read_polygon(dialog.chosen()))
+        self._open(dialog, lambda: self._read_polygon(dialog.chosen(), dialog.only_selected()))
 
     def _let_select(self, dialog: PolygonDialog) -> None:
         """Let the user select a polygon by QGIS's own tool; the selection becomes the area."""
@@ -209,9 +274,41 @@ class AreaControl(QObject):
             layer.selectionChanged.disconnect(self._take_selected)
             layer.willBeDeleted.disconnect(self._stop_selecting)
 
-    def _read_polygon(self, layer: QgsMapLayer) -> None:
-        step = tr("polygon of {layer}").format(layer=layer.name())
-        self.read(step, lambda: selected_polygon(layer, self._project))
+    def _read_polygon(self, layer: QgsMapLayer, only_selected: bool = True) -> None:
+        step = tr("polygons of {layer}").format(layer=layer.name())
+        self.read(step, lambda: polygons(layer, self._project, only_selected))
+
+    def _ask_for_no_fly_layer(self) -> None:
+        dialog = PolygonDialog(
+            self._iface.mainWindow(), tr("No-fly areas from a layer"), self._iface.activeLayer()
+        )
+        dialog.select.hide()
+
+        def take() -> None:
+            layer, only = dialog.chosen(), dialog.only_selected()
+            step = tr("no-fly areas of {layer}").format(layer=layer.name())
+            self.read(step, lambda: polygons(layer, self._project, only), self._take_no_fly_read)
+
+        self._open(dialog, take)
+
+    def _ask_for_no_fly_file(self) -> None:
+        path = self._area_path(tr("No-fly areas from a file"))
+        if path:
+            self.read(tr("no-fly areas of a file"), lambda: no_fly_file(path), self._take_no_fly_read)
+
+    def _ask_for_area_file(self) -> None:
+        path = self._area_path(tr("Area from a file"))
+        if path:
+            self.read(tr("area file"), lambda: area_file(path))
+
+    def _area_path(self, title: str) -> str:
+        path, _ = QFileDialog.getOpenFileName(
+            self._iface.mainWindow(),
+            title,
+            "",
+            tr("Polygons (*.kml *.kmz *.geojson *.json);;All files (*)"),
+        )
+        return path
 
     def _ask_for_points(self) -> None:
         state = self._editing.state()
@@ -287,7 +384,7 @@ class AreaControl(QObject):
             return False
         return True
 
-    def _take_read(self, task: ReadTask) -> None:
+    def _take_read(self, task: ReadTask, take: Callable[[Found, str], None]) -> None:
         if task is not self._task:
             return
         self._task = None
@@ -296,26 +393,67 @@ class AreaControl(QObject):
         elif task.error:
             self._refuse(translate(task.error))
         elif task.found is not None:
-            area, agl_m, note = task.found
-            if self._enter(lambda: area, task.step, agl_m):
-                self._show_on_canvas()
-                if note:
-                    self._messages.info(note)
+            take(task.found, task.step)
+
+    def _take_area_read(self, found: Found, step: str) -> None:
+        area, agl_m, note = found
+        if self._enter(lambda: area, step, agl_m):
+            self._show_on_canvas()
+            if note:
+                self._messages.info(note)
 
     def _take_drawn(self, box: Area) -> None:
         self._enter(lambda: box, tr("draw box"))
         self.tool.start()
+
+    def _take_drawn_polygon(self, polygon: Polygon) -> None:
+        self._enter(lambda: polygon, tr("draw polygon"))
+        self.tool.start()
+
+    def _polygons(self) -> Polygon | Polygons:
+        """Polygons that the area is; raises InvalidInput where it is none."""
+        area = entered_area(self._editing.state())
+        found = None if area is None else as_polygons(area)
+        if found is None:
+            raise InvalidInput(tr("there is no area of polygons"))
+        return found
+
+    def _take_hole(self, hole: Polygon) -> None:
+        self._enter(lambda: with_hole(self._polygons(), hole), tr("cut a hole"))
+        self.tool.start()
+
+    def _take_part(self, polygon: Polygon) -> None:
+        self._enter(lambda: with_polygon(self._polygons(), polygon), tr("add a polygon"))
+        self.tool.start()
+
+    def _take_no_fly(self, polygon: Polygon) -> None:
+        self._add_no_fly((polygon,), tr("draw a no-fly area"))
+
+    def _take_no_fly_read(self, found: Found, step: str) -> None:
+        self._add_no_fly(parts_of(found.area), step)
+        self._show_on_canvas(found.area)
+
+    def _add_no_fly(self, added: tuple[Polygon, ...], step: str) -> None:
+        """Add no-fly areas, each once."""
+        self._editing.set_no_fly(tuple(dict.fromkeys((*entered_no_fly(self._editing.state()), *added))), step)
+
+    def _take_takeoff(self, lat_deg: float, lon_deg: float) -> None:
+        lon, lat = pointed(lon_deg, lat_deg)
+        self._editing.set_takeoff(takeoff_text((lat, lon)), tr("set take-off point"))
 
     def _take_single(self, lat_deg: float, lon_deg: float) -> None:
         state = self._editing.state()
         if self._enter(lambda: Points(((lat_deg, lon_deg, state.agl_m),)), tr("single capture")):
             self.tool.start()
 
-    def _take_moved(self, area: Area, step: str, joined: bool) -> None:
+    def _take_changed(self, area: Area, step: str, joined: bool) -> None:
         self._editing.set_area(area, step, joined=joined)
 
     def _refuse(self, reason: str) -> None:
         self._messages.refused(reason, tr("No area was taken."))
+
+    def _refuse_drawn(self, reason: str) -> None:
+        self._messages.refused(reason, tr("Go on drawing; Backspace takes the last corner back."))
 
     # --- on the map
 
@@ -329,9 +467,13 @@ class AreaControl(QObject):
     def _follow(self) -> None:
         state = self._editing.state()
         area = entered_area(state)
-        self.tool.length_unit = self._box_tool.length_unit = state.agl_unit
+        for tool in (self.tool, self._box_tool, *self._polygon_tools()):
+            tool.length_unit = state.agl_unit
         self.tool.set_area(area)
         self.mark.set_area(area)
+        no_fly = entered_no_fly(state)
+        self.no_fly_mark.set_area(Polygons(no_fly) if no_fly else None)
+        self.takeoff_mark.set_area(_takeoff_place(state))
 
     def show_previewed(self, previewed: bool) -> None:
         """Take up whether a preview shows the area."""
@@ -339,7 +481,10 @@ class AreaControl(QObject):
         self._show_mark()
 
     def _show_mark(self, *_: object) -> None:
-        self.mark.set_shown(self._panel.isUserVisible() and not (self._previewed or self.tool.isActive()))
+        seen = self._panel.isUserVisible()
+        self.mark.set_shown(seen and not (self._previewed or self.tool.isActive()))
+        for mark in (self.no_fly_mark, self.takeoff_mark):
+            mark.set_shown(seen)
 
     def _go_to_typed(self) -> None:
         if entered_area(self._editing.state()) is not None:
@@ -349,11 +494,15 @@ class AreaControl(QObject):
         """Show the numbers of what is still being dragged."""
         state = self._editing.state()
         self._entries.show_edges(with_area(state, area))
-        self._entries.show_words(area_words(area, state.agl_unit), not isinstance(area, Box))
+        self._entries.show_words(
+            area_words(area, state.agl_unit),
+            not isinstance(area, Box),
+            is_ground=not isinstance(area, Points),
+        )
 
-    def _show_on_canvas(self) -> None:
-        """Move the map only where the area could not be seen."""
-        area = entered_area(self._editing.state())
+    def _show_on_canvas(self, area: Area | None = None) -> None:
+        """Move the map only where an area, otherwise that of the mission, could not be seen."""
+        area = entered_area(self._editing.state()) if area is None else area
         if area is None:
             return
         try:
@@ -362,6 +511,15 @@ class AreaControl(QObject):
         except InvalidInput as wrong:
             self._messages.warning(translate(wrong))
             return
-        wide_px = max(rectangle.width(), rectangle.height()) / self._canvas.mapUnitsPerPixel()
-        if 0.0 < wide_px < _DOT_PX or not self._canvas.extent().intersects(rectangle):
+        if not is_in_sight(self._canvas, rectangle):
             show_extent(self._canvas, rectangle, _MARGIN)
+
+
+def _takeoff_place(state: FormState) -> Points | None:
+    """Take-off point that is entered; None for none, or no sound one."""
+    try:
+        place = takeoff(state)
+    except TerrAInavError:
+        return None
+    # Its height is of no use here.
+    return None if place is None else Points(((*place, 1.0),))

@@ -84,48 +84,63 @@ class LayerDialog(QDialog):
 
 
 class PolygonDialog(LayerDialog):
-    """Asks for the layer of the selected polygon, or of the only one.
+    """Asks for a layer of polygons, and whether all of them are meant or those selected.
 
     Attributes
     ----------
     select : QPushButton
-        Closes the dialog for a polygon of the layer to be selected on the map.
+        Closes the dialog for polygons of the layer to be selected on the map.
     """
 
-    def __init__(self, parent: QWidget, active: QgsMapLayer | None) -> None:
-        super().__init__(parent, tr("Area from a selected polygon"), active, POLYGON_LAYERS)
+    def __init__(self, parent: QWidget, title: str, active: QgsMapLayer | None) -> None:
+        super().__init__(parent, title, active, POLYGON_LAYERS)
         rows = range(self.layer.count())
-        ready = next((self.layer.layer(row) for row in rows if _has_polygon(self.layer.layer(row))), None)
-        if ready is not None and not _has_polygon(self.chosen()):
+        ready = next((self.layer.layer(row) for row in rows if _says_which(self.layer.layer(row))), None)
+        if ready is not None and not _says_which(self.chosen()):
             self.layer.setLayer(ready)
 
+    def only_selected(self) -> bool:
+        """Return whether features that are not selected are left out."""
+        return self.selected.isChecked()
+
     def show_layer(self, layer: QgsVectorLayer | None) -> None:
-        """Offer only layers that say which polygon; in others one can be selected."""
+        """Show how many polygons a layer has, and how many of them are selected."""
+        count = 0 if layer is None else layer.selectedFeatureCount()
+        self.selected.setText(tr("&Selected ({n})").format(n=number_text(count)))
+        self.selected.setEnabled(count > 0)
+        self.all.setEnabled(layer is not None)
+        (self.selected if count else self.all).setChecked(True)
+        self.select.setEnabled(layer is not None)
         super().show_layer(layer)
         if layer is None:
-            self.words.setText(tr("The project has no layer of polygons: add one, or draw a box instead."))
-        self.buttons.button(QDialogButtonBox.StandardButton.Ok).setEnabled(_has_polygon(layer))
-        self.select.setEnabled(layer is not None)
+            self.words.setText(
+                tr("The project has no layer of polygons: add one, or draw a polygon instead.")
+            )
 
     def _add_entries(self) -> None:
+        self.all = named(QRadioButton(tr("&All")), "all")
+        self.selected = named(QRadioButton(), "selected")
+        for button in (self.all, self.selected):
+            button.setToolTip(tr("Polygons that are taken, with their holes"))
+        self.form.addRow(tr("Polygons"), row(self.all, self.selected, stretch=1))
         self.select = named(
-            self.buttons.addButton(tr("&Select on the map"), QDialogButtonBox.ButtonRole.ActionRole),
+            self.buttons.addButton(tr("Select on the &map"), QDialogButtonBox.ButtonRole.ActionRole),
             "select_on_map",
             tr("Click a polygon of this layer on the map; it becomes the area"),
         )
 
     def _words(self, layer: QgsVectorLayer) -> str:
-        count = layer.selectedFeatureCount()
-        if count == 0 and _has_polygon(layer):
-            return tr("It has one polygon, which is taken.")
-        if count == 0:
-            return tr("Nothing is selected in it: press “Select on the map”, then click one polygon.")
-        return (
-            tr("1 polygon is selected.") if count == 1 else tr("{n} polygons are selected.").format(n=count)
-        )
+        selected, count = layer.selectedFeatureCount(), layer.featureCount()
+        if count == 1:
+            return tr("Its only polygon will be used.")
+        if selected == 0:
+            return tr("Nothing is selected: all {n} polygons are taken.").format(n=number_text(count))
+        if selected == 1:
+            return tr("1 polygon is selected.")
+        return tr("{n} polygons are selected.").format(n=number_text(selected))
 
 
-def _has_polygon(layer: QgsVectorLayer | None) -> bool:
+def _says_which(layer: QgsVectorLayer | None) -> bool:
     """Whether a layer says which of its polygons is meant."""
     return layer is not None and (layer.selectedFeatureCount() > 0 or layer.featureCount() == 1)
 

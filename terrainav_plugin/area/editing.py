@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
-from ...core.mission.area import Area
-from ..form.area import FormError, area_words, entered_area, with_area, with_coordinates
+from ...core.mission.area import Area, Points, Polygon
+from ..form.area import (
+    FormError,
+    area_words,
+    entered_area,
+    entered_no_fly,
+    no_fly_text,
+    with_area,
+    with_coordinates,
+)
 from ..form.state import FormState
 from ..form.text import looks_like_coordinates
 from ..i18n import tr
@@ -61,6 +70,7 @@ class AreaEditing(QObject):
         self._worded: tuple[Area | None, str, str] = (None, "", "")
         entries.connect_history(self.history)
         entries.box_wanted.connect(self.make_box)
+        entries.no_fly_cleared.connect(self.clear_no_fly)
         # Text fields take the keys before the panel does.
         for widget in (parent, *entries.edges.values()):
             widget.installEventFilter(self.undo_keys)
@@ -86,6 +96,18 @@ class AreaEditing(QObject):
         self._set(with_coordinates(self._read(), text), tr("paste coordinates"))
         self.coordinates_entered.emit()
 
+    def set_no_fly(self, polygons: tuple[Polygon, ...], step: str) -> None:
+        """Enter no-fly areas as one step."""
+        self._set(replace(self._read(), no_fly=no_fly_text(polygons)), step)
+
+    def clear_no_fly(self) -> None:
+        """Forget all no-fly areas."""
+        self.set_no_fly((), tr("clear the no-fly areas"))
+
+    def set_takeoff(self, text: str, step: str) -> None:
+        """Enter a take-off point as one step; an empty text for none."""
+        self._set(replace(self._read(), takeoff=text), step)
+
     def make_box(self) -> None:
         """Enter the box around a polygon or points."""
         area = entered_area(self._read())
@@ -99,7 +121,9 @@ class AreaEditing(QObject):
         area = entered_area(state)
         if (area, state.agl_unit) != self._worded[:2]:
             self._worded = area, state.agl_unit, "" if area is None else area_words(area, state.agl_unit)
-        self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost)
+        is_ground = area is not None and not isinstance(area, Points)
+        self._entries.show_no_fly(len(entered_no_fly(state)))
+        self._entries.show_words(self._worded[2], bool(self._entries.shape), self._shape_lost, is_ground)
         self.noted.emit()
 
     def _set(self, state: FormState, step: str, joined: bool = False) -> None:

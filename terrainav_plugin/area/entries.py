@@ -19,11 +19,12 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ..form.state import BOX_FIELDS, FormState
-from ..i18n import tr
+from ..i18n import number_text, tr
 from ..paths import icon
 from ..widgets import FieldMarks, line_edit, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
+from .no_fly import NoFlyMenu
 
 #: Room for five digits and a sign.
 _EDGE_PX = 70
@@ -37,37 +38,50 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     Signals
     -------
     box_wanted()
-        A box is wanted instead of the polygon or the points.
+        A box is wanted instead of polygons or points.
+    no_fly_cleared()
+        All no-fly areas are to go.
 
     Attributes
     ----------
     edges : dict of str to QLineEdit
-    shape : str
-        Of a polygon or points, as `FormState` has it.
-    draw_box, edit : QPushButton
+    shape, no_fly : str
+        Of polygons or points, and of no-fly areas, as `FormState` has them.
+    draw_box, draw_polygon, edit : QPushButton
     area_from : AreaMenu
+    no_fly_from : NoFlyMenu
     undo, redo : QToolButton
     """
 
     box_wanted = pyqtSignal()
+    no_fly_cleared = pyqtSignal()
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__(tr("Area"))
-        self.shape = ""
+        self.shape = self.no_fly = ""
         self.edges = {name: _edge(name) for name in BOX_FIELDS}
         self.draw_box = named(
             QPushButton(icon("draw_box"), tr("Draw &box")),
             "draw_box",
             tr("Press, drag and release on the map"),
         )
+        self.draw_polygon = named(
+            QPushButton(icon("draw_polygon"), tr("Polygon")),
+            "draw_polygon",
+            tr(
+                "Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, "
+                "Backspace takes the last corner back, Esc gives up"
+            ),
+        )
         self.area_from = AreaMenu()
         self.edit = named(
-            QPushButton(QgsApplication.getThemeIcon("/mActionMoveFeature.svg"), tr("Move")),
+            QPushButton(QgsApplication.getThemeIcon("/mActionVertexTool.svg"), tr("Edit")),
             "edit_area",
             tr(
-                "Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it "
-                "by a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's "
-                "own tools, in their layer."
+                "Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the "
+                "corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete "
+                "removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a pixel "
+                "of the screen, with Shift by ten; Esc ends it."
             ),
         )
         self.edit.setCheckable(True)
@@ -77,16 +91,24 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self.words.setWordWrap(True)
         self.words.setTextFormat(Qt.TextFormat.RichText)
         self.words.linkActivated.connect(self.box_wanted)
+        self.no_fly_from = NoFlyMenu()
+        self.no_fly_words = named(QLabel(), "no_fly_words", tr("No image is taken and no leg leads there"))
+        self.no_fly_words.setTextFormat(Qt.TextFormat.RichText)
+        self.no_fly_words.linkActivated.connect(lambda _link: self.no_fly_cleared.emit())
         self._lay_out(marks)
 
     def values(self) -> dict[str, str]:
         """Return what is entered, by field."""
-        return {**{name: edit.text() for name, edit in self.edges.items()}, "shape": self.shape}
+        return {
+            **{name: edit.text() for name, edit in self.edges.items()},
+            "shape": self.shape,
+            "no_fly": self.no_fly,
+        }
 
     def set_state(self, state: FormState) -> None:
         """Enter the fields of a state, telling nobody."""
         self.show_edges(state)
-        self.shape = state.shape
+        self.shape, self.no_fly = state.shape, state.no_fly
 
     def show_edges(self, state: FormState) -> None:
         """Show edges, for one while they are dragged, telling nobody."""
@@ -96,11 +118,13 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
                 # Long numbers show their first digits.
                 edit.setCursorPosition(0)
 
-    def show_words(self, text: str, is_shape: bool, was_shape: bool = False) -> None:
+    def show_words(self, text: str, is_shape: bool, was_shape: bool = False, is_ground: bool = False) -> None:
         """Say what the area is; empty for none.
 
         Parameters
         ----------
+        is_ground : bool
+            Whether it is a box or polygons.
         is_shape, was_shape : bool
             Whether it is no box, and whether it was none before the last change.
         """
@@ -115,8 +139,16 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         self.words.setText(words)
         self.words.setToolTip(tip)
         self.words.setVisible(bool(text))
-        self.area_from.offer_box(is_shape)
+        self.area_from.offer_changes(is_ground, is_shape)
         self.edit.setEnabled(bool(text))
+
+    def show_no_fly(self, count: int) -> None:
+        """Say how many no-fly areas there are."""
+        words = tr("1 no-fly area") if count == 1 else tr("{n} no-fly areas").format(n=number_text(count))
+        if count:
+            words = f'{html.escape(words)} (<a href="clear">{html.escape(tr("clear"))}</a>)'
+        self.no_fly_words.setText(words)
+        self.no_fly_words.setVisible(count > 0)
 
     def connect_history(self, history: AreaHistory) -> None:
         """Let the buttons and the fields' keys undo and redo."""
@@ -156,14 +188,18 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         grid.addWidget(self.draw_box, 1, 1)
         grid.addWidget(self.area_from, 0, 0)
         grid.addWidget(row(self.undo, self.redo), 0, 2, Qt.AlignmentFlag.AlignRight)
+        grid.addWidget(self.draw_polygon, 2, 0)
         grid.addWidget(self.edit, 2, 2)
         grid.addWidget(self.words, 3, 0, 1, 3)
-        for line, (name, field) in enumerate({**self.edges, "shape": self.words}.items(), start=4):
+        grid.addWidget(self.no_fly_from, 4, 0)
+        grid.addWidget(self.no_fly_words, 4, 1, 1, 2)
+        marked = {**self.edges, "shape": self.words, "no_fly": self.no_fly_words}
+        for line, (name, field) in enumerate(marked.items(), start=5):
             grid.addWidget(marks.label(name, field), line, 0, 1, 3)
         for column in range(3):
             grid.setColumnStretch(column, 1)
-        order: list[QWidget] = [self.area_from, *self.edges.values(), self.draw_box, self.edit]
-        order += [self.undo, self.redo]
+        order: list[QWidget] = [self.area_from, *self.edges.values(), self.draw_box]
+        order += [self.draw_polygon, self.edit, self.undo, self.redo, self.no_fly_from]
         for before, after in zip(order, order[1:]):
             QWidget.setTabOrder(before, after)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtCore import QEvent, QObject, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent, QKeySequence
 
 from ..compat import QUndoCommand, QUndoStack
@@ -17,13 +17,23 @@ _STEPS = 100
 #: Steps that are not to be joined with the one before.
 _ALONE = -1
 _AREA = (*BOX_FIELDS, "shape")
-#: What pasted coordinates may change beside the area.
-_HEIGHT = ("agl", "agl_unit", "height_by", "camera_gsd")
+#: What steps may change beside the area: the height, with pasted coordinates, and what is drawn on the map around it.
+_BESIDE = (("agl", "agl_unit", "height_by", "camera_gsd"), ("no_fly",), ("takeoff",))
 
 
 def same_area(one: FormState, other: FormState) -> bool:
     """Whether two states have the same area."""
     return all(getattr(one, name) == getattr(other, name) for name in _AREA)
+
+
+def _changed_beside(one: FormState, other: FormState) -> tuple[str, ...]:
+    """Entries beside the area in which two states differ, with those that go with them."""
+    return tuple(
+        name
+        for names in _BESIDE
+        if any(getattr(one, each) != getattr(other, each) for each in names)
+        for name in names
+    )
 
 
 class _Step(QUndoCommand):
@@ -64,7 +74,14 @@ class AreaHistory(QObject):
     ----------
     read, write : callable
         State of the form, and its setter.
+
+    Signals
+    -------
+    stepped()
+        A step has been undone or redone.
     """
+
+    stepped = pyqtSignal()
 
     def __init__(
         self, read: Callable[[], FormState], write: Callable[[FormState], None], parent: QObject | None = None
@@ -93,20 +110,18 @@ class AreaHistory(QObject):
             if not same_area(before, self._last):
                 self.stack.clear()
             return
-        height = any(getattr(before, name) != getattr(self._last, name) for name in _HEIGHT)
-        if height or not same_area(before, self._last):
+        if _changed_beside(before, self._last) or not same_area(before, self._last):
             self.stack.push(_Step(*step, before, self._last, self))
 
     def enter(self, wanted: FormState, present: FormState) -> None:
-        """Enter the area of a state, and the height where the step changed it."""
-        names = _AREA
-        if any(getattr(wanted, name) != getattr(present, name) for name in _HEIGHT):
-            names += _HEIGHT
+        """Enter the area of a state, and what the step changed beside it."""
+        names = _AREA + _changed_beside(wanted, present)
         self._entering = True
         try:
             self._write(replace(self._read(), **{name: getattr(wanted, name) for name in names}))
         finally:
             self._entering = False
+        self.stepped.emit()
 
 
 class UndoKeys(QObject):

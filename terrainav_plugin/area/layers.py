@@ -32,7 +32,8 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import Area, Box, Points, Polygon, Position
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
+from ...core.mission.area_files import load_area, load_no_fly
 from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
 from ...core.poses.line import FlownLine, fly
@@ -50,7 +51,7 @@ Floats = NDArray[np.float64]
 EDGE_TOLERANCE_M = 0.1
 #: Between the places that are looked at an edge may be off by more than there; by less than twice that, as it bends
 #: one way where the places are this near.
-_LOOKED_AT_M = EDGE_TOLERANCE_M / 2.0
+_LOOKED_AT_SHARE = 0.5
 _LOOKED_AT = (0.25, 0.5, 0.75)
 #: Halvings of one edge: what is not straight then has a pole or the map's edge in it.
 _DEEPEST = 24
@@ -98,12 +99,13 @@ class PointFields(NamedTuple):
     m_per_unit: float = 1.0
 
 
-def polygon_of(
+def polygons_of(
     features: Iterable[QgsFeature],
     crs: QgsCoordinateReferenceSystem,
     context: QgsCoordinateTransformContext,
-) -> Polygon:
-    """Polygon of the one feature there is, on WGS84.
+    cancelled: Callable[[], bool] = lambda: False,
+) -> Polygon | Polygons:
+    """Polygons of all features and of all their parts, on WGS84; those that touch each other are one.
 
     Edges that are straight in the layer's CRS get corners in between, so that what is straight between degrees is
     within `EDGE_TOLERANCE_M` of them; curves become edges within the same tolerance.
@@ -111,34 +113,34 @@ def polygon_of(
     Raises
     ------
     InvalidInput
-        No feature or several, several parts, no sound geometry, or a hole around a pole.
+        No feature, or one without a sound polygon, or with a hole around a pole; its number is named.
+    Cancelled
+        Once ``cancelled`` says so.
     """
-    found = list(features)
+    found: list[QgsGeometry] = []
+    shapes: list[list[list[QgsPointXY]]] = []
+    name = ""
+    for feature in features:
+        if cancelled():
+            raise Cancelled
+        name = tr("feature {id}").format(id=feature.id())
+        geometry = _straight(feature.geometry(), crs)
+        if geometry.isEmpty():
+            raise InvalidInput(tr("{feature} has no geometry: select one that has").format(feature=name))
+        if geometry.type() != POLYGON:
+            raise InvalidInput(tr("{feature} is no polygon: select one that is").format(feature=name))
+        _refuse_invalid(geometry, name)
+        found.append(geometry)
+        shapes += _polygon_rings(geometry)
     if not found:
-        raise InvalidInput(tr("no polygon is selected: select exactly one in its layer"))
+        raise InvalidInput(tr("no polygon is selected: select at least one in its layer"))
     if len(found) > 1:
-        raise InvalidInput(
-            tr(
-                "{count} polygons are selected, but an area is a single polygon: select only one, or join "
-                "them first (Vector > Geoprocessing Tools > Dissolve)"
-            ).format(count=len(found))
-        )
-    name = tr("feature {id}").format(id=found[0].id())
-    geometry = _straight(found[0].geometry(), crs)
-    if geometry.isEmpty():
-        raise InvalidInput(tr("{feature} has no geometry: select one that has").format(feature=name))
-    if geometry.type() != POLYGON:
-        raise InvalidInput(tr("{feature} is no polygon: select one that is").format(feature=name))
-    parts = geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
-    if len(parts) > 1:
-        raise InvalidInput(
-            tr(
-                "{feature} has {count} parts, but an area is a single polygon: split it first (Vector > "
-                "Geometry Tools > Multipart to Singleparts) and select one part"
-            ).format(feature=name, count=len(parts))
-        )
-    _refuse_invalid(geometry, name)
-    return polygon_of_rings(parts[0], crs, context, name)
+        name = tr("area of {count} features").format(count=len(found))
+        # Neighbouring parcels are one piece of ground; where none touch, corners stay as they are.
+        joined = _polygon_rings(QgsGeometry.unaryUnion(found))
+        shapes = joined if len(joined) < len(shapes) else shapes
+    area = Polygons(tuple(polygon_of_rings(rings, crs, context, name) for rings in shapes))
+    return area if len(area.parts) > 1 else area.parts[0]
 
 
 def polygon_of_rings(
@@ -146,15 +148,21 @@ def polygon_of_rings(
     crs: QgsCoordinateReferenceSystem,
     context: QgsCoordinateTransformContext,
     name: str,
+    tolerance_m: float = EDGE_TOLERANCE_M,
 ) -> Polygon:
-    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `polygon_of`.
+    """Polygon of closed rings, the outer one first, whose edges stay where they are; see `polygons_of`.
+
+    Parameters
+    ----------
+    tolerance_m : float
+        Metres that edges may be off on the ground.
 
     Raises
     ------
     InvalidInput
         Naming the rings' feature: a place that the CRS has not, an edge through a pole, or a hole around one.
     """
-    place = _Places(crs, context, name)
+    place = _Places(crs, context, name, tolerance_m)
     return Polygon(
         tuple(tuple(_ring(ring, place, name, is_hole=number > 0)) for number, ring in enumerate(rings))
     )
@@ -255,14 +263,13 @@ class ReadTask(Task):
         self.found = self._read(self.isCanceled)
 
 
-def selected_polygon(layer: QgsVectorLayer, project: QgsProject) -> Reading:
-    """Reader of the selected polygon of a layer; of the only one, where nothing is selected."""
+def polygons(layer: QgsVectorLayer, project: QgsProject, only_selected: bool = True) -> Reading:
+    """Reader of the polygons of a layer."""
     crs, context = _crs(layer), project.transformContext()
-    is_only = not layer.selectedFeatureCount() and layer.featureCount() == 1
     # A snapshot: the layer itself belongs to the main thread.
     source = QgsVectorLayerFeatureSource(layer)
-    request = QgsFeatureRequest() if is_only else _selected(layer)
-    return lambda _cancelled: Found(polygon_of(source.getFeatures(request), crs, context))
+    request = _selected(layer) if only_selected else QgsFeatureRequest()
+    return lambda cancelled: Found(polygons_of(source.getFeatures(request), crs, context, cancelled))
 
 
 def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, project: QgsProject) -> Reading:
@@ -311,6 +318,16 @@ def text_file(path: str, agl_unit: str) -> Reading:
     return lambda _cancelled: Found(*parse_coords(path, agl_unit=agl_unit))
 
 
+def area_file(path: str) -> Reading:
+    """Reader of the polygons of a GeoJSON, KML or KMZ file, which are the area."""
+    return lambda _cancelled: Found(load_area(path))
+
+
+def no_fly_file(path: str) -> Reading:
+    """Reader of the polygons of such a file, which are no-fly areas."""
+    return lambda _cancelled: Found(Polygons(load_no_fly(path)))
+
+
 def rectangle_area(
     rectangle: QgsRectangle, crs: QgsCoordinateReferenceSystem, project: QgsProject | QgsProcessingContext
 ) -> Box | Polygon:
@@ -356,13 +373,18 @@ def extent_of(layer: QgsMapLayer, project: QgsProject) -> Area:
 
 
 class _Places:
-    """Longitude and latitude of points of a layer."""
+    """Longitude and latitude of points of a layer, and how far edges between them may be off."""
 
     def __init__(
-        self, crs: QgsCoordinateReferenceSystem, context: QgsCoordinateTransformContext, feature: str
+        self,
+        crs: QgsCoordinateReferenceSystem,
+        context: QgsCoordinateTransformContext,
+        feature: str,
+        tolerance_m: float = EDGE_TOLERANCE_M,
     ) -> None:
         self._transform = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), context)
         self._crs, self._feature = crs.authid() or crs.description(), feature
+        self.looked_at_m = _LOOKED_AT_SHARE * tolerance_m
 
     def __call__(self, point: QgsPointXY) -> Position:
         """Degrees; raises InvalidInput where the CRS has no such place."""
@@ -396,7 +418,12 @@ def _straight(geometry: QgsGeometry, crs: QgsCoordinateReferenceSystem) -> QgsGe
         else QgsUnitTypes.fromUnitToUnitFactor(crs.mapUnits(), QgsUnitTypes.DistanceUnit.DistanceMeters)
     )
     kind = QgsAbstractGeometry.SegmentationToleranceType.MaximumDifference
-    return QgsGeometry(shape.segmentize(_LOOKED_AT_M / m_per_unit, kind))
+    return QgsGeometry(shape.segmentize(_LOOKED_AT_SHARE * EDGE_TOLERANCE_M / m_per_unit, kind))
+
+
+def _polygon_rings(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
+    """Rings of each of a geometry's polygons."""
+    return geometry.asMultiPolygon() if geometry.isMultipart() else [geometry.asPolygon()]
 
 
 def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
@@ -478,7 +505,7 @@ def _is_straight(one: QgsPointXY, here: Position, other: QgsPointXY, there: Posi
         wanted = here[0] + share * dlon
         east = (_near(lon, wanted) - wanted) * math.cos(math.radians(lat))
         north = lat - (here[1] + share * dlat)
-        if math.hypot(east, north) * _M_PER_DEG > _LOOKED_AT_M:
+        if math.hypot(east, north) * _M_PER_DEG > place.looked_at_m:
             return False
     return True
 

@@ -17,65 +17,95 @@ from ..paths import icon
 class Way:
     """Ways to an area, by the names of the menu's entries."""
 
-    DRAW, SINGLE = "draw", "single"
-    CANVAS, LAYER, POLYGON, POINTS, LINE = "canvas", "layer", "polygon", "points", "line"
+    DRAW, DRAW_POLYGON, SINGLE, CANVAS = "draw", "draw_polygon", "single", "canvas"
+    LAYER, POLYGON, POINTS, LINE = "layer", "polygon", "points", "line"
     CORRIDOR, FACADE, STRUCTURE, ORBIT = "corridor", "facade", "structure", "orbit"
     RANDOM = "random"
-    FILE, PASTE, TO_BOX = "file", "paste", "box"
+    AREA_FILE, FILE, PASTE = "area_file", "file", "paste"
+    ADD_POLYGON, ADD_HOLE, TO_BOX = "add_polygon", "add_hole", "box"
 
 
-class AreaMenu(QPushButton):
-    """A button with that menu.
+#: Name, icon, text and tooltip of each entry, in groups. An icon that begins with "=" is the plugin's own.
+Entries = tuple[tuple[tuple[str, str, str, str], ...], ...]
+
+
+class MenuButton(QPushButton):
+    """A button with a menu.
 
     Signals
     -------
     chosen(str)
-        A `Way`.
+        The name of an entry.
     """
 
     chosen = pyqtSignal(str)
 
-    def __init__(self) -> None:
-        super().__init__(tr("Area &from"))
-        self.setObjectName("area_from")
-        self.setToolTip(tr("Other ways to an area: the map, a layer, a file, the clipboard, a click"))
+    def __init__(self, text: str, name: str, tip: str, entries: Entries) -> None:
+        super().__init__(text)
+        self.setObjectName(f"{name}_from")
+        self.setToolTip(tip)
         menu = QMenu(self)
-        menu.setObjectName("area_menu")
+        menu.setObjectName(f"{name}_menu")
         menu.setToolTipsVisible(True)
         self.actions_by_name: dict[str, QAction] = {}
-        for group in self._entries():
-            for name, image, text, tip in group:
+        for group in entries:
+            for way, image, title, about in group:
                 action = menu.addAction(
-                    icon(image[1:]) if image[0] == "=" else QgsApplication.getThemeIcon(image), text
+                    icon(image[1:]) if image[0] == "=" else QgsApplication.getThemeIcon(image), title
                 )
-                action.setObjectName(f"area_{name}")
-                action.setToolTip(tip)
-                action.triggered.connect(lambda _=False, name=name: self.chosen.emit(name))
-                self.actions_by_name[name] = action
+                action.setObjectName(f"area_{way}")
+                action.setToolTip(about)
+                action.triggered.connect(lambda _=False, way=way: self.chosen.emit(way))
+                self.actions_by_name[way] = action
             menu.addSeparator()
         self.setMenu(menu)
 
-    def offer_box(self, possible: bool) -> None:
-        """Offer the way back to a box only where there is something else."""
-        self.actions_by_name[Way.TO_BOX].setEnabled(possible)
+
+class AreaMenu(MenuButton):
+    """A button with the ways to an area."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            tr("Area &from"),
+            "area",
+            tr("Other ways to an area: the map, a layer, a file, the clipboard, a click"),
+            self._entries(),
+        )
+
+    def offer_changes(self, is_ground: bool, is_shape: bool) -> None:
+        """Offer what changes an area only where there is one.
+
+        Parameters
+        ----------
+        is_ground, is_shape : bool
+            Whether it is a box or polygons, and whether it is something else than a box.
+        """
+        for name in (Way.ADD_POLYGON, Way.ADD_HOLE):
+            self.actions_by_name[name].setEnabled(is_ground)
+        self.actions_by_name[Way.TO_BOX].setEnabled(is_shape)
 
     @staticmethod
-    def _entries() -> tuple[tuple[tuple[str, str, str, str], ...], ...]:
-        """Name, icon, text and tooltip of each entry, in groups."""
+    def _entries() -> Entries:
         return (
             (
                 (Way.DRAW, "=draw_box", tr("&Draw box"), tr("Press, drag and release on the map")),
                 (
-                    Way.CANVAS,
-                    "/mActionZoomFullExtent.svg",
-                    tr("&Map canvas extent"),
-                    tr("The box of what the map shows now"),
+                    Way.DRAW_POLYGON,
+                    "=draw_polygon",
+                    tr("Draw pol&ygon"),
+                    tr("Click each corner on the map; a double click, a right click or Enter finishes"),
                 ),
                 (
                     Way.SINGLE,
                     "=test_shot",
                     tr("&Single capture here…"),
                     tr("Click a point on the map: the mission is one image, straight above it"),
+                ),
+                (
+                    Way.CANVAS,
+                    "/mActionZoomFullExtent.svg",
+                    tr("&Map canvas extent"),
+                    tr("The box of what the map shows now"),
                 ),
             ),
             (
@@ -88,8 +118,10 @@ class AreaMenu(QPushButton):
                 (
                     Way.POLYGON,
                     "/mIconPolygonLayer.svg",
-                    tr("Selected pol&ygon…"),
-                    tr("One selected polygon, with its holes; images that do not touch it are left out"),
+                    tr("Poly&gons of a layer…"),
+                    tr(
+                        "The selected polygons, or all, with their holes; images that touch none are left out"
+                    ),
                 ),
                 (
                     Way.POINTS,
@@ -138,8 +170,14 @@ class AreaMenu(QPushButton):
             ),
             (
                 (
-                    Way.FILE,
+                    Way.AREA_FILE,
                     "/mActionFileOpen.svg",
+                    tr("Area file (KML, Geo&JSON)…"),
+                    tr("All polygons of a KML, KMZ or GeoJSON file, with their holes"),
+                ),
+                (
+                    Way.FILE,
+                    "/mIconPointLayer.svg",
                     tr("&Text file of points…"),
                     tr(
                         "Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height; or a table whose "
@@ -157,6 +195,18 @@ class AreaMenu(QPushButton):
                 ),
             ),
             (
+                (
+                    Way.ADD_POLYGON,
+                    "=draw_polygon",
+                    tr("Add anoth&er polygon"),
+                    tr("Draw one more polygon; what it overlaps is joined with it"),
+                ),
+                (
+                    Way.ADD_HOLE,
+                    "/mActionAddRing.svg",
+                    tr("Cut a &hole"),
+                    tr("Draw a hole inside the area"),
+                ),
                 (
                     Way.TO_BOX,
                     "=draw_box",

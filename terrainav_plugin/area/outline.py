@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
+import numpy as np
 from qgis.core import (
     Qgis,
     QgsCoordinateReferenceSystem,
@@ -21,7 +23,7 @@ from qgis.core import (
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import MAX_LAT_DEG
-from ...core.mission.area import Area, Box, Points, Polygon
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
 from ..map.canvas import lon_lat_of, to_lon_lat
 from ..map.outlines import around_pole
 
@@ -48,6 +50,18 @@ GRIPS = (
 LEAST_SPAN_DEG = 1e-6
 _POLE_DEG = 90.0
 _TURN_DEG = 360.0
+#: Corners up to which each has a handle: more cannot be told apart, and would take long to draw anew at every move.
+MOST_CORNERS = 2_000
+#: Pieces of an edge that is a curve on the canvas, and by what share of its length it is one.
+_CURVE_STEPS, _CURVED = 16, 0.002
+
+
+class Corner(NamedTuple):
+    """A corner of polygons, by numbers: of its polygon, of its ring, and its own. An edge has that of its start."""
+
+    part: int
+    ring: int
+    at: int
 
 
 class Outline:
@@ -66,6 +80,12 @@ class Outline:
         Of a box's corners and sides.
     sides : dict of edge to list of (QgsPointXY, QgsPointXY)
         Of a box: the segments that each side is drawn in.
+    corners : dict of Corner to QgsPointXY
+        Of polygons of no more than `MOST_CORNERS` corners, none of them around a pole.
+    edges : dict of Corner to list of (QgsPointXY, QgsPointXY)
+        Of those polygons: the segments that the edge after each corner is drawn in.
+    middles : dict of Corner to QgsPointXY
+        The middle of each of those edges.
     """
 
     def __init__(
@@ -77,10 +97,12 @@ class Outline:
     ) -> None:
         self._transform = to_lon_lat(crs, project)
         self._is_geographic = crs.isGeographic()
-        middle = middle_of(area)[0]
-        self._turn_deg = 360.0 * round((near_lon_deg - middle) / 360.0) if crs.isGeographic() else 0.0
+        self._turn_deg = 360.0 * turns_to(area, near_lon_deg) if crs.isGeographic() else 0.0
         self.handles: dict[frozenset[str], QgsPointXY] = {}
         self.sides: dict[str, list[tuple[QgsPointXY, QgsPointXY]]] = {}
+        self.corners: dict[Corner, QgsPointXY] = {}
+        self.edges: dict[Corner, list[tuple[QgsPointXY, QgsPointXY]]] = {}
+        self.middles: dict[Corner, QgsPointXY] = {}
         if isinstance(area, Points):
             every = max(1, math.ceil(len(area.poses) / MOST_POINTS))
             west = area.bounds.west_deg
@@ -92,11 +114,24 @@ class Outline:
         self.shape = self._projected(_degrees(area))
         if isinstance(area, Box):
             self._place_handles(area)
+        else:
+            self._place_corners(area)
 
     def project(self, lon_deg: float, lat_deg: float) -> QgsPointXY | None:
         """Place in the canvas's CRS; None where it has none."""
-        lat = min(max(lat_deg, -_BESIDE_POLE_DEG), _BESIDE_POLE_DEG)
-        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, lat))
+        return _placed(self._transform, QgsPointXY(lon_deg + self._turn_deg, _beside_pole(lat_deg)))
+
+    def project_all(self, places: Sequence[Position]) -> list[QgsPointXY | None]:
+        """Places in the canvas's CRS, as `project` has each, in one go."""
+        points = QgsGeometry.fromMultiPointXY(
+            [QgsPointXY(lon + self._turn_deg, _beside_pole(lat)) for lon, lat in places]
+        )
+        try:
+            points.transform(self._transform, Qgis.TransformDirection.Reverse)
+        except QgsCsException:
+            # Some have no place there.
+            return [self.project(*place) for place in places]
+        return [_finite(point) for point in points.asMultiPoint()]
 
     def _find_cut(self, area: Area) -> float | None:
         """Longitude inside an area at which the map is cut open; None for none."""
@@ -150,7 +185,7 @@ class Outline:
         return around_pole(shape) if is_around and not self._is_geographic else shape
 
     def _ring(self, ring: list[QgsPointXY]) -> list[QgsPointXY]:
-        placed = (self.project(corner.x(), corner.y()) for corner in ring)
+        placed = self.project_all([(corner.x(), corner.y()) for corner in ring])
         return [point for point in placed if point is not None]
 
     def _place_handles(self, box: Box) -> None:
@@ -170,12 +205,46 @@ class Outline:
                 walk = [(lons[edge], lat) for lat in _steps(lats["south"], lats["north"])]
             self.sides[edge] = list(self._segments(walk))
 
-    def _segments(self, walk: list[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
-        for (lon0, lat0), (lon1, lat1) in zip(walk, walk[1:]):
-            if self._cut_deg is not None and lon0 < self._cut_deg < lon1:
-                continue
-            start, end = self.project(lon0, lat0), self.project(lon1, lat1)
-            if start is not None and end is not None:
+    def _place_corners(self, area: Polygon | Polygons) -> None:
+        shapes = rings_of(area)
+        if (
+            area.bounds.span_deg >= _TURN_DEG
+            or sum(len(ring) for rings in shapes for ring in rings) > MOST_CORNERS
+        ):
+            return
+        for part, rings in enumerate(shapes):
+            for number, ring in enumerate(rings):
+                ends = [*ring[1:], ring[0]]
+                places = self.project_all(ring)
+                middles = self.project_all([_between(*edge, 0.5) for edge in zip(ring, ends)])
+                for at, (place, middle, end) in enumerate(zip(places, middles, [*places[1:], places[0]])):
+                    corner = Corner(part, number, at)
+                    if place is None:
+                        continue
+                    self.corners[corner] = place
+                    if middle is not None and end is not None and not self._is_cut(ring[at], ends[at]):
+                        self.middles[corner] = middle
+                        self.edges[corner] = self._edge(ring[at], ends[at], (place, middle, end))
+
+    def _edge(
+        self, start: Position, end: Position, places: tuple[QgsPointXY, QgsPointXY, QgsPointXY]
+    ) -> list[tuple[QgsPointXY, QgsPointXY]]:
+        """Segments of an edge whose start, middle and end are known: more than one where it is a curve."""
+        first, middle, last = places
+        if _distance(middle, first, last) <= _CURVED * first.distance(last):
+            return [(first, last)]
+        return list(
+            self._segments([_between(start, end, step / _CURVE_STEPS) for step in range(_CURVE_STEPS + 1)])
+        )
+
+    def _is_cut(self, start: Position, end: Position) -> bool:
+        """Whether the map is cut open between two places."""
+        return self._cut_deg is not None and min(start[0], end[0]) < self._cut_deg < max(start[0], end[0])
+
+    def _segments(self, walk: Sequence[tuple[float, float]]) -> Iterator[tuple[QgsPointXY, QgsPointXY]]:
+        places = self.project_all(walk)
+        for here, there, start, end in zip(walk, walk[1:], places, places[1:]):
+            if start is not None and end is not None and not self._is_cut(here, there):
                 yield start, end
 
 
@@ -207,6 +276,30 @@ def grip_at(
     return frozenset((found[1],)) if found[0] <= reach else frozenset()
 
 
+def corner_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | None:
+    """Return the corner of polygons nearest to a point of the canvas and within reach, in its CRS's units."""
+    if not outline.corners:
+        return None
+    x, y = np.array([(place.x(), place.y()) for place in outline.corners.values()]).T
+    distances = np.hypot(x - point.x(), y - point.y())
+    nearest = int(distances.argmin())
+    return list(outline.corners)[nearest] if distances[nearest] <= reach else None
+
+
+def edge_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | None:
+    """Return the edge of polygons nearest to a point of the canvas and within reach, by the corner before it."""
+    found = [(corner, *segment) for corner, segments in outline.edges.items() for segment in segments]
+    if not found:
+        return None
+    x0, y0, x1, y1 = np.array([(one.x(), one.y(), other.x(), other.y()) for _, one, other in found]).T
+    dx, dy, px, py = x1 - x0, y1 - y0, point.x() - x0, point.y() - y0
+    length2 = np.maximum(dx * dx + dy * dy, np.finfo(float).tiny)
+    along = np.clip((px * dx + py * dy) / length2, 0.0, 1.0)
+    distances = np.hypot(px - along * dx, py - along * dy)
+    nearest = int(distances.argmin())
+    return found[nearest][0] if distances[nearest] <= reach else None
+
+
 def place_at(
     point: QgsPointXY, crs: QgsCoordinateReferenceSystem, project: QgsProject
 ) -> tuple[float, float] | None:
@@ -223,7 +316,7 @@ def contains(area: Area, lon_deg: float, lat_deg: float) -> bool:
     lon = box.west_deg + (lon_deg - box.west_deg) % 360.0
     if not (box.south_deg <= lat_deg <= box.north_deg and lon <= box.west_deg + box.span_deg):
         return False
-    return not isinstance(area, Polygon) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
+    return not isinstance(area, (Polygon, Polygons)) or _degrees(area).contains(QgsPointXY(lon, lat_deg))
 
 
 def wrapped(lon_deg: float) -> float:
@@ -247,19 +340,25 @@ def moved(area: Area, dlat_deg: float, dlon_deg: float) -> Area:
     stays where it is: moved by degrees it would be another.
     """
     bounds = area.bounds
-    if isinstance(area, Polygon) and bounds.span_deg >= _TURN_DEG:
+    if isinstance(area, (Polygon, Polygons)) and bounds.span_deg >= _TURN_DEG:
         return area
     limit = _limit(max(abs(bounds.north_deg), abs(bounds.south_deg)))
     dlat = min(max(dlat_deg, -limit - bounds.south_deg), limit - bounds.north_deg)
     if isinstance(area, Box):
         north, south = min(area.north_deg + dlat, limit), max(area.south_deg + dlat, -limit)
         return continuous_box(north, area.west_deg + dlon_deg, south, area.continuous_east_deg + dlon_deg)
+    if isinstance(area, Polygons):
+        return Polygons(tuple(_moved_polygon(part, dlat, dlon_deg) for part in area.parts))
     if isinstance(area, Polygon):
-        return Polygon(
-            tuple(tuple((lon + dlon_deg, _kept(lat + dlat)) for lon, lat in ring) for ring in area.rings)
-        )
+        return _moved_polygon(area, dlat, dlon_deg)
     return replace(
         area, poses=tuple((_kept(lat + dlat), wrapped(lon + dlon_deg), agl) for lat, lon, agl in area.poses)
+    )
+
+
+def _moved_polygon(polygon: Polygon, dlat_deg: float, dlon_deg: float) -> Polygon:
+    return Polygon(
+        tuple(tuple((lon + dlon_deg, _kept(lat + dlat_deg)) for lon, lat in ring) for ring in polygon.rings)
     )
 
 
@@ -284,13 +383,35 @@ def middle_of(area: Area) -> tuple[float, float]:
     return wrapped(box.west_deg + box.span_deg / 2.0), (box.north_deg + box.south_deg) / 2.0
 
 
-def _degrees(area: Box | Polygon) -> QgsGeometry:
+def turns_to(area: Area, lon_deg: float) -> int:
+    """Turns around the Earth from an area's longitudes, which go on beyond 180 from its west, to one."""
+    box = area.bounds
+    return round((lon_deg - box.west_deg - box.span_deg / 2.0) / _TURN_DEG)
+
+
+def rings_of(area: Polygon | Polygons) -> list[list[list[Position]]]:
+    """Rings of each polygon of an area, as (longitude, latitude) within those of its bounds, which go on beyond 180."""
+    if isinstance(area, Polygon):
+        return [[list(ring) for ring in area.rings]]
+    return [[list(zip(lon.tolist(), lat.tolist())) for lon, lat in part.arrays()] for part in area.placed()]
+
+
+def polygon_geometry(rings: Sequence[Sequence[Position]]) -> QgsGeometry:
+    """Geometry of a polygon's rings, of longitudes and latitudes."""
+    return QgsGeometry.fromPolygonXY([_closed(ring) for ring in rings])
+
+
+def _closed(ring: Sequence[Position]) -> list[QgsPointXY]:
+    return [QgsPointXY(*corner) for corner in (*ring, ring[0])]
+
+
+def _degrees(area: Box | Polygon | Polygons) -> QgsGeometry:
     """Area as a geometry of continuous longitudes and latitudes."""
     if isinstance(area, Box):
         return QgsGeometry.fromRect(QgsRectangle(*area.edges_deg))
-    return QgsGeometry.fromPolygonXY(
-        [[QgsPointXY(*corner) for corner in (*ring, ring[0])] for ring in area.rings]
-    )
+    if isinstance(area, Polygon):
+        return polygon_geometry(area.rings)
+    return QgsGeometry.fromMultiPolygonXY([[_closed(ring) for ring in rings] for rings in rings_of(area)])
 
 
 def _polygons(geometry: QgsGeometry) -> list[list[list[QgsPointXY]]]:
@@ -304,7 +425,19 @@ def _placed(transform: QgsCoordinateTransform, lon_lat: QgsPointXY) -> QgsPointX
         place = transform.transform(lon_lat, Qgis.TransformDirection.Reverse)
     except QgsCsException:
         return None
+    return _finite(place)
+
+
+def _finite(place: QgsPointXY) -> QgsPointXY | None:
     return place if math.isfinite(place.x()) and math.isfinite(place.y()) else None
+
+
+def _beside_pole(lat_deg: float) -> float:
+    return min(max(lat_deg, -_BESIDE_POLE_DEG), _BESIDE_POLE_DEG)
+
+
+def _between(start: Position, end: Position, share: float) -> Position:
+    return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
 def _steps(start: float, end: float) -> list[float]:
@@ -325,6 +458,12 @@ def _distance(at: QgsPointXY, start: QgsPointXY, end: QgsPointXY) -> float:
 def _kept(lat_deg: float) -> float:
     """Latitude that a sum's last digit has not carried past a pole."""
     return min(max(lat_deg, -_POLE_DEG), _POLE_DEG)
+
+
+def kept_lat(lat_deg: float, dlat_deg: float) -> float:
+    """Latitude moved by degrees, no further than `moved` has areas go."""
+    limit = _limit(abs(lat_deg))
+    return min(max(lat_deg + dlat_deg, -limit), limit)
 
 
 def _limit(lat_deg: float) -> float:

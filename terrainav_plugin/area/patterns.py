@@ -17,7 +17,7 @@ from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
 
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
-from ...core.mission.area import Box, Polygon, Polygons
+from ...core.mission.area import Box, Polygon, Polygons, parts_of
 from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS
@@ -30,7 +30,7 @@ from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
 from .dialogs import LayerDialog
-from .layers import Found, Reading, lines_of, polygon_of
+from .layers import Found, Reading, lines_of, polygons_of
 from .menu import Way
 
 if TYPE_CHECKING:
@@ -184,7 +184,8 @@ class StructureDialog(_PatternDialog):
         context, request = project.transformContext(), _taken(layer)
 
         def read(_cancelled: Callable[[], bool]) -> Found:
-            outlines = [polygon_of([one], crs, context) for one in source.getFeatures(request)]
+            shapes = (polygons_of([one], crs, context) for one in source.getFeatures(request))
+            outlines = [outline for shape in shapes for outline in parts_of(shape)]
             return Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m)
 
         return read

@@ -1,28 +1,54 @@
-"""The map's tools for areas: drawing a box, choosing a point, moving an area and the edges of a box."""
+"""The map's tools for areas: drawing a box, choosing a point, moving an area, edges of a box, corners of polygons."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from qgis.core import QgsCsException, QgsGeometry, QgsPointXY, QgsProject, QgsRectangle
 from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsRubberBand
 from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent
-from qgis.PyQt.QtWidgets import QApplication
+from qgis.PyQt.QtWidgets import QApplication, QMenu
 
 from ...core.errors import TerrAInavError
-from ...core.mission.area import Area, Box, Points
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons
 from ..compat import POLYGON
 from ..form.area import readout
 from ..i18n import tr, translate
 from ..map.canvas import ClickTool, TemporaryTool
 from ..units import METRES
 from .bands import AreaBands, PointerText, area_band
+from .corners import (
+    as_polygons,
+    checked,
+    is_sound,
+    place_in,
+    with_corner_added,
+    with_corner_moved,
+    without_corner,
+    without_hole,
+    without_polygon,
+)
 from .layers import rectangle_area
-from .outline import Outline, contains, grip_at, middle_of, moved, place_at, stretched
+from .outline import (
+    Corner,
+    Outline,
+    contains,
+    corner_at,
+    edge_at,
+    grip_at,
+    middle_of,
+    moved,
+    place_at,
+    stretched,
+)
 
 #: Screen pixels within which the pointer is at an edge, a corner or a point: a fingertip of a mouse's precision.
 _REACH_PX = 8.0
+#: The same of edges, which are taken hold of less readily than corners, so that small areas can be moved.
+_EDGE_PX = 5.0
+_REMOVE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 #: Screen pixels that an arrow key moves the area by, and with Shift.
 _STEP_PX, _FAR_STEP_PX = 1, 10
 _ARROWS = {
@@ -53,6 +79,7 @@ class BoxTool(TemporaryTool):
 
     drawn = pyqtSignal(object)
     refused = pyqtSignal(str)
+    is_resumed = False
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
@@ -155,15 +182,18 @@ class BoxTool(TemporaryTool):
 class PointTool(ClickTool):
     """Tells the place of one click, and gives the canvas back."""
 
+    is_resumed = False
+
     def _take(self, lat_deg: float, lon_deg: float) -> None:
         self.stop()
         super()._take(lat_deg, lon_deg)
 
 
 class AreaTool(TemporaryTool):
-    """Shows the area over the map while it is on; dragging moves it, or the edges of a box.
+    """Shows the area over the map while it is on; dragging moves it, the edges of a box, or a corner of polygons.
 
-    Dragging beside it moves the map, as in other tools.
+    An edge of polygons gets a corner where it is taken hold of; a right click on a corner or the Delete key removes it.
+    A right click elsewhere offers what else can be done. Dragging beside the area moves the map, as in other tools.
 
     Signals
     -------
@@ -171,10 +201,20 @@ class AreaTool(TemporaryTool):
         The area as it is while the button is down, and as it was once Esc has put it back.
     changed(object, str, bool)
         The area, what was done to it, and whether that goes on a step of the same name.
+    hole_wanted(), polygon_wanted()
+        A hole, or one more polygon, is to be drawn.
+    takeoff_set(float, float)
+        Latitude and longitude of a take-off point.
+    refused(str)
+        Why a change cannot be.
     """
 
     dragging = pyqtSignal(object)
     changed = pyqtSignal(object, str, bool)
+    hole_wanted = pyqtSignal()
+    polygon_wanted = pyqtSignal()
+    takeoff_set = pyqtSignal(float, float)
+    refused = pyqtSignal(str)
 
     def __init__(self, canvas: QgsMapCanvas, undo_keys: QObject) -> None:
         super().__init__(canvas)
@@ -185,6 +225,12 @@ class AreaTool(TemporaryTool):
         self._dragged: Area | None = None
         self._outline: Outline | None = None
         self._grip: frozenset[str] = frozenset()
+        #: Corner that is held, and the area that it is moved from, which may have it newly.
+        self._held: Corner | None = None
+        self._held_in: Polygon | Polygons | None = None
+        #: Corner that the pointer is at, or was at last.
+        self._picked: Corner | None = None
+        self._menu: QMenu | None = None
         self._from: tuple[float, float] | None = None
         self._pressed_at: QPoint | None = None
         self._panned_from: QgsPointXY | None = None
@@ -192,6 +238,9 @@ class AreaTool(TemporaryTool):
 
     def set_area(self, area: Area | None) -> None:
         """Take another area; without one there is nothing to move."""
+        if area != self._area:
+            # Its number may be that of another corner now.
+            self._picked = None
         self._area = area
         if not self.isActive():
             return
@@ -220,7 +269,8 @@ class AreaTool(TemporaryTool):
         canvas.destinationCrsChanged.disconnect(self._draw)
         canvas.removeEventFilter(self._undo_keys)
         self._put_back()
-        self._panned_from = None
+        self._panned_from = self._picked = None
+        self._close_menu()
         self._bands.clear()
         self._readout.clear()
         self._outline = None
@@ -232,7 +282,16 @@ class AreaTool(TemporaryTool):
             self.stop()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Move the area by arrow keys, which would move the map."""
+        """Move the area by arrow keys, which would move the map; remove a corner by those that remove things."""
+        if isinstance(event, QKeyEvent) and event.key() in _REMOVE and self._picked is not None:
+            if event.type() == QEvent.Type.ShortcutOverride:
+                # The window's own shortcut would remove features.
+                event.accept()
+                return True
+            if event.type() == QEvent.Type.KeyPress:
+                if self._dragged is None:
+                    self._remove_corner(self._picked)
+                return True
         pressed = event.type() == QEvent.Type.KeyPress and self._area is not None
         if pressed and isinstance(event, QKeyEvent) and event.key() in _ARROWS:
             if self._dragged is None:
@@ -246,13 +305,21 @@ class AreaTool(TemporaryTool):
         """Take hold of the area, or of the map beside it."""
         if event.button() != Qt.MouseButton.LeftButton or self._area is None:
             return
-        self._grip = self._grip_at(event.pos())
-        if not self._grip and not self._is_at_area(event.pos()):
+        self._grip, self._held = self._grip_at(event.pos()), self._corner_at(event.pos())
+        edge = None if self._held is not None else self._edge_at(event.pos())
+        if not (self._grip or self._held or edge or self._is_at_area(event.pos())):
             self._panned_from = self.toMapCoordinates(event.pos())
             return
         self._from = self._place(event.pos())
-        if self._from is not None:
-            self._pressed_at, self._dragged = event.pos(), self._area
+        if self._from is None:
+            return
+        self._pressed_at, self._dragged = event.pos(), self._area
+        if edge is not None:
+            self._held = Corner(edge.part, edge.ring, edge.at + 1)
+            self._dragged = with_corner_added(self._area, edge, *self._from)
+        self._held_in = None if self._held is None else self._dragged
+        self._picked = self._held
+        self._draw()
 
     def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
         """Move what is held; otherwise show what would be."""
@@ -265,7 +332,9 @@ class AreaTool(TemporaryTool):
             self._drag_to(event.pos())
 
     def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
-        """Let go."""
+        """Let go; the right button removes a corner, or asks what to do."""
+        if event.button() == Qt.MouseButton.RightButton:
+            self._ask(event)
         if event.button() != Qt.MouseButton.LeftButton:
             return
         if self._panned_from is not None:
@@ -276,9 +345,18 @@ class AreaTool(TemporaryTool):
         # Not every move is told, and the last one may be missing.
         if event.pos() != self._pressed_at:
             self._drag_to(event.pos())
+        held, is_new = self._held, self._held_in is not self._area
         moved_area, self._dragged, self._from = self._dragged, None, None
+        self._held = self._held_in = None
         self._readout.clear()
-        if moved_area is not self._area:
+        if moved_area is self._area:
+            self._draw()
+        elif held is not None:
+            self._take_corner(moved_area, tr("add a corner") if is_new else tr("move a corner"))
+            # The pointer is at it still, though nothing has moved since.
+            self._picked = self._corner_at(event.pos())
+            self._draw()
+        else:
             named = self._grip and isinstance(moved_area, Box)
             self.changed.emit(moved_area, tr("drag an edge") if named else tr("move the area"), False)
 
@@ -291,23 +369,125 @@ class AreaTool(TemporaryTool):
         dlon = place[0] - self._from[0]
         dlon -= 360.0 * round(dlon / 360.0)
         dlat = place[1] - self._from[1]
-        if self._grip and isinstance(self._area, Box):
+        if self._held is not None and self._held_in is not None:
+            self._dragged = with_corner_moved(self._held_in, self._held, dlat, dlon)
+        elif self._grip and isinstance(self._area, Box):
             self._dragged = stretched(self._area, self._grip, dlat, dlon)
         else:
             self._dragged = moved(self._area, dlat, dlon)
         self._draw()
-        self._readout.say(readout(self._dragged, self.length_unit), at)
+        self._readout.say(self._words(), at)
         self.dragging.emit(self._dragged)
+
+    def _words(self) -> str:
+        """What is said of the area that is being dragged."""
+        if self._held is not None and not is_sound(self._dragged) and is_sound(self._area):
+            return tr("The outline would cross itself")
+        return readout(self._dragged, self.length_unit)
 
     def _put_back(self) -> bool:
         """Put back what is being dragged; whether anything was."""
         if self._dragged is None:
             return False
-        self._dragged = self._from = None
+        self._dragged = self._from = self._held = self._held_in = None
         self._readout.clear()
         self._draw()
         self.dragging.emit(self._area)
         return True
+
+    # --- corners, holes and parts
+
+    def _take_corner(self, area: Polygon | Polygons, step: str) -> None:
+        """Take an area with another corner, unless outlines cross."""
+        self._change(lambda: checked(self._area, area), step)
+
+    def _remove_corner(self, corner: Corner) -> None:
+        self._change(lambda: without_corner(self._area, corner), tr("remove a corner"))
+
+    def _change(self, change: Callable[[], Area], step: str) -> None:
+        """Make a change, or say why it cannot be."""
+        try:
+            area = change()
+        except TerrAInavError as wrong:
+            self._draw()
+            self.dragging.emit(self._area)
+            self.refused.emit(translate(wrong))
+            return
+        self.changed.emit(area, step, False)
+
+    def _ask(self, event: QgsMapMouseEvent) -> None:
+        """Remove the corner at the pointer; elsewhere offer what else can be done with the area."""
+        if self._dragged is not None or self._area is None:
+            return
+        corner = self._corner_at(event.pos())
+        if corner is not None:
+            self._remove_corner(corner)
+            return
+        area = as_polygons(self._area)
+        if area is None:
+            return
+        self._close_menu()
+        self._menu = self._menu_at(area, event.pos())
+        self._menu.popup(self.canvas().viewport().mapToGlobal(event.pos()))
+
+    def _menu_at(self, area: Polygon | Polygons, at: QPoint) -> QMenu:
+        menu = QMenu(self.canvas())
+        menu.setObjectName("edit_area_menu")
+        place, edge = self._place(at), self._edge_at(at)
+        inside = None if place is None else place_in(area, *place)
+        entries: list[tuple[str, str, Callable[[], None]]] = []
+        if edge is not None and place is not None:
+            entries.append(
+                (
+                    "add_corner",
+                    tr("Add a &corner here"),
+                    lambda: self._take_corner(with_corner_added(area, edge, *place), tr("add a corner")),
+                )
+            )
+        if isinstance(self._area, Box):
+            entries.append(
+                (
+                    "to_polygon",
+                    tr("Make it a &polygon"),
+                    lambda: self.changed.emit(area, tr("make it a polygon"), False),
+                )
+            )
+        entries.append(("add_hole", tr("Cut a &hole"), self.hole_wanted.emit))
+        entries.append(("add_polygon", tr("Add anoth&er polygon"), self.polygon_wanted.emit))
+        if inside is not None and inside[1]:
+            entries.append(
+                (
+                    "remove_hole",
+                    tr("&Remove this hole"),
+                    lambda: self._change(lambda: without_hole(area, *inside), tr("remove a hole")),
+                )
+            )
+        elif inside is not None and isinstance(area, Polygons):
+            entries.append(
+                (
+                    "remove_polygon",
+                    tr("&Remove this polygon"),
+                    lambda: self._change(lambda: without_polygon(area, inside[0]), tr("remove a polygon")),
+                )
+            )
+        if place is not None:
+            lon, lat = place
+            entries.append(
+                ("set_takeoff", tr("Set &take-off point here"), lambda: self.takeoff_set.emit(lat, lon))
+            )
+        for name, text, act in entries:
+            action = menu.addAction(text)
+            action.setObjectName(name)
+            action.triggered.connect(lambda _=False, act=act: act())
+        return menu
+
+    def _close_menu(self) -> None:
+        if self._menu is not None:
+            self._menu.close()
+            self._menu.deleteLater()
+            self._menu = None
+
+    # --- by keys
 
     def _step(self, event: QKeyEvent) -> None:
         far = event.modifiers() & Qt.KeyboardModifier.ShiftModifier
@@ -337,12 +517,24 @@ class AreaTool(TemporaryTool):
         crs = canvas.mapSettings().destinationCrs()
         near = canvas.extent().center().x() if crs.isGeographic() else 0.0
         self._outline = Outline(area, crs, QgsProject.instance(), near)
-        self._bands.show(self._outline, with_handles=isinstance(area, Box))
+        self._bands.show(self._outline, with_handles=not isinstance(area, Points), picked=self._picked)
 
     def _grip_at(self, at: QPoint) -> frozenset[str]:
         if self._outline is None:
             return frozenset()
         return grip_at(self._outline, self.canvas().getCoordinateTransform(), at.x(), at.y(), _REACH_PX)
+
+    def _corner_at(self, at: QPoint) -> Corner | None:
+        if self._outline is None:
+            return None
+        return corner_at(
+            self._outline, self.toMapCoordinates(at), _REACH_PX * self.canvas().mapUnitsPerPixel()
+        )
+
+    def _edge_at(self, at: QPoint) -> Corner | None:
+        if self._outline is None:
+            return None
+        return edge_at(self._outline, self.toMapCoordinates(at), _EDGE_PX * self.canvas().mapUnitsPerPixel())
 
     def _is_at_area(self, at: QPoint) -> bool:
         place = self._place(at)
@@ -357,9 +549,16 @@ class AreaTool(TemporaryTool):
         return self._outline.shape.distance(QgsGeometry.fromPointXY(self.toMapCoordinates(at))) <= reach
 
     def _show_cursor(self, at: QPoint) -> None:
-        grip = self._grip_at(at)
+        grip, corner = self._grip_at(at), self._corner_at(at)
+        if corner != self._picked:
+            self._picked = corner
+            self._draw()
         if grip:
             self.setCursor(self._cursor_of(grip))
+        elif corner is not None:
+            self.setCursor(Qt.CursorShape.PointingHandCursor)
+        elif self._edge_at(at) is not None:
+            self.setCursor(Qt.CursorShape.CrossCursor)
         elif self._is_at_area(at):
             self.setCursor(Qt.CursorShape.SizeAllCursor)
         else:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import ANGLES, Area, Box, Points, Polygon
+from ...core.mission.area import ANGLES, Area, Box, Points, Polygon, Polygons, parts_of
 from ...core.mission.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.mission.pose_table import columns_of, is_header, read_poses, usual_names
@@ -70,8 +70,8 @@ def with_coordinates(state: FormState, text: str) -> FormState:
         raise FormError({"north": translate(wrong)}) from wrong
 
 
-def entered_shape(state: FormState) -> Polygon | Points | None:
-    """Polygon or points that are entered, at the height that is; None where the area is a box.
+def entered_shape(state: FormState) -> Polygon | Polygons | Points | None:
+    """Polygons or points that are entered, at the height that is; None where the area is a box.
 
     Raises
     ------
@@ -105,18 +105,18 @@ class Shape:
 
     Parameters
     ----------
-    area : Polygon or Points
+    area : Polygon, Polygons or Points
     bounds : Box
         The smallest box around it, which the edges' fields show.
     agl_m : float
         Height that was entered when points were taken; another one since then is that of all points.
     """
 
-    area: Polygon | Points
+    area: Polygon | Polygons | Points
     bounds: Box
     agl_m: float
 
-    def at(self, agl_m: float) -> Polygon | Points:
+    def at(self, agl_m: float) -> Polygon | Polygons | Points:
         """Area when a height is entered: all points have it unless it is the one they were taken with."""
         if not isinstance(self.area, Points) or abs(agl_m - self.agl_m) <= SAME_HEIGHT_M or agl_m <= 0.0:
             return self.area
@@ -129,6 +129,8 @@ def shape_text(area: Area, agl_m: float) -> str:
         return ""
     # As a mission's file has it; without the copy of every corner that `Mission.to_dict` makes.
     data = {field.name: getattr(area, field.name) for field in fields(area)}
+    if isinstance(area, Polygons):
+        data = {"parts": [{"rings": part.rings} for part in area.parts]}
     return json.dumps({"type": type(area).__name__.lower(), **data, "agl_m": agl_m})
 
 
@@ -146,8 +148,27 @@ def shape_of(text: str) -> Shape:
     return Shape(area, area.bounds, agl_m)
 
 
+def no_fly_text(polygons: tuple[Polygon, ...]) -> str:
+    """Text of no-fly areas; empty for none."""
+    return json.dumps([{"rings": polygon.rings} for polygon in polygons]) if polygons else ""
+
+
 @lru_cache(_KEPT)
-def area_at(text: str, agl_m: float) -> Polygon | Points:
+def no_fly_of(text: str) -> tuple[Polygon, ...]:
+    """No-fly areas of a text; raises InvalidInput where it holds none."""
+    return area_from_dict({"type": "polygons", "parts": parse_json(text)}).parts if text else ()
+
+
+def entered_no_fly(state: FormState) -> tuple[Polygon, ...]:
+    """No-fly areas that are entered; none where they cannot be read."""
+    try:
+        return no_fly_of(state.no_fly)
+    except InvalidInput:
+        return ()
+
+
+@lru_cache(_KEPT)
+def area_at(text: str, agl_m: float) -> Polygon | Polygons | Points:
     """Area of a text when a height is entered; raises InvalidInput where it holds none."""
     return shape_of(text).at(agl_m)
 
@@ -216,7 +237,7 @@ def area_words(area: Area, unit: str) -> str:
     """What an area is, in a line, in metres or feet and what goes with them."""
     if isinstance(area, Box):
         return tr("Box, {size}").format(size=size_text(area, unit))
-    if isinstance(area, Polygon):
+    if not isinstance(area, Points):
         return _polygon_words(area, unit)
     heights = [agl / LENGTHS_M[unit] for _, _, agl in area.poses]
     words = [
@@ -290,10 +311,12 @@ def _number(text: str) -> float:
         raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
 
 
-def _polygon_words(polygon: Polygon, unit: str) -> str:
-    corners = sum(len(ring) for ring in polygon.rings)
-    words = [tr("Polygon"), tr("{n} corners").format(n=number_text(corners))]
-    holes = len(polygon.rings) - 1
+def _polygon_words(polygon: Polygon | Polygons, unit: str) -> str:
+    parts = parts_of(polygon)
+    corners = sum(len(ring) for part in parts for ring in part.rings)
+    words = [tr("Polygon") if len(parts) == 1 else tr("{n} polygons").format(n=number_text(len(parts)))]
+    words.append(tr("{n} corners").format(n=number_text(corners)))
+    holes = sum(len(part.rings) - 1 for part in parts)
     if holes:
         words.append(tr("1 hole") if holes == 1 else tr("{n} holes").format(n=holes))
     words.append(area_text(polygon.area_m2(), unit))

@@ -12,7 +12,7 @@ from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
 from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
-from .area import FormError, entered_shape, shape_text, with_box
+from .area import FormError, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
 from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
 from .text import SEPARATORS, aspect_text, exact_degrees_text, parse_aspect, parse_number
@@ -79,7 +79,7 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     checks = _Checks()
     # Nobody flies there: it needs no way from a take-off, and no battery.
     route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
-    single = replace(state, map_types=state.map_types[:1], **route, takeoff="")
+    single = replace(state, map_types=state.map_types[:1], **route, takeoff="", no_fly="")
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
 
 
@@ -107,10 +107,11 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     for name, value in entries.items():
         checks(entry_of(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
+    no_fly = checks("no_fly", lambda: no_fly_of(state.no_fly))
     if checks.messages:
         raise FormError(checks.messages)
     try:
-        return Mission(area, state.agl_m, camera, wind=wind, **entries)
+        return Mission(area, state.agl_m, camera, wind=wind, no_fly=no_fly, **entries)
     except InvalidInput as wrong:
         # Entries that are right one by one, and do not go together.
         raise FormError({entry_of(wrong.field) or _BEYOND: translate(wrong)}) from wrong
@@ -261,6 +262,7 @@ def state_of(mission: Mission, folder: str, like: FormState | None = None) -> Fo
         aspect=aspect_text(mission.camera.aspect_ratio),
         agl=mission.flight.agl_m,
         folder=folder,
+        no_fly=no_fly_text(mission.no_fly),
         takeoff=takeoff_text(mission.route.takeoff),
         **{name: given[name] for name in ENTERED_AS_DECLARED},
     )

@@ -65,7 +65,9 @@ class FormState(_Asked):
     north, west, south, east : str
         Edges of the area in degrees; of the box around it where it is no box.
     shape : str
-        JSON of a polygon's or points' area; empty for a box.
+        JSON of an area of polygons or points; empty for a box.
+    no_fly : str
+        JSON of the no-fly areas; empty for none.
     fov_deg : float
         Diagonal field of view, however it was given.
     fov_mode : str
@@ -112,6 +114,7 @@ class FormState(_Asked):
     south: str = ""
     east: str = ""
     shape: str = ""
+    no_fly: str = ""
     fov_deg: float = Lens.fov_deg
     fov_mode: str = DIAGONAL
     fov_typed_deg: float = 0.0

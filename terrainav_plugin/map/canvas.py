@@ -25,6 +25,8 @@ from ..i18n import tr, translate
 LON_LAT = "EPSG:4326"
 #: Points a side is walked along: a parallel's bulge between two of them is under 1/16000 of the side's own.
 _POINTS_A_SIDE = 64
+#: Rectangles with no side of this many pixels of the screen are a dot, and count as out of sight.
+_DOT_PX = 6.0
 
 
 def to_lon_lat(crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsCoordinateTransform:
@@ -100,6 +102,12 @@ def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsPr
         ) from wrong
 
 
+def is_in_sight(canvas: QgsMapCanvas, rectangle: QgsRectangle) -> bool:
+    """Whether a rectangle of its CRS can be seen on the map: some of it, and as more than a dot."""
+    wide_px = max(rectangle.width(), rectangle.height()) / canvas.mapUnitsPerPixel()
+    return not 0.0 < wide_px < _DOT_PX and canvas.extent().intersects(rectangle)
+
+
 def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> None:
     """Move the map to a rectangle of its CRS; what is seen is ``scale`` times as wide and high."""
     rectangle.scale(scale)
@@ -108,7 +116,15 @@ def show_extent(canvas: QgsMapCanvas, rectangle: QgsRectangle, scale: float) -> 
 
 
 class TemporaryTool(QgsMapTool):
-    """A map tool that gives the canvas back to the tool before it."""
+    """A map tool that gives the canvas back to the tool before it.
+
+    Attributes
+    ----------
+    is_resumed : bool
+        Whether a tool that was taken up from this one gives the canvas back to it; otherwise it goes to the one before.
+    """
+
+    is_resumed = True
 
     def __init__(self, canvas: QgsMapCanvas) -> None:
         super().__init__(canvas)
@@ -119,7 +135,10 @@ class TemporaryTool(QgsMapTool):
         """Take over the canvas."""
         canvas = self.canvas()
         if canvas.mapTool() is not self:
-            self._previous = canvas.mapTool()
+            previous = canvas.mapTool()
+            while isinstance(previous, TemporaryTool) and not previous.is_resumed:
+                previous = previous._previous  # noqa: SLF001  of the same class
+            self._previous = previous
             canvas.setMapTool(self)
         # Keys go to the canvas, so that Esc arrives wherever the tool was chosen.
         canvas.setFocus()

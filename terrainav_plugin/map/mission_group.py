@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
 from qgis.core import QgsLayerTreeGroup, QgsLayerTreeLayer, QgsMapLayer, QgsProject, QgsProviderRegistry
+from qgis.PyQt.QtCore import QObject
 
 from ..i18n import tr
+from ..tasks import single_shot
 
 #: Custom properties of the group, saved with the project.
 _FOLDER, _MISSION, _CURRENT = "terrainav/folder", "terrainav/mission", "terrainav/current"
@@ -75,6 +78,48 @@ def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
         if layer is not None and layer.customProperty(ROLE) == role:
             return layer
     return None
+
+
+class GroupsOnTop(QObject):
+    """Keeps mission groups above layers that are added, which would hide what is planned.
+
+    QGIS adds layers above the current one, and so into a mission group where that is one of the mission's. What users
+    have put above a group or into it themselves stays there, and so does what comes above that.
+    """
+
+    def __init__(self, project: QgsProject) -> None:
+        super().__init__()
+        self._project = project
+        self._added: set[str] = set()
+        # Layers are told of before they are in the layer tree.
+        self._soon = single_shot(self._move, self)
+        project.legendLayersAdded.connect(self._note)
+
+    def close(self) -> None:
+        """End for good."""
+        self._soon.stop()
+        self._project.legendLayersAdded.disconnect(self._note)
+
+    def _note(self, layers: list[QgsMapLayer]) -> None:
+        self._added.update(layer.id() for layer in layers)
+        self._soon.start()
+
+    def _move(self) -> None:
+        added, self._added = self._added, set()
+        root = self._project.layerTreeRoot()
+        for node in filter(None, map(root.findLayer, added)):
+            group = node.parent()
+            if group.customProperty(_FOLDER):
+                around = group.parent()
+                around.insertChildNode(around.children().index(group) + 1, node.clone())
+                group.removeChildNode(node)
+        nodes = root.children()
+        over = list(takewhile(lambda node: not node.customProperty(_FOLDER), nodes))
+        if over and all(isinstance(node, QgsLayerTreeLayer) and node.layerId() in added for node in over):
+            groups = list(takewhile(lambda node: node.customProperty(_FOLDER), nodes[len(over) :]))
+            root.insertChildNodes(0, [group.clone() for group in groups])
+            for group in groups:
+                root.removeChildNode(group)
 
 
 class MissionGroup:

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..messages import Messages
 
-#: Entries of a form without an area.
-_NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape"), "")
+#: Entries of a form without an area, and without what belongs to its place.
+_NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff"), "")
 
 
 class DatasetTask(Task):

@@ -13,9 +13,21 @@ from ..form.camera import shown_gsd
 from ..form.fields import label_of, tip_of
 from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
+from ..paths import icon
 from ..plain import plain_label
 from ..units import gsd_text, length_text
-from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, line_edit, named, row, spin, tick
+from ..widgets import (
+    FieldMarks,
+    FieldMessage,
+    combo,
+    folder_entry,
+    line_edit,
+    named,
+    row,
+    spin,
+    tick,
+    tool_button,
+)
 from .elevation import HeightsLine
 from .entries import (
     Entries,
@@ -251,13 +263,27 @@ class ReliefSection(Section):
 
 
 class RouteSection(Section):
-    """Take-off, the way to the rows and from row to row, what releases the camera, and batteries."""
+    """Take-off, the way to the rows and from row to row, what releases the camera, and batteries.
+
+    Signals
+    -------
+    pick_clicked()
+        The take-off point is to be set on the map.
+    """
+
+    pick_clicked = pyqtSignal()
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("route", tr("Flight path"), marks)
         self.takeoff = line_edit("takeoff", tip_of(DECLARED["takeoff"]))
         self.takeoff.setPlaceholderText(tr("none: from the first capture to the last"))
-        self.add_declared("takeoff", self.takeoff)
+        self.takeoff.setClearButtonEnabled(True)
+        self.pick_takeoff = tool_button(
+            "pick_takeoff", icon("takeoff"), tr("Set take-off point, by a click on the map")
+        )
+        self.pick_takeoff.clicked.connect(lambda _checked: self.pick_clicked.emit())
+        label = label_of(DECLARED["takeoff"])
+        self.add("takeoff", label, self.takeoff, row(self.takeoff, self.pick_takeoff, stretch=0))
         for name in (
             *("entry", "lead_in_m", "turnaround_m", "trigger"),
             *("photo_interval_s", "battery_min", "drone"),

@@ -141,6 +141,9 @@ class Preview(QObject):
         # They go by its own will, which is nothing to be noticed.
         self._ids = {}
         self._project.removeMapLayers(ids)
+        if ids:
+            # QGIS itself draws the map anew only where layers are gone from its list before they are deleted.
+            self._canvas.refresh()
         if self._group is not None:
             self._group.remove_if_empty()
         self._group = None

@@ -29,7 +29,7 @@ from terrainav.terrainav_plugin.area.layers import (
     PointFields,
     lines_of,
     points_of,
-    polygon_of,
+    polygons_of,
 )
 
 CONTEXT = QgsCoordinateTransformContext()
@@ -59,7 +59,7 @@ def layer_of(kind, crs, wkts, fields="", values=()):
 def polygon(wkt, crs):
     feature = QgsFeature(7)
     feature.setGeometry(QgsGeometry.fromWkt(wkt))
-    return polygon_of([feature], QgsCoordinateReferenceSystem(crs), CONTEXT)
+    return polygons_of([feature], QgsCoordinateReferenceSystem(crs), CONTEXT)
 
 
 def dialog_of(desk):
@@ -153,11 +153,6 @@ def test_polygon_across_the_antimeridian_runs_on():
             "Polygon ((0 0, 10 10, 0 10, 10 0, 0 0))",
             r"feature 7 is not a valid polygon \(.*intersection.* \(5, 5\)\): repair it first",
         ),
-        (
-            "EPSG:32616",
-            "MultiPolygon (((0 0, 1 0, 1 1, 0 0)), ((5 5, 6 5, 6 6, 5 5)))",
-            "feature 7 has 2 parts, .*Multipart to Singleparts",
-        ),
         ("EPSG:32616", "Polygon EMPTY", "feature 7 has no geometry"),
         ("EPSG:32616", "Point (1 1)", "feature 7 is no polygon"),
         (
@@ -239,14 +234,25 @@ def key(frame):
     return round(middle.x(), 7), round(middle.y(), 7)
 
 
-def test_several_selected_polygons_are_counted(desk):
-    layer = layer_of("Polygon", "EPSG:4326", ["Polygon ((0 0, 1 0, 1 1, 0 0))"] * 3)
+def test_several_selected_polygons_are_one_area(desk):
+    """Those that touch become one; each keeps its corners but those on the border between."""
+    wkts = [
+        "Polygon ((0 0, 0.01 0, 0.01 0.01, 0 0.01, 0 0))",
+        "Polygon ((0.01 0, 0.02 0, 0.02 0.01, 0.01 0.01, 0.01 0))",
+        "MultiPolygon (((0.04 0, 0.05 0, 0.05 0.01, 0.04 0)), ((0.06 0, 0.07 0, 0.07 0.01, 0.06 0)))",
+    ]
+    layer = layer_of("MultiPolygon", "EPSG:4326", wkts)
     desk.iface.setActiveLayer(layer)
     layer.selectAll()
-    state = desk.session.state()
     choose_way(desk, "polygon")
-    desk.wait(lambda: any("3 polygons are selected" in text for text in desk.messages()))
-    assert desk.session.state() == state
+    desk.wait(lambda: desk.form.area.words.text().startswith("3 polygons, "))
+    area = desk.wait_planned().mission.area
+    whole = QgsGeometry.unaryUnion([QgsGeometry.fromWkt(wkt) for wkt in wkts])
+    shapes = [
+        QgsGeometry.fromPolygonXY([[QgsPointXY(*at) for at in (*part.rings[0], part.rings[0][0])]])
+        for part in area.parts
+    ]
+    assert QgsGeometry.collectGeometry(shapes).symDifference(whole).area() == pytest.approx(0.0, abs=1e-15)
 
 
 def test_layer_of_the_polygon_is_asked_for_where_the_active_one_has_none(desk, screenshot):
@@ -255,8 +261,7 @@ def test_layer_of_the_polygon_is_asked_for_where_the_active_one_has_none(desk, s
     layer_of("Point", "EPSG:4326", ["Point (0 0)"])
     choose_way(desk, "polygon")
     dialog = dialog_of(desk)
-    assert "Nothing is selected" in dialog.words.text()
-    assert not dialog.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
+    assert dialog.words.text() == "Nothing is selected: all 2 polygons are taken."
     assert dialog.layer.count() == 1
     layer.selectByIds([1])
     dialog.show_layer(layer)
@@ -293,7 +298,7 @@ def test_layer_that_says_which_polygon_is_offered_first(desk):
     choose_way(desk, "polygon")
     dialog = dialog_of(desk)
     assert dialog.chosen() == only
-    assert "one polygon" in dialog.words.text()
+    assert dialog.words.text() == "Its only polygon will be used."
     accept(desk, dialog)
     desk.wait(lambda: "Polygon, 3 corners" in desk.form.area.words.text())
 
@@ -301,7 +306,8 @@ def test_layer_that_says_which_polygon_is_offered_first(desk):
 def test_project_without_polygons_says_what_else_to_do(desk):
     choose_way(desk, "polygon")
     dialog = dialog_of(desk)
-    assert "draw a box instead" in dialog.words.text()
+    assert "draw a polygon instead" in dialog.words.text()
+    assert not dialog.buttons.button(QDialogButtonBox.StandardButton.Ok).isEnabled()
     assert not dialog.select.isEnabled()
     dialog.reject()
 

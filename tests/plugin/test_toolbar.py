@@ -10,6 +10,7 @@ from terrainav.terrainav_plugin import plugin as plugin_module
 BUTTONS = [
     "dock",
     "draw_box",
+    "draw_polygon",
     "preview",
     "test_shot",
     "capture",

@@ -58,10 +58,16 @@ NO_ADVICE = frozenset(
             "{shift}, Page keys by {page} bits."
         ),
         (
-            "Move the area on the map: drag inside it, or drag the edges and corners of a box; arrow keys move it by "
-            "a pixel of the screen, with Shift by ten; Esc ends it. Corners of polygons are moved with QGIS's own "
-            "tools, in their layer."
+            "Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace "
+            "takes the last corner back, Esc gives up"
         ),
+        (
+            "Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the "
+            "corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete "
+            "removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a "
+            "pixel of the screen, with Shift by ten; Esc ends it."
+        ),
+        "Set take-off point, by a click on the map",
         "{name}\n{bits} bits; press to show it on the map",
         "Remove “{title}” from your sources? Captured images stay.",
         # Titles of windows.
@@ -69,11 +75,22 @@ NO_ADVICE = frozenset(
         "TerrAInav: clean dataset",
         "TerrAInav: remove source",
         # Steps that are undone.
+        "add a corner",
+        "add a polygon",
+        "cut a hole",
         "drag an edge",
+        "draw a no-fly area",
         "draw box",
+        "draw polygon",
         "make it a box",
+        "make it a polygon",
+        "move a corner",
         "move by arrow keys",
         "move the area",
+        "remove a corner",
+        "remove a hole",
+        "remove a polygon",
+        "set take-off point",
     ]
 )
 #: What stands between two things to do, or two things that are named for one.

@@ -1,0 +1,188 @@
+"""Changes to the corners, holes and parts of polygons. No widgets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from qgis.core import QgsPointXY
+
+from ...core.errors import InvalidInput
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
+from ..compat import POLYGON
+from ..i18n import tr
+from .outline import Corner, kept_lat, polygon_geometry, rings_of
+
+#: A ring has no fewer corners.
+LEAST_CORNERS = 3
+#: Of degrees, a centimetre on the ground: a pointer is no nearer, and the panel's entries show them all.
+DECIMALS = 7
+#: Sides of a box as long as this are the longer way around, and no edges of a polygon.
+_HALF_TURN_DEG = 180.0
+#: Square degrees that two areas may share without overlapping: a square micrometre on the ground.
+_SHARED_DEG2 = 1e-22
+
+
+def as_polygons(area: Area) -> Polygon | Polygons | None:
+    """Polygons that have the ground of an area; None for points, and for boxes half around the Earth."""
+    if isinstance(area, Box):
+        if area.span_deg >= _HALF_TURN_DEG:
+            return None
+        west, south, east, north = area.edges_deg
+        return Polygon((((west, south), (east, south), (east, north), (west, north)),))
+    return None if isinstance(area, Points) else area
+
+
+def pointed(lon_deg: float, lat_deg: float) -> Position:
+    """Place that was pointed at, with the digits that mean something."""
+    return round(lon_deg, DECIMALS), round(lat_deg, DECIMALS)
+
+
+def with_corner_moved(
+    area: Polygon | Polygons, corner: Corner, dlat_deg: float, dlon_deg: float
+) -> Polygon | Polygons:
+    """Area with one corner moved by degrees, no further than images go."""
+
+    def move(ring: list[Position]) -> None:
+        lon, lat = ring[corner.at]
+        ring[corner.at] = pointed(lon + dlon_deg, kept_lat(lat, dlat_deg))
+
+    return _changed(area, corner, move)
+
+
+def with_corner_added(
+    area: Polygon | Polygons, corner: Corner, lon_deg: float, lat_deg: float
+) -> Polygon | Polygons:
+    """Area with another corner on the edge after one."""
+
+    def add(ring: list[Position]) -> None:
+        ring.insert(corner.at + 1, pointed(_near(lon_deg, ring[corner.at][0]), lat_deg))
+
+    return _changed(area, corner, add)
+
+
+def without_corner(area: Polygon | Polygons, corner: Corner) -> Polygon | Polygons:
+    """Area without one corner.
+
+    Raises
+    ------
+    InvalidInput
+        It has only three on that ring, or its outline would cross itself.
+    """
+    if len(rings_of(area)[corner.part][corner.ring]) <= LEAST_CORNERS:
+        raise InvalidInput(tr("a polygon needs at least 3 corners"))
+    return checked(area, _changed(area, corner, lambda ring: ring.pop(corner.at)))
+
+
+def with_hole(area: Polygon | Polygons, hole: Polygon) -> Polygon | Polygons:
+    """Area with a hole in it.
+
+    Raises
+    ------
+    InvalidInput
+        The hole is not inside one polygon, beside its other holes.
+    """
+    shapes = rings_of(area)
+    for rings in shapes:
+        (ring,) = _on_turn_of(rings, hole.rings)
+        if polygon_geometry(rings).contains(polygon_geometry([ring])):
+            rings.append(ring)
+            return checked(area, _area(shapes))
+    raise InvalidInput(tr("a hole must lie inside the area"))
+
+
+def without_hole(area: Polygon | Polygons, part: int, hole: int) -> Polygon | Polygons:
+    """Area without one of its holes, which are numbered as rings are, from 1."""
+    shapes = rings_of(area)
+    del shapes[part][hole]
+    return _area(shapes)
+
+
+def with_polygon(area: Polygon | Polygons, polygon: Polygon) -> Polygon | Polygons:
+    """Area with one more polygon; those that it overlaps are joined with it."""
+    shapes, outline = [], [list(ring) for ring in polygon.rings]
+    for rings in rings_of(area):
+        joined = _joined(rings, _on_turn_of(rings, outline))
+        if joined is None:
+            shapes.append(rings)
+        else:
+            outline = joined
+    return _area([*shapes, outline])
+
+
+def without_polygon(area: Polygons, part: int) -> Polygon | Polygons:
+    """Area without one of its polygons."""
+    shapes = rings_of(area)
+    del shapes[part]
+    return _area(shapes)
+
+
+def place_in(area: Polygon | Polygons, lon_deg: float, lat_deg: float) -> tuple[int, int] | None:
+    """Polygon that a place is in, and the ring around it: 0 on its ground, from 1 in a hole; None outside of all."""
+    for part, rings in enumerate(rings_of(area)):
+        west = min(lon for lon, _ in rings[0])
+        at = QgsPointXY(west + (lon_deg - west) % 360.0, lat_deg)
+        if not polygon_geometry(rings[:1]).contains(at):
+            continue
+        holes = (
+            number for number, ring in enumerate(rings) if number and polygon_geometry([ring]).contains(at)
+        )
+        return part, next(holes, 0)
+    return None
+
+
+def checked(before: Polygon | Polygons, after: Polygon | Polygons) -> Polygon | Polygons:
+    """Return what a change has made of an area.
+
+    Raises
+    ------
+    InvalidInput
+        Outlines cross that did not before.
+    """
+    if is_sound(before) and not is_sound(after):
+        raise InvalidInput(tr("the outline would cross itself"))
+    return after
+
+
+def is_sound(area: Polygon | Polygons) -> bool:
+    """Whether no outline crosses itself or another of the same polygon."""
+    return all(polygon_geometry(rings).isGeosValid() for rings in rings_of(area))
+
+
+def _changed(
+    area: Polygon | Polygons, corner: Corner, change: Callable[[list[Position]], object]
+) -> Polygon | Polygons:
+    shapes = rings_of(area)
+    change(shapes[corner.part][corner.ring])
+    return _area(shapes)
+
+
+def _area(shapes: Sequence[Sequence[Sequence[Position]]]) -> Polygon | Polygons:
+    parts = tuple(Polygon(tuple(tuple(ring) for ring in rings)) for rings in shapes)
+    return parts[0] if len(parts) == 1 else Polygons(parts)
+
+
+def _joined(rings: list[list[Position]], others: list[list[Position]]) -> list[list[Position]] | None:
+    """Rings of two polygons in one; None where they share no ground."""
+    one, other = polygon_geometry(rings), polygon_geometry(others)
+    if one.intersection(other).area() <= _SHARED_DEG2:
+        return None
+    joined = one.combine(other)
+    if joined.isNull() or joined.type() != POLYGON:
+        return None
+    polygons = joined.asMultiPolygon() if joined.isMultipart() else [joined.asPolygon()]
+    if len(polygons) != 1:
+        return None
+    return [[(corner.x(), corner.y()) for corner in ring[:-1]] for ring in polygons[0]]
+
+
+def _on_turn_of(
+    rings: Sequence[Sequence[Position]], others: Sequence[Sequence[Position]]
+) -> list[list[Position]]:
+    """Rings of another polygon, their longitudes on the turn of the world of a polygon."""
+    turn = _near(others[0][0][0], rings[0][0][0]) - others[0][0][0]
+    return [[(lon + turn, lat) for lon, lat in ring] for ring in others]
+
+
+def _near(lon_deg: float, other_deg: float) -> float:
+    """Longitude on the turn that is nearest to another."""
+    return lon_deg - 360.0 * round((lon_deg - other_deg) / 360.0)

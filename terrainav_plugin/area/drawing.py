@@ -1,0 +1,281 @@
+"""Drawing polygons on the map, corner by corner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
+    QgsCsException,
+    QgsGeometry,
+    QgsPointXY,
+    QgsProject,
+)
+from qgis.gui import QgsMapCanvas, QgsMapMouseEvent, QgsRubberBand
+from qgis.PyQt.QtCore import QEvent, QObject, QPoint, Qt, pyqtSignal
+from qgis.PyQt.QtGui import QKeyEvent
+
+from ...core.errors import InvalidInput, TerrAInavError
+from ...core.geodesy.projections import geodesics
+from ...core.mission.area import Polygon
+from ..compat import POINT, POLYGON
+from ..i18n import tr, translate
+from ..map.canvas import TemporaryTool
+from ..units import METRES, area_text, length_text
+from .bands import AREA_COLOURS, BandColours, PointerText, area_band, corner_band
+from .corners import LEAST_CORNERS, pointed
+from .layers import polygon_of_rings
+from .outline import place_at
+
+#: Corners nearer to the one before than this are the same: the two clicks of a double click.
+_SAME_PX = 2.0
+#: Share of a pixel of the screen that edges of the polygon may be off those that are drawn.
+_OFF_PX = 0.5
+_BACK = (Qt.Key.Key_Backspace, Qt.Key.Key_Delete)
+_FINISH = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+
+
+class PolygonTool(TemporaryTool):
+    """Draws a polygon: a click for each corner; a double click, a right click or Enter finishes.
+
+    Backspace takes the last corner back. Outlines that cross themselves are refused, and drawing goes on.
+
+    Parameters
+    ----------
+    colours : BandColours
+        That it is drawn in.
+    hint : str
+        What is drawn, said at the pointer until the first click.
+
+    Signals
+    -------
+    drawn(object)
+        The `Polygon`, once the canvas has been given back.
+    refused(str)
+        Why a corner or an outline cannot be.
+
+    Attributes
+    ----------
+    length_unit : str
+        Of the sizes that are said at the pointer.
+    accept : callable
+        Takes the polygon before the tool ends; raises InvalidInput where it cannot be, and drawing goes on.
+    """
+
+    drawn = pyqtSignal(object)
+    refused = pyqtSignal(str)
+    is_resumed = False
+
+    def __init__(self, canvas: QgsMapCanvas, hint: str, colours: BandColours = AREA_COLOURS) -> None:
+        super().__init__(canvas)
+        self.length_unit = METRES
+        self.accept: Callable[[Polygon], object] = lambda _polygon: None
+        self._hint, self._colours = hint, colours
+        #: In the canvas's CRS, which edges are straight in.
+        self._corners: list[QgsPointXY] = []
+        self._crs = QgsCoordinateReferenceSystem()
+        self._at: QPoint | None = None
+        self._bands: list[QgsRubberBand] = []
+        self._readout = PointerText(canvas)
+        self._is_down = self._leaving = self._last_refused = False
+        self._finished: Polygon | None = None
+
+    # --- taking over and giving back
+
+    def activate(self) -> None:
+        """Begin."""
+        super().activate()
+        canvas = self.canvas()
+        self._crs = canvas.mapSettings().destinationCrs()
+        canvas.destinationCrsChanged.connect(self._follow_crs)
+        canvas.extentsChanged.connect(self._draw)
+
+    def deactivate(self) -> None:
+        """Leave no half-drawn polygon."""
+        canvas = self.canvas()
+        canvas.extentsChanged.disconnect(self._draw)
+        canvas.destinationCrsChanged.disconnect(self._follow_crs)
+        self._clear()
+        self._is_down = self._leaving = self._last_refused = False
+        self._finished = None
+        super().deactivate()
+
+    def give_up(self) -> None:
+        """Drop what is drawn, and leave the tool."""
+        self._clear()
+        self._leave()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take corners back and finish by keys, also by those that are shortcuts of the window."""
+        if isinstance(event, QKeyEvent) and event.key() in (*_BACK, *_FINISH):
+            if event.type() == QEvent.Type.ShortcutOverride:
+                event.accept()
+                return True
+            if event.type() == QEvent.Type.KeyPress:
+                if event.key() in _FINISH:
+                    self._finish()
+                elif self._corners:
+                    self._corners.pop()
+                    self._draw()
+                return True
+        return super().eventFilter(watched, event)
+
+    # --- the mouse
+
+    def canvasPressEvent(self, _event: QgsMapMouseEvent) -> None:
+        """Take up that a button is down."""
+        self._is_down = True
+
+    def canvasMoveEvent(self, event: QgsMapMouseEvent) -> None:
+        """Have the outline follow."""
+        self._at = event.pos()
+        self._draw()
+
+    def canvasReleaseEvent(self, event: QgsMapMouseEvent) -> None:
+        """Set a corner, or finish."""
+        self._is_down = False
+        if self._leaving:
+            # Another tool would take the button let go for its own.
+            self._leave()
+        elif event.button() == Qt.MouseButton.LeftButton:
+            self._add(event.pos())
+        elif event.button() == Qt.MouseButton.RightButton:
+            self._finish()
+
+    def canvasDoubleClickEvent(self, event: QgsMapMouseEvent) -> None:
+        """Finish; the first of the two clicks has set the last corner."""
+        self._is_down = True
+        if event.button() == Qt.MouseButton.LeftButton and not self._last_refused:
+            self._finish()
+
+    # --- inside
+
+    def _add(self, at: QPoint) -> None:
+        self._at, self._last_refused = at, False
+        point = self.toMapCoordinates(at)
+        if self._corners and self._pixels(self._corners[-1], point) < _SAME_PX:
+            return
+        if place_at(point, self._crs, QgsProject.instance()) is None:
+            self._refuse(tr("this place is outside the map"))
+        elif not _is_simple([*self._corners, point]):
+            self._refuse(tr("the outline would cross itself"))
+        else:
+            self._corners.append(point)
+            self._draw()
+
+    def _finish(self) -> None:
+        try:
+            polygon = self._polygon(self._corners)
+            self.accept(polygon)
+        except (TerrAInavError, QgsCsException) as wrong:
+            self._refuse(translate(wrong))
+            return
+        self._clear()
+        self._finished = polygon
+        self._leave()
+
+    def _leave(self) -> None:
+        """Give the canvas back once no button is down, and tell the polygon."""
+        self._leaving = self._is_down
+        if self._leaving:
+            return
+        polygon = self._finished
+        self.stop()
+        if polygon is not None:
+            self.drawn.emit(polygon)
+
+    def _polygon(self, corners: list[QgsPointXY]) -> Polygon:
+        """Polygon of corners, whose edges are where they are drawn; raises InvalidInput where they make none."""
+        if len(corners) < LEAST_CORNERS:
+            raise InvalidInput(tr("a polygon needs at least 3 corners"))
+        ring = [*corners, corners[0]]
+        if not QgsGeometry.fromPolygonXY([ring]).isGeosValid():
+            raise InvalidInput(tr("the outline would cross itself"))
+        context = QgsProject.instance().transformContext()
+        found = polygon_of_rings([ring], self._crs, context, tr("outline"), self._tolerance_m(corners[0]))
+        return Polygon(tuple(tuple(pointed(*corner) for corner in ring) for ring in found.rings))
+
+    def _tolerance_m(self, point: QgsPointXY) -> float:
+        """Metres on the ground that half a pixel of the screen shows."""
+        unit = self.canvas().mapUnitsPerPixel()
+        return _OFF_PX * self._length_m(point, QgsPointXY(point.x() + unit, point.y()))
+
+    def _length_m(self, start: QgsPointXY, end: QgsPointXY) -> float:
+        """Metres on the ground; 0 where the CRS has no such place."""
+        places = [place_at(point, self._crs, QgsProject.instance()) for point in (start, end)]
+        if None in places:
+            return 0.0
+        (lon0, lat0), (lon1, lat1) = places
+        return float(np.asarray(geodesics(lat0, lon0, lat1, lon1)[2]))
+
+    def _pixels(self, one: QgsPointXY, other: QgsPointXY) -> float:
+        return one.distance(other) / self.canvas().mapUnitsPerPixel()
+
+    def _refuse(self, reason: str) -> None:
+        self._last_refused = True
+        if self._at is not None:
+            self._readout.say(_sentence(reason), self._at)
+        self.refused.emit(reason)
+
+    def _draw(self) -> None:
+        """Draw the outline up to the pointer, and say its size there."""
+        if self._leaving:
+            return
+        pointer = [] if self._at is None else [self.toMapCoordinates(self._at)]
+        if not self._bands:
+            self._bands = [
+                area_band(self.canvas(), POLYGON, self._colours),
+                corner_band(self.canvas(), self._colours),
+            ]
+        outline, corners = self._bands
+        outline.reset(POLYGON)
+        corners.reset(POINT)
+        drawn = [*self._corners, *pointer]
+        for point in drawn:
+            outline.addPoint(point, point is drawn[-1])
+        for point in self._corners:
+            corners.addPoint(point, point is self._corners[-1])
+        if self._at is not None:
+            self._readout.say(self._words(pointer[0]), self._at)
+
+    def _words(self, pointer: QgsPointXY) -> str:
+        """Length of the edge that is drawn, and the size of what it encloses."""
+        if not self._corners:
+            return self._hint
+        corners = [*self._corners, pointer]
+        if not _is_simple(corners):
+            return _sentence(tr("the outline would cross itself"))
+        length = length_text(self._length_m(self._corners[-1], pointer), self.length_unit)
+        try:
+            size = area_text(self._polygon(corners).area_m2(), self.length_unit)
+        except (TerrAInavError, QgsCsException):
+            return length
+        return f"{length}, {size}"
+
+    def _follow_crs(self) -> None:
+        """Keep the corners where they are on the ground; drop them where the new CRS has no such places."""
+        before, self._crs = self._crs, self.canvas().mapSettings().destinationCrs()
+        transform = QgsCoordinateTransform(before, self._crs, QgsProject.instance())
+        try:
+            self._corners = [transform.transform(point) for point in self._corners]
+        except QgsCsException:
+            self._corners = []
+        self._draw()
+
+    def _clear(self) -> None:
+        self._corners, self._at = [], None
+        self._readout.clear()
+        for band in self._bands:
+            self.canvas().scene().removeItem(band)
+        self._bands = []
+
+
+def _is_simple(corners: list[QgsPointXY]) -> bool:
+    """Whether a line through corners nowhere meets itself."""
+    return len(corners) <= LEAST_CORNERS - 1 or QgsGeometry.fromPolylineXY(corners).isSimple()
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"

@@ -1,0 +1,45 @@
+"""The menu of what no-fly areas may be taken from."""
+
+from __future__ import annotations
+
+from ..i18n import tr
+from .menu import MenuButton
+
+
+class NoFlyWay:
+    """Ways to no-fly areas, by the names of the menu's entries."""
+
+    DRAW, LAYER, FILE = "draw_no_fly", "no_fly_layer", "no_fly_file"
+
+
+class NoFlyMenu(MenuButton):
+    """A button with the ways to no-fly areas."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            tr("No-fly areas"),
+            "no_fly",
+            tr("Ground that no image is taken over: drawn, of a layer or of a file"),
+            (
+                (
+                    (
+                        NoFlyWay.DRAW,
+                        "=no_fly",
+                        tr("&Draw no-fly area"),
+                        tr("Click each corner on the map; a double click, a right click or Enter finishes"),
+                    ),
+                    (
+                        NoFlyWay.LAYER,
+                        "/mIconPolygonLayer.svg",
+                        tr("No-fly areas from &layer…"),
+                        tr("Polygons of a layer, all or those selected"),
+                    ),
+                    (
+                        NoFlyWay.FILE,
+                        "/mActionFileOpen.svg",
+                        tr("No-fly areas from &file…"),
+                        tr("All polygons of a KML, KMZ or GeoJSON file"),
+                    ),
+                ),
+            ),
+        )
