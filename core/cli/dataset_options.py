@@ -72,9 +72,7 @@ def add_dataset_commands(commands: Any) -> None:
 
 
 def _add_clean(commands: Any) -> None:
-    cleaning = commands.add_parser(
-        "clean", help="reject the images of a dataset with too little to see; deletes nothing"
-    )
+    cleaning = commands.add_parser("clean", help="reject low-detail images of a dataset; deletes nothing")
     cleaning.add_argument("folder", metavar="OUT", help="the dataset's folder")
     cleaning.add_argument(
         "--entropy",

@@ -90,6 +90,8 @@ def _cleaned(one: Cleaned, threshold: float) -> str:
         text += f", {one.returned:,} moved back"
     if one.suggested is not None:
         text += f"; Otsu's method suggests {one.suggested:.2f}"
+        if not one.groups:
+            text += ", but the entropies form one group: nothing stands out"
     return text
 
 

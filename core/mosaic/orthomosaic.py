@@ -13,7 +13,7 @@ import os
 from collections import OrderedDict
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import islice
 from pathlib import Path
 from threading import Lock
@@ -27,7 +27,7 @@ from ..errors import Cancelled, InvalidInput
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
 from .bigtiff import TILE_PX, packed_tile, write_tiles
-from .frames import Boxes, Frames, OpenHeights, frames_of, unit_m
+from .frames import Boxes, CameraFrames, Frames, OpenHeights, frames_of, unit_m
 from .raster import Block, Raster, places
 
 Floats = NDArray[np.float64]
@@ -43,6 +43,9 @@ _KEPT_BYTES = 1 << 28
 #: Threads, each of which works on a block, and blocks begun ahead of the one that is written next, for each.
 _MOST_THREADS, _AHEAD = 8, 2
 _OPAQUE = 255
+#: Of an image alone: rays along each side by which the box of its ground is found, the widest pixel of its map in
+#: pixels of the camera straight below it, and the flattest view, degrees.
+_RAYS_OF_ONE, _COARSEST, _LEVEL_DEG = 65, 8.0, 89.99
 #: Most pixels along a side of a mosaic.
 _MOST_PX = 1 << 22
 
@@ -76,6 +79,7 @@ def make_orthomosaic(
     *,
     map_type: str | None = None,
     gsd_m: float | None = None,
+    most_px: int | None = None,
     open_heights: OpenHeights = heights_of,
     progress: Progress = lambda share: True,  # noqa: ARG005  goes on
 ) -> Orthomosaic:
@@ -89,6 +93,8 @@ def make_orthomosaic(
         The first one for None.
     gsd_m : float or None
         Ground that a pixel spans in the middle; that of the images for None.
+    most_px : int or None
+        Pixels at most; the ground sample distance is larger where there would be more.
     open_heights : callable
         Gives the heights of a mission.
 
@@ -103,6 +109,10 @@ def make_orthomosaic(
     path = Path(folder)
     frames, images, rows = frames_of(path, map_type, open_heights)
     raster, boxes = raster_of(frames, gsd_m)
+    count = raster.width_px * raster.height_px
+    if most_px is not None and count > most_px:
+        gsd_m = (gsd_m or frames.gsd_m) * math.sqrt(count / most_px)
+        raster, boxes = raster_of(frames, gsd_m)
     aim = path / f"{images.map_type}.tif" if target is None else Path(target)
     owed = dict.fromkeys(images.table.attribution[row] for row in rows.tolist())
     used, shown = write_orthomosaic(
@@ -130,9 +140,7 @@ def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes
     boxes = frames.boxes()
     ends = (np.nanmin(boxes.west), np.nanmin(boxes.south), np.nanmax(boxes.east), np.nanmax(boxes.north))
     if not np.isfinite(ends).all():
-        raise InvalidInput(
-            "image {0}: shows no ground that a map in {1} has", frames.paths[0].name, frames.plane.crs
-        )
+        raise _no_ground(frames)
     west, south, east, north = (float(end) for end in ends)
     own = getattr(frames, "affines", None)
     if own is not None and gsd_m is None:
@@ -157,6 +165,40 @@ def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes
             remedy="give a larger ground sample distance",
         )
     return Raster(start_x, start_y, across, down, max(width, 1), max(height, 1), frames.plane), boxes
+
+
+def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
+    """Lay the first image of some on the map, as a GeoTIFF of so many pixels along its longer side.
+
+    An image with the horizon in it reaches hundreds of kilometres: it is laid on the map as far as a pixel there is no
+    wider than `_COARSEST` pixels of the camera straight below it.
+
+    Raises
+    ------
+    InvalidInput
+        Where it cannot be read, or shows no ground that a map has.
+    OutputError
+        Where the file cannot be written.
+    """
+    alone = frames.take(np.array([0]))
+    below_m = frames.gsd_m * max(frames.size_px) / (2.0 * max(frames.camera.half_tangents))
+    reach_m = _COARSEST * frames.gsd_m * longest_px
+    flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), _LEVEL_DEG)
+    boxes = replace(alone, flattest_deg=flattest_deg).boxes(_RAYS_OF_ONE, 0.0)
+    alone = replace(alone, flattest_deg=_LEVEL_DEG)
+    west, south, east, north = (float(end[0]) for end in boxes)
+    if not (west < east and south < north):
+        raise _no_ground(alone)
+    pixel = max(east - west, north - south) / longest_px
+    width, height = (max(math.floor(length / pixel), 1) for length in (east - west, north - south))
+    raster = Raster(west, north, pixel, pixel, width, height, frames.plane)
+    write_orthomosaic(alone, raster, boxes, target)
+
+
+def _no_ground(frames: Frames) -> InvalidInput:
+    return InvalidInput(
+        "image {0}: shows no ground that a map in {1} has", frames.paths[0].name, frames.plane.crs
+    )
 
 
 def write_orthomosaic(

@@ -33,13 +33,13 @@ class Provider(QgsProcessingProvider):
         """Add the algorithms."""
         from .benchmarks import MakeBenchmark, ScoreBenchmark
         from .capture import Capture, CaptureFailed
-        from .datasets import Clean, Split
+        from .datasets import Clean, MakeMosaic, Split
         from .line import PosesAlongLine
         from .plan import Plan
         from .report import AccuracyReport
 
         kinds = (
-            *(Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split),
+            *(Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split, MakeMosaic),
             *(MakeBenchmark, ScoreBenchmark, AccuracyReport),
         )
         for algorithm in kinds:

@@ -360,8 +360,8 @@ def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):
     ):
         assert (one.read() == other.read()).all()
         assert (said["width_px"], said["height_px"]) == (one.width, one.height)
-        # Metres of the map are longer than those of the ground.
-        assert one.transform.a * math.cos(math.radians(35.128)) == pytest.approx(0.5, rel=1e-3)
+        # Metres of the map are longer than those of the ground, on a sphere by the cosine.
+        assert one.transform.a * math.cos(math.radians(35.128)) == pytest.approx(0.5, rel=3e-3)
         assert one.tags()["TIFFTAG_COPYRIGHT"] == SOURCE.attribution
     assert (
         f"{said['used']} of {said['images']} images, {said['width_px']:,} x {said['height_px']:,} px"
