@@ -19,10 +19,10 @@ from ..dataset.ground import of_camera
 from ..dataset.labels import middle_of
 from ..dataset.table import Table, taken
 from ..errors import InvalidInput
-from ..geodesy.camera import Camera, Poses, image_axes
+from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.local import axes_at, geocentric
-from ..geodesy.mercator import Plane, WebMercator, wrap_lon_deg
+from ..geodesy.mercator import MAX_LAT_DEG, Plane, WebMercator, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
@@ -157,6 +157,13 @@ class CameraFrames:
             below = below - self._heights_below
         return self.camera.gsd_m_per_px(float(np.nanmedian(below)), max(self.size_px))
 
+    @property
+    def coarsest_gsd_m(self) -> float:
+        """Ground that a pixel spans across the view where images look flattest, as far as that counts."""
+        rays = self.camera.rays_enu(CORNERS, *self.poses.attitude)
+        upright = float((-rays[..., 2] / np.linalg.norm(rays, axis=-1)).min())
+        return self.gsd_m / max(upright, math.cos(math.radians(self.flattest_deg)))
+
     @cached_property
     def _heights_below(self) -> Floats:
         """Heights of the relief below the cameras, (n,); NaN where it has none."""
@@ -208,6 +215,7 @@ class CameraFrames:
         rays = np.where(flat[..., np.newaxis], bent, rays)
         x: list[Floats] = []
         y: list[Floats] = []
+        on_mercator = isinstance(self.plane, WebMercator)
         for level_m in self._levels_m:
             seen = trace(
                 poses.lat_deg[:, np.newaxis],
@@ -215,7 +223,9 @@ class CameraFrames:
                 rays,
                 self.ground.raised(level_m),
             )
-            found = positions(self.plane, seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
+            # What lies beyond the map's edge is on none of its images.
+            lat = np.clip(seen.lat_deg, -MAX_LAT_DEG, MAX_LAT_DEG) if on_mercator else seen.lat_deg
+            found = positions(self.plane, lat, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
             for parts, values in zip((x, y), found):
                 parts.append(np.where(np.isfinite(values), values, np.nan))
         across, down = np.concatenate(x, axis=1), np.concatenate(y, axis=1)
@@ -321,6 +331,11 @@ class MapFrames:
 
     def __len__(self) -> int:
         return len(self.paths)
+
+    @property
+    def coarsest_gsd_m(self) -> float:
+        """As of camera frames: of a map all pixels are alike."""
+        return self.gsd_m
 
     def boxes(self) -> Boxes:
         """Boxes of the ground that images show, exactly."""

@@ -339,14 +339,14 @@ def chosen(frames: Frames, boxes: Boxes, block: Block, images: _Images | None = 
 class _Images:
     """Decoded images, of which a bounded number is kept; for any number of threads.
 
-    Those that are finer than the mosaic's pixels are reduced to about those, each pixel the mean of several.
+    Those that are finer than the mosaic's pixels wherever they look are reduced to about those, by means of pixels.
     """
 
     def __init__(self, frames: Frames, raster: Raster) -> None:
         self._paths = frames.paths
         lat, lon = places(frames.plane, *(at[:1] for at in frames.nadirs))
         pixel_m = raster.across * unit_m(frames.plane, float(lat[0]), float(lon[0]))
-        self._reduced = max(int(pixel_m / frames.gsd_m + 1e-6), 1)
+        self._reduced = max(int(pixel_m / frames.coarsest_gsd_m + 1e-6), 1)
         self._kept: OrderedDict[int, Future[tuple[Pixels, Pixels | None]]] = OrderedDict()
         self._bytes = 0
         self._lock = Lock()

@@ -263,6 +263,11 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
     return found
 
 
+def mosaic_names(folder: Path) -> list[str]:
+    """Names of a dataset's mosaics."""
+    return sorted(path.name for ending in (".vrt", _ORTHOPHOTO) for path in folder.glob(f"*{ending}"))
+
+
 def build_overviews(
     placed: Placed,
     size: tuple[int, int],

@@ -195,7 +195,9 @@ def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFee
 
 def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
     """Say that a mosaic still names images that are elsewhere now, or lacks some that are back."""
-    mosaics = sorted(path.name for path in folder.glob("*.vrt"))
+    from ..dataset.mosaic import mosaic_names
+
+    mosaics = mosaic_names(folder)
     if mosaics:
         feedback.pushWarning(
             tr(

@@ -150,7 +150,7 @@ def tilted(desk):
     return desk
 
 
-def test_tilted_mission_from_preview_to_footprints(tilted):
+def test_tilted_mission_from_preview_to_mosaic(tilted, screenshot):
     planned = tilted.session.planned.plan
     assert planned.size_px == (640, 480)
     tilted.click(tilted.dock.preview)
@@ -179,10 +179,15 @@ def test_tilted_mission_from_preview_to_footprints(tilted):
     assert mosaic.bandCount() == 4
     raster = gdal.Open(str(tilted.folder / "satellite.tif"))
     assert raster.GetRasterBand(1).GetOverviewCount() > 0
-    # As far as the footprints.
+    # No farther than the footprints: ground that is seen too flat is left out.
     box = tilted.layer("Captured images").extent()
     x, y = metres(*np.array([[box.xMinimum(), box.xMaximum()], [box.yMinimum(), box.yMaximum()]]))
-    assert mosaic.extent().buffered(1.0).contains(QgsRectangle(x[0], y[0], x[1], y[1]))
+    footprints = QgsRectangle(x[0], y[0], x[1], y[1])
+    assert footprints.buffered(0.05 * footprints.width()).contains(mosaic.extent())
+    assert mosaic.extent().area() > 0.1 * footprints.area()
+    shown = mosaic.extent()
+    tilted.look_at("EPSG:3857", (shown.xMinimum(), shown.yMinimum(), shown.xMaximum(), shown.yMaximum()))
+    screenshot("mosaic-tilted")
     layer = tilted.layer("Captured images")
     assert layer.featureCount() == len(planned)
     for feature in layer.getFeatures():
