@@ -363,6 +363,18 @@ def add_floating(panel: QgsDockWidget, iface: QgisInterface, size_px: tuple[int,
     panel.setGeometry(left, max(min(corner.y(), screen.bottom() - high), screen.top()), wide, high)
 
 
+def add_docked(panel: QgsDockWidget, iface: QgisInterface, beside: str) -> None:
+    """Add a window to those on the right of the map, in front of one by name: no part of the map is covered."""
+    window = iface.mainWindow()
+    free_of_menus(panel, window.menuBar())
+    iface.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, panel)
+    other = window.findChild(QgsDockWidget, beside)
+    if other is not None and other.isVisible() and not other.isFloating():
+        window.tabifyDockWidget(other, panel)
+    panel.show()
+    panel.raise_()
+
+
 def letter_of(text: str) -> str:
     """Key that a text's underlined letter stands for, as ``Alt+F``; empty where there is none."""
     return QKeySequence.mnemonic(text).toString()

@@ -1,4 +1,4 @@
-"""Directories of TIFF tags as bytes: what a GeoTIFF and a JPEG's EXIF are made of (TIFF 6.0, little-endian)."""
+"""Directories of TIFF tags as bytes: what GeoTIFFs and a JPEG's EXIF are made of (TIFF 6.0, BigTIFF, little-endian)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from enum import IntEnum
 from typing import NamedTuple
 
 HEADER_BYTES = 8
-_ENTRY_BYTES = 12
 _LARGEST_LONG = (1 << 32) - 1
 #: Denominators, finest first.
 _SHARES = tuple(10**digits for digits in range(9, -1, -1))
@@ -24,9 +23,18 @@ class Kind(IntEnum):
     RATIONAL = 5
     UNDEFINED = 7
     DOUBLE = 12
+    #: Of BigTIFF alone.
+    LONG8 = 16
 
 
-_FORMATS = {Kind.BYTE: "B", Kind.SHORT: "H", Kind.LONG: "I", Kind.RATIONAL: "I", Kind.DOUBLE: "d"}
+_FORMATS = {
+    Kind.BYTE: "B",
+    Kind.SHORT: "H",
+    Kind.LONG: "I",
+    Kind.RATIONAL: "I",
+    Kind.DOUBLE: "d",
+    Kind.LONG8: "Q",
+}
 
 
 class Tag(NamedTuple):
@@ -63,12 +71,17 @@ def rational(value: float) -> list[int]:
     return [max(round(value * share), int(value > 0.0)), share]
 
 
-def header() -> bytes:
-    """First bytes of a file whose directory follows at once."""
-    return struct.pack("<2sHI", b"II", 42, HEADER_BYTES)
+def header(directory_at: int = HEADER_BYTES) -> bytes:
+    """First bytes of a file, whose directory follows at once unless it stands elsewhere."""
+    return struct.pack("<2sHI", b"II", 42, directory_at)
 
 
-def directory(tags: Sequence[Tag], at: int) -> bytes:
+def big_header(directory_at: int) -> bytes:
+    """First 16 bytes of a BigTIFF, whose offsets have 64 bits, by where its directory stands."""
+    return struct.pack("<2sHHHQ", b"II", 43, 8, 0, directory_at)
+
+
+def directory(tags: Sequence[Tag], at: int, *, big: bool = False) -> bytes:
     """A directory and the values that its entries point to.
 
     Parameters
@@ -77,20 +90,24 @@ def directory(tags: Sequence[Tag], at: int) -> bytes:
         In any order; each number once.
     at : int
         Even offset in the file at which it will stand.
+    big : bool
+        Of a BigTIFF.
 
     Returns
     -------
     bytes
         Of even length, which does not depend on the values of tags that are numbers.
     """
+    counted, offset = ("Q", "Q") if big else ("H", "I")
+    inside = struct.calcsize(f"<{offset}")
     entries, values = b"", b""
-    values_at = at + 2 + _ENTRY_BYTES * len(tags) + 4
+    values_at = at + struct.calcsize(f"<{counted}") + (4 + 2 * inside) * len(tags) + inside
     for tag in sorted(tags):
         count, data = tag.packed()
-        if len(data) <= 4:
-            field = data.ljust(4, b"\0")
+        if len(data) <= inside:
+            field = data.ljust(inside, b"\0")
         else:
-            field = struct.pack("<I", values_at + len(values))
+            field = struct.pack(f"<{offset}", values_at + len(values))
             values += data + b"\0" * (len(data) % 2)
-        entries += struct.pack("<HHI", tag.number, tag.kind, count) + field
-    return struct.pack("<H", len(tags)) + entries + struct.pack("<I", 0) + values
+        entries += struct.pack(f"<HH{offset}", tag.number, tag.kind, count) + field
+    return struct.pack(f"<{counted}", len(tags)) + entries + struct.pack(f"<{offset}", 0) + values

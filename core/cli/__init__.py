@@ -24,6 +24,7 @@ _COMMANDS = {
     "clean": ("datasets", "run_clean"),
     "split": ("datasets", "run_split"),
     "convert": ("datasets", "run_convert"),
+    "mosaic": ("datasets", "run_mosaic"),
     "pairs": ("pairing", "run_pairs"),
     "export": ("exporting", "run_export"),
     "poses": ("posing", "run_poses"),

@@ -61,13 +61,12 @@ def add_dataset_commands(commands: Any) -> None:
     _add_load(commands)
     _add_pairs(commands)
     _add_convert(commands)
+    _add_mosaic(commands)
     _add_export(commands)
 
 
 def _add_clean(commands: Any) -> None:
-    cleaning = commands.add_parser(
-        "clean", help="reject the images of a dataset with too little to see; deletes nothing"
-    )
+    cleaning = commands.add_parser("clean", help="reject low-detail images of a dataset; deletes nothing")
     cleaning.add_argument("folder", metavar="OUT", help="the dataset's folder")
     cleaning.add_argument(
         "--entropy",
@@ -308,6 +307,26 @@ def _add_convert(commands: Any) -> None:
         help="how the folder is laid out: map types with a meta_data.csv, or JPG2 and MetaData2 (default %(default)s)",
     )
     add_json(converting)
+
+
+def _add_mosaic(commands: Any) -> None:
+    mosaicking = commands.add_parser(
+        "mosaic",
+        help="write one orthophoto of all images of a dataset, also of turned and tilted ones and over relief",
+    )
+    mosaicking.add_argument("folder", metavar="OUT", help="the dataset's folder")
+    mosaicking.add_argument(
+        "--output", metavar="FILE", help="GeoTIFF to write (default MAP_TYPE.tif in the dataset's folder)"
+    )
+    mosaicking.add_argument(
+        "--gsd",
+        type=float,
+        metavar="METRES",
+        dest="gsd_m",
+        help="ground sample distance (default: that of the images straight below their cameras)",
+    )
+    mosaicking.add_argument("--map-type", help="map type (default: the dataset's first)")
+    add_json(mosaicking)
 
 
 def _add_export(commands: Any) -> None:

@@ -90,6 +90,8 @@ def _cleaned(one: Cleaned, threshold: float) -> str:
         text += f", {one.returned:,} moved back"
     if one.suggested is not None:
         text += f"; Otsu's method suggests {one.suggested:.2f}"
+        if not one.groups:
+            text += ", but the entropies form one group: nothing stands out"
     return text
 
 
@@ -297,4 +299,23 @@ def run_convert(arguments: argparse.Namespace) -> int:
             text += f", {one.failed:,} without an image"
         print(text)
     print(f"dataset in {arguments.target}")
+    return DONE
+
+
+def run_mosaic(arguments: argparse.Namespace) -> int:
+    """Write one orthophoto of all images of a dataset."""
+    from ..mosaic.orthomosaic import make_orthomosaic
+
+    made = make_orthomosaic(
+        arguments.folder, arguments.output, map_type=arguments.map_type, gsd_m=arguments.gsd_m
+    )
+    if arguments.json:
+        print(json.dumps(asdict(made), indent=1))
+        return DONE
+    crs = made.crs if made.crs.startswith("EPSG:") else "the CRS of the source"
+    print(
+        f"{made.map_type:11s} {made.used:,} of {made.images:,} images, {made.width_px:,} x {made.height_px:,} px of "
+        f"{made.gsd_m_per_px:.3g} m in {crs}; {100.0 * made.shown_share:.1f} % of it shows ground"
+    )
+    print(f"{'written':11s} {made.path}")
     return DONE

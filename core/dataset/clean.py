@@ -16,7 +16,7 @@ from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
 from ..files import clear_partial, open_locked
 from .dataset import Images, Move
-from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu
+from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu, parts_groups
 from .figures import draw_all
 from .folder import DEFAULT_ENTROPY, JOURNAL_FILE, TABLE_FILE, image_folder, map_type_folders
 from .table import REJECTED, Table
@@ -45,6 +45,8 @@ class Cleaned:
         One of `entropy.MEASURES`: which entropies the table holds that decides.
     figures : tuple of str
         Paths of the diagrams that were written.
+    groups : bool
+        Whether the suggested threshold lies between two groups of entropies; else nothing stands out.
     """
 
     map_type: str
@@ -57,6 +59,7 @@ class Cleaned:
     suggested: float | None
     measure: str = GREY
     figures: tuple[str, ...] = ()
+    groups: bool = False
 
     @property
     def is_one_sided(self) -> bool:
@@ -193,6 +196,7 @@ def _judged(
         [name for name, low in zip(names, below.tolist()) if low and move],
         [name for name, low in zip(names, below.tolist()) if not low],
     )
+    suggested = otsu(decisive[there])
     cleaned = Cleaned(
         map_type,
         int(there.sum()),
@@ -201,8 +205,9 @@ def _judged(
         int(deciding.by_roadmap.sum()),
         len({one.stem for one in out}),
         len({one.stem for one in back}),
-        otsu(decisive[there]),
+        suggested,
         deciding.measure,
+        groups=suggested is not None and parts_groups(decisive[there], suggested),
     )
     return cleaned, table, [*out, *back]
 

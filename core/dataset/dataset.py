@@ -488,6 +488,27 @@ def open_image(
         raise InvalidInput("image {0}: cannot be read ({1})", path, what) from wrong
 
 
+def open_masked(
+    path: str | os.PathLike[str], said_px: tuple[float, float] = _UNKNOWN_PX
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
+    """Pixels (h, w, 1 or 3) of a file as they are shown, and its mask (h, w), 0 where it shows nothing, or None.
+
+    Raises
+    ------
+    InvalidInput
+        As `open_image` does.
+    """
+    pixels = np.asarray(open_image(path, said_px=said_px, as_shown=True), np.uint8)
+    pixels = pixels.reshape(*pixels.shape[:2], -1)
+    stored = open_bands(path)
+    if stored is not None:
+        seen = stored.seen()
+        return pixels, None if seen is None else seen.astype(np.uint8) * np.uint8(255)
+    with Image.open(io.BytesIO(Path(path).read_bytes())) as image:
+        masked = "A" in image.getbands()
+        return pixels, np.asarray(image.getchannel("A"), np.uint8) if masked else None
+
+
 def open_bands(path: str | os.PathLike[str], said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTiff | None:
     """GeoTIFF of other bands than 8-bit grey or colours; None for every other file, also one that cannot be read.
 

@@ -28,6 +28,9 @@ GREY, POOLED, UNKNOWN = MEASURES = ("grey", "pooled", "unknown")
 _TELLING, _LOST = 5, 0.1
 #: What long work tells of: the share done, 0 to 1; an answer of False stops it.
 Report = Callable[[float], bool]
+#: Of a valley between two groups: width of the windows in which values are counted, as a share of their range, and how
+#: many may be in it, as a share of those at the lower peak.
+_WINDOW, _VALLEY = 1.0 / 8.0, 0.5
 
 
 def entropy(image: NDArray[np.uint8]) -> float:
@@ -115,6 +118,31 @@ def otsu(values: NDArray[np.float64]) -> float | None:
     means = sums[gaps] / below, (sums[-1] - sums[gaps]) / above
     best = gaps[np.argmax(below * above * (means[1] - means[0]) ** 2)]
     return float((ordered[best] + ordered[best + 1]) / 2.0)
+
+
+def parts_groups(values: NDArray[np.float64], threshold: float) -> bool:
+    """Whether a threshold lies between two groups of values, and not inside the only one.
+
+    Between groups, values are at most half as frequent about it as at the peaks on either side, by more than their
+    number may vary by chance. `otsu` parts any values, also those of one group, which it cuts through the middle.
+
+    Parameters
+    ----------
+    values : array (n,)
+        Finite.
+    """
+    ordered = np.sort(values)
+    if len(ordered) < 2 or not ordered[0] < threshold <= ordered[-1]:
+        return False
+    width = (ordered[-1] - ordered[0]) * _WINDOW
+
+    def near(places: NDArray[np.float64]) -> NDArray[np.int64]:
+        first, last = (np.searchsorted(ordered, places + off) for off in (-width / 2.0, width / 2.0))
+        return np.asarray(last - first, np.int64)
+
+    about = int(near(np.array([threshold]))[0])
+    low, high = (near(side).max() for side in (ordered[ordered < threshold], ordered[ordered >= threshold]))
+    return bool(about + math.sqrt(about) <= _VALLEY * min(int(low), int(high)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ _TYPES = {1: (1, "B"), 2: (1, ""), 3: (2, "H"), 4: (4, "I"), 12: (8, "d")}
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
 _OFFSETS, _SAMPLES, _ROWS, _LENGTHS, _PLANES, _PREDICTOR = 273, 277, 278, 279, 284, 317
 _EXTRA, _FORMAT, _PIXEL_SCALE, _METADATA, _NO_DATA = 338, 339, 33550, 42112, 42113
+_TIE_POINTS, _TRANSFORMATION = 33922, 34264
 _DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
 _KINDS = {1: "u", 2: "i", 3: "f"}
 _COLOURS = 3
@@ -88,6 +89,16 @@ class GeoTiff:
         """Values (h, w, n) of the bands, without a mask; raises ValueError or zlib.error where they are damaged."""
         return self._pixels[..., : len(self.bands)]
 
+    def seen(self) -> NDArray[np.bool_] | None:
+        """Pixels (h, w) that show something; None where all do."""
+        if self.mask == "alpha":
+            return np.asarray(self._pixels[..., -1] != 0)
+        if not self.mask:
+            return None
+        values = self._pixels
+        nothing = np.isnan(values) if self.mask == "nan" else values == float(self.mask)
+        return np.asarray(~nothing.any(axis=-1))
+
     def shown(self) -> NDArray[np.uint8]:
         """Picture (h, w) or (h, w, 3) as it is shown: by the values that the file states, or by its own percentiles."""
         values = self.values()
@@ -116,6 +127,20 @@ def geotiff_of(data: bytes) -> GeoTiff | None:
     except (struct.error, IndexError, KeyError, TypeError):
         return None
     return image
+
+
+def affine_of(data: bytes) -> tuple[float, float, float, float, float, float] | None:
+    """GDAL's six numbers of a little-endian GeoTIFF, as captures write them; None where it says no such place."""
+    try:
+        tags = _tags(data)
+        if _TRANSFORMATION in tags:
+            of_x, of_y = tags[_TRANSFORMATION][:4], tags[_TRANSFORMATION][4:8]
+            return (of_x[3], of_x[0], of_x[1], of_y[3], of_y[0], of_y[1])
+        across, down = tags[_PIXEL_SCALE][:2]
+        column, row, _, x, y = tags[_TIE_POINTS][:5]
+    except (struct.error, IndexError, KeyError, ValueError):
+        return None
+    return (x - column * across, across, 0.0, y + row * down, 0.0, -down)
 
 
 def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .ellipsoid import sin_cos
+from .ellipsoid import WGS84, Ellipsoid, sin_cos
 from .projections import through_proj
 
 if TYPE_CHECKING:
@@ -57,6 +57,20 @@ class LocalFrame:
         """Rotations (..., 3, 3) that take vectors of this frame to those of the frames at other places."""
         turn: Floats = axes_at(lat_deg, lon_deg) @ axes_at(self.lat_deg, self.lon_deg).T
         return turn
+
+
+def geocentric(
+    lat_deg: Floats | float,
+    lon_deg: Floats | float,
+    height_m: Floats | float = 0.0,
+    ground: Ellipsoid = WGS84,
+) -> Floats:
+    """Places (..., 3) in metres from the Earth's centre, of positions and heights over an ellipsoid; all broadcast."""
+    (sin_lat, cos_lat), (sin_lon, cos_lon) = sin_cos(lat_deg), sin_cos(lon_deg)
+    normal = ground.a_m / np.sqrt(1.0 - ground.e2 * sin_lat * sin_lat)
+    level = (normal + height_m) * cos_lat
+    up = (normal * (1.0 - ground.e2) + height_m) * sin_lat
+    return np.stack(np.broadcast_arrays(level * cos_lon, level * sin_lon, up), axis=-1)
 
 
 def axes_at(lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:

@@ -1224,11 +1224,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <source>Camera frames make no mosaic: “View images” shows them one by one.</source>
-        <translation>Los encuadres de cámara no forman mosaico: «Ver imágenes» los muestra uno a uno.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>Capture only the failed ones</source>
         <translation>Capturar solo las fallidas</translation>
     </message>
@@ -1265,6 +1260,11 @@
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Treat as missing</source>
         <translation>Tratar como ausente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Without a mosaic: {reason}. “View images” shows them one by one.</source>
+        <translation>Sin mosaico: {reason}. «Ver imágenes» las muestra una a una.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -1627,11 +1627,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Note in the dataset's table which images are rejected, and why</source>
-        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
     </message>
@@ -1639,6 +1634,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>On the map</source>
         <translation>En el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Reject low-detail images: note in the dataset's table which are rejected, and why</source>
+        <translation>Rechazar las imágenes con poco detalle: anotar en la tabla del conjunto de datos cuáles se rechazan y por qué</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1677,6 +1677,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>That is a large part: look at the images below before you reject them.</source>
+        <translation>Es una parte grande: mire las imágenes de abajo antes de rechazarlas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>The entropies form one group: nothing stands out, and the threshold stays as it is. Cut in two at {bits} bits (Otsu's method, the dotted line), {rejected} of {count} images ({percent} %) would be rejected, which may all be good.</source>
+        <translation>Las entropías forman un solo grupo: nada destaca, y el umbral queda como está. Al partirlo en dos en {bits} bits (método de Otsu, la línea de puntos) se rechazarían {rejected} de {count} imágenes ({percent} %), que pueden ser todas buenas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>The entropies form two groups with few images between them; {bits} bits part them best (Otsu's method). The lower group has {rejected} of {count} images ({percent} %).</source>
+        <translation>Las entropías forman dos grupos con pocas imágenes entre ellos; {bits} bits es lo que mejor los separa (método de Otsu). El grupo inferior tiene {rejected} de {count} imágenes ({percent} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>The roadmap decides for all of them.</source>
         <translation>Para todas decide el callejero.</translation>
     </message>
@@ -1692,8 +1707,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Threshold in bits that best separates the entropies into two groups (Otsu's method): the dotted line</source>
-        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
+        <source>Threshold that best separates the entropies into two groups (Otsu's method, the dotted line), and how many images it rejects</source>
+        <translation>Umbral que mejor separa las entropías en dos grupos (método de Otsu, la línea de puntos), y cuántas imágenes rechaza</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1858,6 +1873,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/placing.py"/>
         <source>yaw, tilt, roll: {angles}</source>
         <translation>guiñada, inclinación, alabeo: {angles}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <source>image {name}: is not in the dataset, or is rejected</source>
+        <translation>imagen {name}: no está en el conjunto de datos, o está rechazada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
@@ -2236,8 +2256,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Reject images with too little to see from the panel's mission</source>
-        <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
+        <source>Reject low-detail images of the panel's mission</source>
+        <translation>Rechazar las imágenes con poco detalle de la misión del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3358,11 +3378,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Clean this dataset of images with too little to see</source>
-        <translation>Limpiar este conjunto de datos de imágenes con demasiado poco que ver</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Open the folder of the images</source>
         <translation>Abrir la carpeta de las imágenes</translation>
     </message>
@@ -3370,6 +3385,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Pause: hold this capture in its place</source>
         <translation>Pausa: dejar esta captura donde está</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Reject low-detail images of this dataset</source>
+        <translation>Rechazar las imágenes con poco detalle de este conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -4588,8 +4608,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>One virtual raster a map type, of map frames that are there.</source>
-        <translation>Un ráster virtual por tipo de mapa, de los encuadres de mapa que hay.</translation>
+        <source>One raster a map type, of the images that are there; turned and tilted ones are orthorectified.</source>
+        <translation>Un ráster por tipo de mapa, con las imágenes que hay; las giradas e inclinadas se ortorrectifican.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4610,6 +4630,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>The mission is that of the parameters or, in advanced parameters, of a file that the plan has written.</source>
         <translation>La misión es la de los parámetros o, en los parámetros avanzados, la de un archivo escrito por el plan.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/capture.py"/>
+        <source>Without a mosaic: {reason}</source>
+        <translation>Sin mosaico: {reason}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4645,6 +4670,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/choices.py"/>
         <source>{title} {value!r}: must be one of {choices}</source>
         <translation>{title} {value!r}: debe ser uno de {choices}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>A GeoTIFF with overviews.</source>
+        <translation>Un GeoTIFF con vistas generales.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4708,6 +4738,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Ground sample distance (m)</source>
+        <translation>Distancia de muestreo del terreno (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Height (px)</source>
+        <translation>Alto (px)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Histogram and bar plot of the entropies as PNG, for each map type; needs matplotlib.</source>
         <translation>Histograma y gráfico de barras de las entropías en PNG, para cada tipo de mapa; necesita matplotlib.</translation>
     </message>
@@ -4723,6 +4763,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>If empty, that of the images, or a larger one where the mosaic would have over 268 million pixels.</source>
+        <translation>Si está vacío, la de las imágenes, o una mayor si el mosaico tuviera más de 268 millones de píxeles.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images below it are rejected; 0 to 8.</source>
         <translation>Las imágenes por debajo se rechazan; 0 a 8.</translation>
     </message>
@@ -4730,6 +4775,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images in no part</source>
         <translation>Imágenes en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Images in the mosaic</source>
+        <translation>Imágenes en el mosaico</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4743,6 +4793,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Images that look straight down with north at the top keep their own pixels. Failed and rejected images are left out. What no image shows is transparent.</source>
+        <translation>Las imágenes que miran recto hacia abajo con el norte arriba conservan sus propios píxeles. Las imágenes fallidas y las rechazadas quedan fuera. Lo que ninguna imagen muestra es transparente.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images, files or queries written</source>
         <translation>Imágenes, archivos o consultas escritos</translation>
     </message>
@@ -4750,6 +4805,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Least entropy (bits)</source>
         <translation>Entropía mínima (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Make an orthomosaic</source>
+        <translation>Crear un ortomosaico</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4783,6 +4843,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Of a capture.</source>
+        <translation>De una captura.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.</source>
         <translation>De vistas de cámara: {views}. De cualquier conjunto de datos: {datasets}. De un conjunto de evaluación: {benchmarks}.</translation>
     </message>
@@ -4793,13 +4858,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>One orthophoto of all images of a dataset, also of turned and tilted ones and over relief.</source>
+        <translation>Una sola ortofoto de todas las imágenes de un conjunto de datos, también de las giradas e inclinadas y sobre relieve.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Orthomosaic</source>
+        <translation>Ortomosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Rejects images whose entropy is below a threshold. If a place has a roadmap image, its entropy decides for all map types; otherwise each image's own entropy does.</source>
         <translation>Rechaza las imágenes cuya entropía está por debajo de un umbral. Donde hay imágenes de callejero, las suyas deciden para todos los tipos de mapa; en los demás casos, la de la propia imagen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Rejects images with too little to see; deletes nothing.</source>
-        <translation>Rechaza imágenes en las que hay demasiado poco que ver; no borra nada.</translation>
+        <source>Rejects low-detail images; deletes nothing.</source>
+        <translation>Rechaza las imágenes con poco detalle; no borra nada.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4833,6 +4908,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Such as satellite; the dataset's first one if empty.</source>
+        <translation>Por ejemplo satellite; si está vacío, el primero del conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Suggested threshold (bits)</source>
         <translation>Umbral sugerido (bits)</translation>
     </message>
@@ -4853,8 +4933,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>The suggested threshold parts the entropies by Otsu's method.</source>
-        <translation>El umbral sugerido separa las entropías por el método de Otsu.</translation>
+        <source>The suggested threshold parts the entropies by Otsu's method. Where they form one group, nothing stands out, and the log says so.</source>
+        <translation>El umbral sugerido separa las entropías por el método de Otsu. Si forman un solo grupo, nada destaca, y el registro lo dice.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4873,6 +4953,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Turned and tilted images are orthorectified by the exact camera, over level ground or the mission's relief. Each pixel comes from the image that sees its ground most nearly from straight above: at one height of flight, the one whose nadir is nearest. Ground that relief hides from an image is taken from another that sees it.</source>
+        <translation>Las imágenes giradas e inclinadas se ortorrectifican con la cámara exacta, sobre terreno llano o sobre el relieve de la misión. Cada píxel viene de la imagen que ve su terreno más desde arriba: a una misma altura de vuelo, aquella cuyo nadir está más cerca. El terreno que el relieve oculta a una imagen se toma de otra que lo ve.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Undo has no threshold: no diagrams are drawn.</source>
         <translation>Deshacer no tiene umbral: no se dibujan diagramas.</translation>
     </message>
@@ -4885,6 +4970,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>What to do</source>
         <translation>Qué hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Width (px)</source>
+        <translation>Ancho (px)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4918,6 +5008,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>dataset,mosaic,orthophoto,orthomosaic,orthorectify,nadir,tilted,oblique,relief</source>
+        <translation>conjunto de datos,mosaico,ortofoto,ortomosaico,ortorrectificar,nadir,inclinada,oblicua,relieve</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>dataset,split,training,validation,test,blocks,labels,machine learning</source>
         <translation>conjunto de datos,dividir,entrenamiento,validación,prueba,bloques,etiquetas,aprendizaje automático</translation>
     </message>
@@ -4925,6 +5020,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>labels.json has the frame and the scaler of the images' positions, fitted on the training part: utm is the zone of the middle, mission a plane about the middle.</source>
         <translation>labels.json contiene el sistema y el escalador de las posiciones de las imágenes, ajustado con la parte de entrenamiento: utm es la zona del centro, mission un plano en torno al centro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>mosaic {path}: must be a GeoTIFF (.tif)</source>
+        <translation>mosaico {path}: debe ser un GeoTIFF (.tif)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4948,6 +5048,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{map_type}: the entropies form one group: nothing stands out, and the suggested threshold cuts through its middle.</source>
+        <translation>{map_type}: las entropías forman un solo grupo: nada destaca, y el umbral sugerido lo corta por la mitad.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{map_type}: the threshold rejects {rejected} of {images} images.</source>
         <translation>{map_type}: el umbral rechaza {rejected} de {images} imágenes.</translation>
     </message>
@@ -4955,6 +5060,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{map_type}: {rejected} of {images} images, {moved} moved, {returned} moved back.</source>
         <translation>{map_type}: {rejected} de {images} imágenes, {moved} movidas, {returned} devueltas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>{map_type}: {used} of {images} images, {width} × {height} px of {gsd} m.</source>
+        <translation>{map_type}: {used} de {images} imágenes, {width} × {height} px de {gsd} m.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5569,6 +5679,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it</source>
+        <translation>Poner esta imagen en el mapa, ortorrectificada si está girada o inclinada; pulse otra vez para quitarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Missing</source>
         <translation>Falta</translation>
     </message>
@@ -5606,6 +5721,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Rejected</source>
         <translation>Rechazada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Show on m&amp;ap</source>
+        <translation>Mos&amp;trar en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -6431,7 +6551,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/ground.py"/>
         <location filename="../../core/files.py"/>
-        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <location filename="../../core/mosaic/frames.py"/>
         <source>image {0}: cannot be read ({1})</source>
         <translation>imagen {0}: no se puede leer ({1})</translation>
     </message>
@@ -7026,6 +7146,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/views.py"/>
+        <location filename="../../core/mosaic/frames.py"/>
         <source>folder {0}: has no {1}, which tells the camera</source>
         <translation>carpeta {0}: no tiene {1}, que indica la cámara</translation>
     </message>
@@ -8102,6 +8223,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/reading.py"/>
         <location filename="../../core/imagery/services/arcgis.py"/>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>no reason given</source>
         <translation>no se indica el motivo</translation>
@@ -11379,6 +11501,53 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
     </message>
     <message>
+        <location filename="../../core/mosaic/bigtiff.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>mosaic {0}: cannot be written ({1})</source>
+        <translation>mosaico {0}: no se puede escribir ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/frames.py"/>
+        <source>folder {0}: has no image to make a mosaic of</source>
+        <translation>carpeta {0}: no tiene ninguna imagen con la que hacer un mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/frames.py"/>
+        <source>image {0}: says no place on the map</source>
+        <translation>imagen {0}: no dice ningún lugar en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/frames.py"/>
+        <source>relief: the ground is level</source>
+        <translation>relieve: el terreno es llano</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
+        <source>give a larger ground sample distance</source>
+        <translation>indique una distancia de muestreo del terreno mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
+        <source>ground sample distance {0} m: must be a number above 0</source>
+        <translation>distancia de muestreo del terreno {0} m: debe ser un número mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
+        <source>image {0}: shows no ground that a map in {1} has</source>
+        <translation>imagen {0}: no muestra terreno que tenga un mapa en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
+        <source>mosaic of {0:,} x {1:,} px: at most {2:,} px along a side</source>
+        <translation>mosaico de {0:,} x {1:,} px: como mucho {2:,} px por lado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
+        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <source>mosaic: stopped</source>
+        <translation>mosaico: detenido</translation>
+    </message>
+    <message>
         <location filename="../../core/picture/camera_frame.py"/>
         <source>no imagery at {0} of the samples that the image is made of</source>
         <translation>no hay imágenes en {0} de las muestras de las que se hace la imagen</translation>
@@ -12172,6 +12341,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
+        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
         <source>mosaic {0}: cannot be made ({1})</source>
         <translation>mosaico {0}: no se puede crear ({1})</translation>
     </message>
@@ -12181,24 +12351,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>mosaico {0}: no se puede leer ({1})</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
-        <source>mosaic {0}: cannot be written ({1})</source>
-        <translation>mosaico {0}: no se puede escribir ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
-        <source>mosaic: stopped</source>
-        <translation>mosaico: detenido</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/dataset/rectify.py"/>
         <source>image {0}: cannot be written ({1})</source>
         <translation>imagen {0}: no se puede escribir ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/rectify.py"/>
-        <source>image {0}: shows no ground that a map in {1} has</source>
-        <translation>imagen {0}: no muestra terreno que tenga un mapa en {1}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/network/answers.py"/>

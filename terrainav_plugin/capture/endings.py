@@ -142,8 +142,10 @@ class Endings(QObject):
             self._tell_failed(run)
         else:
             text = done_text(result)
-            if run.plan.size_px is not None:
-                text += " " + tr("Camera frames make no mosaic: “View images” shows them one by one.")
+            if run.task.without_mosaic:
+                text += " " + tr("Without a mosaic: {reason}. “View images” shows them one by one.").format(
+                    reason=run.task.without_mosaic
+                )
             if not is_open:
                 text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
             open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))

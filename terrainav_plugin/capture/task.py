@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import pyqtSignal
 
-from ...core.errors import OutputError
-from ..i18n import tr
+from ...core.errors import InvalidInput, OutputError, SourceError
+from ..i18n import tr, translate
 from ..settings import Settings
-from ..sources import open_for_capture, snapshot_for, transport_for
+from ..sources import heights_for, open_for_capture, snapshot_for, transport_for
 from ..tasks import Task
 
 if TYPE_CHECKING:
@@ -23,13 +23,15 @@ if TYPE_CHECKING:
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
+#: The same of camera frames, which are orthorectified.
+_CAMERA_SHARE = 0.6
 #: Shortest time between two looks at what has failed so far, and how much longer than such a look takes.
 _FAILED_LOOK_S = 3.0
 _FAILED_LOOK_SHARE = 20.0
 
 
 class CaptureTask(Task):
-    """Captures a plan into a folder; makes a mosaic of map frames, and lays a test shot on the map.
+    """Captures a plan into a folder; makes a mosaic of its images, and lays a test shot on the map.
 
     Everything it needs is handed over when it is made, on the main thread, and stays as it is then; `run` uses plain
     values only.
@@ -60,6 +62,8 @@ class CaptureTask(Task):
         Set on the main thread; while it is True nothing is asked for and no picture is begun.
     result : CaptureResult or None
     mosaics : list of Mosaic
+    without_mosaic : str
+        Why there is none, where the images are there.
     opened : OpenedResults or None
         Layers of the results, for the main thread.
     failed : int
@@ -85,13 +89,15 @@ class CaptureTask(Task):
         self.paused = False
         self.result: CaptureResult | None = None
         self.mosaics: list[Mosaic] = []
+        self.without_mosaic = ""
         self.opened: OpenedResults | None = None
         self.failed = 0
         self.picture: Path | None = None
         self._key = key
         self._test_shot, self._only_failed = test_shot, only_failed
         self._snapshot = snapshot_for(plan.mission)
-        self._with_mosaic = not test_shot and plan.size_px is None
+        self._with_mosaic = not test_shot
+        self._capture_share = _CAPTURE_SHARE if plan.size_px is None else _CAMERA_SHARE
         self._connections = Settings().connections
         self._transport = transport_for(plan.mission.imagery.source)
         self._stopping = False
@@ -166,10 +172,20 @@ class CaptureTask(Task):
         return not result.cancelled or result.written + result.skipped > 0
 
     def _make_mosaics(self) -> None:
-        from ..dataset.mosaic import MOST_PICTURES, build_mosaics
+        from ..dataset.mosaic import MOST_PICTURES, build_mosaics, build_orthomosaics
 
-        if len(self.plan) <= MOST_PICTURES:
+        if len(self.plan) > MOST_PICTURES:
+            return
+        if self.plan.size_px is None:
             self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
+            return
+        try:
+            self.mosaics = build_orthomosaics(
+                self.folder, self.plan.mission, heights_for, self._mosaic_progress
+            )
+        except (InvalidInput, SourceError) as wrong:
+            # Such as images of a pole, which no map has; they can be looked at one by one.
+            self.without_mosaic = translate(wrong)
 
     def _open_results(self) -> None:
         from ..dataset.layers import open_results
@@ -190,7 +206,7 @@ class CaptureTask(Task):
 
     def _report(self, progress: Progress) -> None:
         done = progress.done + progress.failed + progress.skipped
-        share = _CAPTURE_SHARE if self._with_mosaic else 1.0
+        share = self._capture_share if self._with_mosaic else 1.0
         self.setProgress(100.0 * share * done / max(progress.total, 1))
         self._there = progress.done + progress.skipped
         self.progressed.emit(progress)
@@ -216,4 +232,4 @@ class CaptureTask(Task):
         self.failed = len(self._failures)
 
     def _mosaic_progress(self, share: float) -> bool:
-        return self.go_on(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
+        return self.go_on(self._capture_share + (1.0 - self._capture_share) * share)

@@ -247,6 +247,8 @@ class Cleaning(QObject):
             tell(task)
 
     def _cleaned(self, task: CleanTask) -> None:
+        from ..dataset.mosaic import mosaic_names
+
         if not task.cleaned:
             self._messages.info(
                 tr("{name}: stopped. Press the button again to finish, or Undo to put all back.").format(
@@ -256,7 +258,7 @@ class Cleaning(QObject):
         else:
             moved = any(one.moved or one.returned for one in task.cleaned)
             update = (tr("Update mosaic"), lambda: self.dataset_wanted.emit(task.folder))
-            mosaics = moved and any(task.folder.glob("*.vrt"))
+            mosaics = moved and mosaic_names(task.folder)
             self._messages.success(f"{task.folder.name}: {task.text()}", update if mosaics else None)
         self._read(task.folder)
 

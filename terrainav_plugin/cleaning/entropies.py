@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.dataset.entropy import Report, deciding_entropies, otsu
+from ...core.dataset.entropy import Report, deciding_entropies, otsu, parts_groups
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.table import REJECTED
 
@@ -67,13 +67,18 @@ class Entropies:
     ordered: Floats = field(init=False)
     #: Threshold that parts the entropies best; None where all are the same.
     suggested: float | None = field(init=False)
+    #: Whether that lies between two groups of entropies; else they form one.
+    groups: bool = field(init=False)
 
     def __post_init__(self) -> None:
         there = np.flatnonzero(~np.isnan(self.bits))
         object.__setattr__(self, "stems", tuple(Path(name).stem for name in self.names))
         object.__setattr__(self, "order", there[np.argsort(self.bits[there], kind="stable")])
         object.__setattr__(self, "ordered", self.bits[self.order])
-        object.__setattr__(self, "suggested", otsu(self.bits[there]))
+        suggested = otsu(self.ordered)
+        groups = suggested is not None and parts_groups(self.ordered, suggested)
+        object.__setattr__(self, "suggested", suggested)
+        object.__setattr__(self, "groups", groups)
 
     def __len__(self) -> int:
         """Images that are there."""

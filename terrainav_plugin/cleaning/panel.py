@@ -35,6 +35,8 @@ from .entropies import Entropies, Example
 from .tasks import MARK, MOVE, UNDO
 
 _STEP_BITS = 0.05
+#: Share of a dataset that is more than a few images without detail.
+_LARGE_SHARE = 0.25
 _BAR_HEIGHT_PX = 6
 #: Pictures on either side.
 COUNT = 4
@@ -83,6 +85,8 @@ class CleanPanel(QgsDockWidget):
         self.counts = wrapped_label("counts")
         self.counts.setTextFormat(Qt.TextFormat.RichText)
         self.notes = wrapped_label("notes")
+        self.reason = wrapped_label("reason")
+        self.reason.hide()
         self.strip = ExampleStrip()
         self._make_buttons()
         # Put beside other panels it may be low, and must not make them wider.
@@ -104,6 +108,7 @@ class CleanPanel(QgsDockWidget):
             chart.show_hint(text)
         self.counts.setText("")
         self.notes.setText("")
+        self._show_reason("")
         self.strip.clear()
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
@@ -134,6 +139,7 @@ class CleanPanel(QgsDockWidget):
                 self.map_type.addItem(map_type_title(name), name)
             self.map_type.setCurrentIndex(list(found).index(map_type))
         self.entropies = found[map_type]
+        self._show_reason("")
         for chart in self.charts:
             chart.show_bits(self.entropies.bits, self.entropies.suggested)
         self._show_counts()
@@ -150,6 +156,7 @@ class CleanPanel(QgsDockWidget):
     def _threshold_set(self, bits: float) -> None:
         for chart in self.charts:
             chart.show_threshold(bits)
+        self._show_reason("")
         self._show_counts()
         self.threshold_changed.emit(bits)
 
@@ -214,8 +221,38 @@ class CleanPanel(QgsDockWidget):
         self.folder_chosen.emit(folder)
 
     def _suggest(self) -> None:
-        if self.entropies is not None and self.entropies.suggested is not None:
-            self.threshold.setValue(self.entropies.suggested)
+        """Set the threshold between two groups of entropies, and say so; where they form one, leave it."""
+        found = self.entropies
+        if found is None or found.suggested is None:
+            return
+        share = found.rejected(found.suggested) / max(len(found), 1)
+        figures = {
+            "bits": number_text(found.suggested, ".2f"),
+            "rejected": number_text(found.rejected(found.suggested)),
+            "count": number_text(len(found)),
+            "percent": number_text(100.0 * share, ".0f"),
+        }
+        if not found.groups:
+            self._show_reason(
+                tr(
+                    "The entropies form one group: nothing stands out, and the threshold stays as it is. Cut in two at "
+                    "{bits} bits (Otsu's method, the dotted line), {rejected} of {count} images ({percent} %) would be "
+                    "rejected, which may all be good."
+                ).format(**figures)
+            )
+            return
+        self.threshold.setValue(found.suggested)
+        text = tr(
+            "The entropies form two groups with few images between them; {bits} bits part them best (Otsu's method). "
+            "The lower group has {rejected} of {count} images ({percent} %)."
+        ).format(**figures)
+        if share > _LARGE_SHARE:
+            text += " " + tr("That is a large part: look at the images below before you reject them.")
+        self._show_reason(text)
+
+    def _show_reason(self, text: str) -> None:
+        self.reason.setText(text)
+        self.reason.setVisible(bool(text))
 
     # --- how it is made
 
@@ -246,8 +283,8 @@ class CleanPanel(QgsDockWidget):
             "suggest",
             tr("S&uggest"),
             tr(
-                "Threshold in bits that best separates the entropies into two groups (Otsu's method): the "
-                "dotted line"
+                "Threshold that best separates the entropies into two groups (Otsu's method, the dotted line), and "
+                "how many images it rejects"
             ),
         )
         self.suggest.clicked.connect(lambda _checked: self._suggest())
@@ -258,7 +295,9 @@ class CleanPanel(QgsDockWidget):
     def _make_buttons(self) -> None:
         self.buttons = {
             MARK: push_button(
-                MARK, tr("Mar&k"), tr("Note in the dataset's table which images are rejected, and why")
+                MARK,
+                tr("Mar&k"),
+                tr("Reject low-detail images: note in the dataset's table which are rejected, and why"),
             ),
             MOVE: push_button(
                 MOVE,
@@ -310,6 +349,7 @@ class CleanPanel(QgsDockWidget):
         layout.addLayout(form)
         layout.addWidget(self.tabs, 1)
         layout.addLayout(line)
+        layout.addWidget(self.reason)
         layout.addWidget(self.counts)
         layout.addWidget(self.notes)
         layout.addWidget(self.strip)

@@ -1,6 +1,7 @@
-"""One raster over all images of a run: a GDAL virtual raster, its overviews made straight from the images.
+"""One raster over all images of a run, and its overviews.
 
-Runs in the background.
+Of map frames it is a GDAL virtual raster, whose overviews are made straight from the images; of camera frames it is an
+orthomosaic. Runs in the background.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from ...core.errors import Cancelled, Message, OutputError
 from ...core.files import partial_file, write_whole
 from ...core.imagery.raster.place import named_crs
 from ..i18n import tr
+from .rectify import OpenHeights, write_mosaic
 from .shown import Shown, how_shown, open_shown
 
 if TYPE_CHECKING:
@@ -42,6 +44,8 @@ if TYPE_CHECKING:
 MOST_PICTURES = 100_000
 #: Ending of the overviews' file, after the mosaic's own name, and of both files until they are put in place.
 _OVERVIEWS, _MADE = ".ovr", ".new"
+#: Ending of the orthomosaic of camera frames.
+_ORTHOPHOTO = ".tif"
 #: Ending of what GDAL notes of a file: statistics of pixels that may be others by now.
 _NOTES = ".aux.xml"
 _SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
@@ -77,7 +81,7 @@ class Placed(NamedTuple):
 
 
 class Mosaic(NamedTuple):
-    """A virtual raster over a run's pictures, and its overviews.
+    """A raster over a run's pictures: a virtual one and its overviews, or the orthomosaic of camera frames.
 
     It is made beside the one that is there and put in its place afterwards: no file is written while a layer may
     have it open. GDAL writes a virtual raster as it closes it, with the statistics that QGIS has taken of it, and so
@@ -96,6 +100,11 @@ class Mosaic(NamedTuple):
 
     def crs(self) -> str:
         """``EPSG:code`` of what is there, or WKT where it has no code; raises OutputError."""
+        if self.path.suffix == _ORTHOPHOTO:
+            raster = gdal.Open(str(self.path))
+            if raster is None:
+                raise _failed(self.path)
+            return named_crs(CRS.from_wkt(raster.GetProjection()))
         try:
             with self.path.open("rb") as file:
                 head = file.read(_HEAD_BYTES).decode("utf-8", "replace")
@@ -167,6 +176,34 @@ def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
     return made
 
 
+def build_orthomosaics(
+    folder: Path, mission: Mission, open_heights: OpenHeights, progress: Progress
+) -> list[Mosaic]:
+    """Write an orthomosaic for every map type of a run's camera frames, as `build_mosaics` does.
+
+    Parameters
+    ----------
+    open_heights : callable
+        Gives the heights of a mission.
+
+    Raises
+    ------
+    Cancelled, InvalidInput, OutputError, SourceError
+    """
+    made, map_types = [], mission.imagery.map_types
+    for number, map_type in enumerate(map_types):
+        mosaic = Mosaic(map_type, folder / f"{map_type}{_ORTHOPHOTO}", _title(map_type), is_made=True)
+        write_mosaic(
+            folder,
+            map_type,
+            _made(mosaic.path),
+            open_heights,
+            lambda part, before=number: progress((before + part) / len(map_types)),
+        )
+        made.append(mosaic if mosaic.path.exists() else mosaic.put_in_place())
+    return made
+
+
 def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -> None:
     """Write one virtual raster and its overviews, beside their place.
 
@@ -205,6 +242,12 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
             # Cleaning moves images away or back, and writes their table.
             table = folder / map_type / TABLE_FILE
             newest_s = max(journal_s, table.stat().st_mtime if table.is_file() else 0.0)
+            orthophoto = folder / f"{map_type}{_ORTHOPHOTO}"
+            if orthophoto.is_file():
+                if orthophoto.stat().st_mtime < newest_s:
+                    return None
+                found.append(Mosaic(map_type, orthophoto, _title(map_type)))
+                continue
             paths = [folder / f"{map_type}.vrt"]
             parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
             paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
@@ -218,6 +261,11 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
     except OSError:
         return None
     return found
+
+
+def mosaic_names(folder: Path) -> list[str]:
+    """Names of a dataset's mosaics."""
+    return sorted(path.name for ending in (".vrt", _ORTHOPHOTO) for path in folder.glob(f"*{ending}"))
 
 
 def build_overviews(

@@ -15,7 +15,7 @@ from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
-from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, mosaics_there
+from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, build_orthomosaics, mosaics_there
 from ..dataset.placing import show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
@@ -82,12 +82,14 @@ class DatasetTask(Task):
             self.left_out = self.left_out or translate(wrong)
 
     def _made_mosaics(self) -> list[Mosaic]:
-        from ..sources import worked_out
+        from ..sources import heights_for, worked_out
 
         try:
             steps = worked_out(self.mission, self._find_grid)
-            if steps.size_px is not None or len(steps) > MOST_PICTURES:
+            if len(steps) > MOST_PICTURES:
                 return []
+            if steps.size_px is not None:
+                return build_orthomosaics(self.folder, self.mission, heights_for, self.go_on)
             return build_mosaics(steps, self.folder, self.go_on)
         except TerrAInavError as wrong:
             # The footprints can be had without the source.
@@ -202,7 +204,7 @@ class Missions(QObject):
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
         failed.setEnabled((self._folder() / FAILED_FILE).is_file())
         clean = menu.addAction(tr("&Clean dataset…"), self.clean)
-        clean.setToolTip(tr("Reject images with too little to see from the panel's mission"))
+        clean.setToolTip(tr("Reject low-detail images of the panel's mission"))
         clean.setEnabled((self._folder() / MISSION_FILE).is_file())
 
     # --- opening

@@ -236,7 +236,7 @@ class RunRow(QFrame):
             self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel; images that are finished are kept")),
             self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
             self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),
-            self.CLEAN: (icon("clean_dataset"), tr("Clean this dataset of images with too little to see")),
+            self.CLEAN: (icon("clean_dataset"), tr("Reject low-detail images of this dataset")),
             self.OPEN: (of_qgis("/mActionFileOpen.svg"), tr("Open the folder of the images")),
             self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Take this capture off the list; its images stay")),
         }

@@ -16,7 +16,7 @@ from qgis.core import (
 )
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
-from ...core.errors import InvalidInput
+from ...core.errors import InvalidInput, SourceError
 from ..i18n import number_text, tr, translate
 from .algorithm import Run, Watch, Words, off_main_thread
 from .imagery import WithImagery, check_terms
@@ -48,7 +48,9 @@ class _Capturing(WithImagery):
         self.add_placeholders()
         self.add(
             QgsProcessingParameterBoolean("MAKE_MOSAIC", tr("Make a mosaic"), True),
-            tr("One virtual raster a map type, of map frames that are there."),
+            tr(
+                "One raster a map type, of the images that are there; turned and tilted ones are orthorectified."
+            ),
             advanced=True,
         )
 
@@ -124,18 +126,22 @@ class _Capturing(WithImagery):
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
         """Mosaics of all map types, as far as there are some."""
-        from ..dataset.mosaic import MOST_PICTURES, build_mosaics
+        from ..dataset.mosaic import MOST_PICTURES, build_mosaics, build_orthomosaics
+        from ..sources import heights_for
 
-        # Camera frames are no pieces of the map.
-        if worked_out.size_px is not None or len(worked_out) > MOST_PICTURES:
+        if len(worked_out) > MOST_PICTURES or result.cancelled or not self._with_mosaic:
             return []
-        if result.cancelled or not self._with_mosaic:
+
+        def progress(share: float) -> bool:
+            return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
+
+        if worked_out.size_px is None:
+            return build_mosaics(worked_out, result.folder, progress)
+        try:
+            return build_orthomosaics(result.folder, worked_out.mission, heights_for, progress)
+        except (InvalidInput, SourceError) as wrong:
+            watch.warn(tr("Without a mosaic: {reason}").format(reason=translate(wrong)))
             return []
-        return build_mosaics(
-            worked_out,
-            result.folder,
-            lambda share: watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share),
-        )
 
 
 class Capture(_Capturing):

@@ -1,4 +1,4 @@
-"""Algorithms: a dataset cleaned of images with too little to see, divided into parts, and exported."""
+"""Algorithms: a dataset cleaned, divided into parts, made one orthophoto, and exported."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ from qgis.core import (
     QgsProcessingParameterBoolean,
     QgsProcessingParameterFolderDestination,
     QgsProcessingParameterNumber,
+    QgsProcessingParameterRasterDestination,
     QgsProcessingParameterString,
 )
 
 from ...core.dataset.folder import DEFAULT_ENTROPY, SEED, SHARES, WAYS
+from ...core.errors import InvalidInput
 from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
@@ -26,6 +28,7 @@ from .choices import Choice
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
     from ...core.dataset.split import Split as Made
+    from ...core.mosaic.orthomosaic import Orthomosaic
 
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
 #: Most that 256 grey levels can have.
@@ -57,7 +60,7 @@ class Clean(_OfDataset):
         """Return what people read of it."""
         return Words(
             tr("Clean a dataset"),
-            tr("Rejects images with too little to see; deletes nothing."),
+            tr("Rejects low-detail images; deletes nothing."),
             tr("dataset,clean,entropy,filter,reject,training,machine learning"),
             (
                 tr(
@@ -69,7 +72,10 @@ class Clean(_OfDataset):
                     "also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo "
                     "puts all back. A later capture into the folder knows what was moved."
                 ),
-                tr("The suggested threshold parts the entropies by Otsu's method."),
+                tr(
+                    "The suggested threshold parts the entropies by Otsu's method. Where they form one group, nothing "
+                    "stands out, and the log says so."
+                ),
             ),
         )
 
@@ -166,6 +172,13 @@ def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFee
                     images=number_text(one.images),
                 )
             )
+        if one.suggested is not None and not one.groups:
+            feedback.pushWarning(
+                tr(
+                    "{map_type}: the entropies form one group: nothing stands out, and the suggested threshold cuts "
+                    "through its middle."
+                ).format(map_type=one.map_type)
+            )
     if any(one.measure != "grey" for one in cleaned):
         feedback.pushWarning(
             tr(
@@ -177,7 +190,9 @@ def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFee
 
 def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
     """Say that a mosaic still names images that are elsewhere now, or lacks some that are back."""
-    mosaics = sorted(path.name for path in folder.glob("*.vrt"))
+    from ..dataset.mosaic import mosaic_names
+
+    mosaics = mosaic_names(folder)
     if mosaics:
         feedback.pushWarning(
             tr(
@@ -397,3 +412,97 @@ def _tell_of_split(made: Made, feedback: QgsProcessingFeedback) -> None:
                 "The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}."
             ).format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs)
         )
+
+
+class MakeMosaic(Algorithm):
+    """One orthophoto of all images."""
+
+    NAME, GROUP = "mosaic", "datasets"
+
+    def words(self) -> Words:
+        """Return what people read of it."""
+        return Words(
+            tr("Make an orthomosaic"),
+            tr("One orthophoto of all images of a dataset, also of turned and tilted ones and over relief."),
+            tr("dataset,mosaic,orthophoto,orthomosaic,orthorectify,nadir,tilted,oblique,relief"),
+            (
+                tr(
+                    "Turned and tilted images are orthorectified by the exact camera, over level ground or the "
+                    "mission's relief. Each pixel comes from the image that sees its ground most nearly from straight "
+                    "above: at one height of flight, the one whose nadir is nearest. Ground that relief hides from an "
+                    "image is taken from another that sees it."
+                ),
+                tr(
+                    "Images that look straight down with north at the top keep their own pixels. Failed and rejected "
+                    "images are left out. What no image shows is transparent."
+                ),
+            ),
+        )
+
+    def define(self) -> None:
+        """Add its parameters and outputs."""
+        self.add_dataset(tr("Of a capture."))
+        self.add(
+            QgsProcessingParameterString("MAP_TYPE", tr("Map type"), "", optional=True),
+            tr("Such as satellite; the dataset's first one if empty."),
+        )
+        self.add(
+            QgsProcessingParameterNumber(
+                "GSD",
+                tr("Ground sample distance (m)"),
+                QgsProcessingParameterNumber.Type.Double,
+                None,
+                True,
+                0.0,
+            ),
+            tr(
+                "If empty, that of the images, or a larger one where the mosaic would have over 268 million pixels."
+            ),
+        )
+        self.add(
+            QgsProcessingParameterRasterDestination("OUTPUT", tr("Orthomosaic")),
+            tr("A GeoTIFF with overviews."),
+        )
+        self.add_numbers(
+            {
+                "IMAGES": tr("Images"),
+                "USED": tr("Images in the mosaic"),
+                "WIDTH": tr("Width (px)"),
+                "HEIGHT": tr("Height (px)"),
+                "RESOLUTION": tr("Ground sample distance (m)"),
+            }
+        )
+
+    def processed(self, run: Run) -> dict[str, Any]:
+        """Make it."""
+        from ..dataset.rectify import write_mosaic
+        from ..sources import heights_for
+
+        folder, map_type = Path(run.text("DATASET")), run.text("MAP_TYPE").strip()
+        target = Path(run.algorithm.parameterAsOutputLayer(run.parameters, "OUTPUT", run.context))
+        if target.suffix.lower() not in (".tif", ".tiff"):
+            raise InvalidInput(tr("mosaic {path}: must be a GeoTIFF (.tif)").format(path=target))
+        gsd_m = run.number("GSD") if run.is_given("GSD") else None
+
+        def work(watch: Watch) -> Orthomosaic:
+            return write_mosaic(folder, map_type, target, heights_for, watch.progress, gsd_m)
+
+        made = off_main_thread(work, run.feedback)
+        run.feedback.pushInfo(
+            tr("{map_type}: {used} of {images} images, {width} × {height} px of {gsd} m.").format(
+                map_type=made.map_type,
+                used=number_text(made.used),
+                images=number_text(made.images),
+                width=number_text(made.width_px),
+                height=number_text(made.height_px),
+                gsd=number_text(made.gsd_m_per_px, ".3g"),
+            )
+        )
+        return {
+            "OUTPUT": str(target),
+            "IMAGES": made.images,
+            "USED": made.used,
+            "WIDTH": made.width_px,
+            "HEIGHT": made.height_px,
+            "RESOLUTION": made.gsd_m_per_px,
+        }

@@ -33,13 +33,13 @@ class Provider(QgsProcessingProvider):
         """Add the algorithms."""
         from .benchmarks import MakeBenchmark, ScoreBenchmark
         from .capture import Capture, CaptureFailed
-        from .datasets import Clean, Export, Split
+        from .datasets import Clean, Export, MakeMosaic, Split
         from .line import PosesAlongLine
         from .plan import Plan
         from .report import AccuracyReport
 
         kinds = (
-            *(Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split, Export),
+            *(Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split, MakeMosaic, Export),
             *(MakeBenchmark, ScoreBenchmark, AccuracyReport),
         )
         for algorithm in kinds:

@@ -120,6 +120,13 @@ class Finder:
                         return found
         return found
 
+    def first(self, footprints: Sequence[Footprints]) -> list[Shot]:
+        """The first image of the first mission that has one; none where none has."""
+        for these in footprints:
+            if len(self._file(these)):
+                return [self._shot(these, 0)]
+        return []
+
     def neighbour(self, shot: Shot, step: int) -> Shot | None:
         """Image that comes ``step`` after another in its plan; None at the end."""
         number = shot.number + step

@@ -64,6 +64,8 @@ class Viewer(QgsDockWidget):
         1 for the next image of the flight, -1 for the one before.
     map_type_wanted(str)
     open_wanted(), zoom_wanted()
+    on_map_wanted(bool)
+        The image is to be shown on the map, or no longer.
     """
 
     chosen = pyqtSignal(int)
@@ -71,6 +73,7 @@ class Viewer(QgsDockWidget):
     map_type_wanted = pyqtSignal(str)
     open_wanted = pyqtSignal()
     zoom_wanted = pyqtSignal()
+    on_map_wanted = pyqtSignal(bool)
 
     def __init__(self) -> None:
         super().__init__(tr("TerrAInav images"))
@@ -100,8 +103,9 @@ class Viewer(QgsDockWidget):
         self.place.setText("")
         self.under_click.hide()
         self.map_type.hide()
-        for button in (self.previous, self.following, self.open, self.zoom):
+        for button in (self.previous, self.following, self.open, self.zoom, self.on_map):
             button.setEnabled(False)
+        self.on_map.setChecked(False)
 
     def offer(self, shots: Sequence[Shot], index: int) -> None:
         """Offer the images under a click."""
@@ -134,6 +138,7 @@ class Viewer(QgsDockWidget):
         self.following.setEnabled(seen.shot.number + 1 < count)
         self.open.setEnabled(seen.picture.image is not None)
         self.zoom.setEnabled(True)
+        self.on_map.setEnabled(seen.picture.image is not None and not seen.rejected)
         self.map_type.clear()
         for map_type in seen.map_types:
             self.map_type.addItem(map_type_title(map_type), map_type)
@@ -164,6 +169,16 @@ class Viewer(QgsDockWidget):
             "zoom", tr("&Zoom to"), tr("Show the image's footprint on the map"), of_qgis("/mActionZoomTo.svg")
         )
         self.zoom.clicked.connect(lambda _checked: self.zoom_wanted.emit())
+        self.on_map = push_button(
+            "show_on_map",
+            tr("Show on m&ap"),
+            tr(
+                "Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it"
+            ),
+            of_qgis("/mActionAddRasterLayer.svg"),
+        )
+        self.on_map.setCheckable(True)
+        self.on_map.clicked.connect(self.on_map_wanted.emit)
 
     def _pictures(self) -> QWidget:
         """The picture, the depth beside it, and the depth's legend below."""
@@ -193,6 +208,7 @@ class Viewer(QgsDockWidget):
         more = QHBoxLayout()
         more.addWidget(self.map_type, 1)
         more.addStretch(1)
+        more.addWidget(self.on_map)
         more.addWidget(self.zoom)
         more.addWidget(self.open)
         contents = QWidget()

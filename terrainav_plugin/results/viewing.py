@@ -2,32 +2,43 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsCoordinateReferenceSystem, QgsCsException, QgsProject, QgsVectorLayer
+from qgis.core import (
+    QgsCoordinateReferenceSystem,
+    QgsCsException,
+    QgsMapLayer,
+    QgsProject,
+    QgsVectorLayer,
+)
 from qgis.gui import QgisInterface, QgsRubberBand
 from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtGui import QColor
 
+from ...core.errors import TerrAInavError
 from ..compat import LINE
+from ..dataset.layers import open_raster
 from ..i18n import tr, translate
 from ..map.canvas import ClickTool, show_extent
-from ..map.mission_group import CAPTURED, ROLE
+from ..map.mission_group import CAPTURED, ROLE, MissionGroup
 from ..map.outlines import seen_edges
 from ..messages import Messages
 from ..paths import open_in_system
 from ..tasks import LatestWorker, reason_of
-from ..widgets import add_floating
+from ..widgets import add_docked
 
 if TYPE_CHECKING:
-    from .shots import Finder, Seen, Shot
+    from .shots import Finder, Footprints, Seen, Shot
     from .viewer import Viewer
 
 #: Longest side of a picture as it is read: sharp on any screen, and quickly read.
 _LONGEST_PX = 1600
 _BAND_COLOUR = QColor(240, 140, 30)
 _BAND_PX = 3
-_SIZE_PX = (420, 640)
+#: Name of the panel that the window is put in front of.
+_BESIDE = "terrainav_dock"
 _MARGIN = 2.0
 
 
@@ -48,12 +59,14 @@ class Viewing(QObject):
         self._band: QgsRubberBand | None = None
         self._worker = LatestWorker("viewer")
         self._worker.failed.connect(self._refused)
+        self._layer_worker = LatestWorker("on-map")
+        self._layer_worker.failed.connect(self._not_laid)
         project.layersRemoved.connect(self._layers_removed)
 
     @property
     def busy(self) -> bool:
         """Whether an image is still to come."""
-        return self._worker.busy
+        return self._worker.busy or self._layer_worker.busy
 
     def start(self) -> bool:
         """Let the user click footprints; False where there are none, which is said."""
@@ -66,16 +79,19 @@ class Viewing(QObject):
             return False
         self._shown_viewer()
         self.tool.start()
+        if self.seen is None:
+            self._look_for(lambda finder, footprints: finder.first(footprints))
         return True
 
     def stop(self) -> None:
-        """Put the tool away; the window stays until the user closes it."""
+        """Put the tool away; the window stays until the user closes it, and the tool ends with the window."""
         self.tool.stop()
 
     def close(self) -> None:
         """End for good."""
         self._project.layersRemoved.disconnect(self._layers_removed)
         self._worker.close()
+        self._layer_worker.close()
         self.tool.stop()
         self.tool.deleteLater()
         self._remove_band()
@@ -98,13 +114,16 @@ class Viewing(QObject):
         return [node.layer() for node in nodes if node.isVisible()] or [node.layer() for node in nodes]
 
     def _clicked(self, lat_deg: float, lon_deg: float) -> None:
+        self._look_for(lambda finder, footprints: finder.shots_at(footprints, lat_deg, lon_deg))
+
+    def _look_for(self, find: Callable[[Finder, list[Footprints]], list[Shot]]) -> None:
         from .shots import Finder, Footprints
 
         footprints = [Footprints.of(layer) for layer in self._layers()]
         finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
         if self.seen is None:
             self._shown_viewer().show_hint(tr("Looking for images…"))
-        self._worker.ask(lambda _: finder.shots_at(footprints, lat_deg, lon_deg), self._found)
+        self._worker.ask(lambda _: find(finder, footprints), self._found)
 
     def _found(self, shots: list[Shot]) -> None:
         self._shots = shots
@@ -128,7 +147,54 @@ class Viewing(QObject):
 
     def _show(self, seen: Seen) -> None:
         self.seen = seen
-        self._shown_viewer().show_seen(seen)
+        viewer = self._shown_viewer()
+        viewer.show_seen(seen)
+        viewer.on_map.setChecked(self._layer_of(seen) is not None)
+
+    # --- an image on the map
+
+    def _group_of(self, seen: Seen) -> MissionGroup:
+        return MissionGroup(self._project, seen.shot.footprints.folder)
+
+    def _layer_of(self, seen: Seen) -> QgsMapLayer | None:
+        """Layer that shows an image by itself, if there is one."""
+        return self._group_of(seen).layer(_role_of(seen))
+
+    def _show_on_map(self, on: bool) -> None:
+        seen = self.seen
+        if seen is None:
+            return
+        if not on:
+            self._group_of(seen).remove(_role_of(seen))
+            self._canvas.refresh()
+            return
+        folder, map_type, file = seen.shot.footprints.folder, seen.map_type, seen.picture.path.name
+
+        def laid(_: object) -> Path:
+            from ..dataset.rectify import lay_image_on_map
+            from ..sources import heights_for
+
+            return lay_image_on_map(folder, map_type, file, heights_for)
+
+        self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
+
+    def _laid(self, seen: Seen, path: Path) -> None:
+        group = self._group_of(seen)
+        if group.find() is None:
+            return
+        try:
+            if group.layer(_role_of(seen)) is None:
+                group.add(open_raster(path, seen.shot.name), _role_of(seen), 0).setExpanded(False)
+        except TerrAInavError as wrong:
+            self._not_laid(wrong)
+            return
+        if self.seen is not None and _role_of(self.seen) == _role_of(seen):
+            self._zoom()
+
+    def _not_laid(self, error: Exception) -> None:
+        self._messages.warning(translate(reason_of(error)))
+        if self.viewer is not None:
+            self.viewer.on_map.setChecked(False)
 
     def _choose(self, index: int) -> None:
         if 0 <= index < len(self._shots):
@@ -157,8 +223,10 @@ class Viewing(QObject):
             viewer.map_type_wanted.connect(self._show_map_type)
             viewer.open_wanted.connect(self._open)
             viewer.zoom_wanted.connect(self._zoom)
+            viewer.on_map_wanted.connect(self._show_on_map)
             viewer.visibilityChanged.connect(self._visibility_changed)
-            add_floating(viewer, self._iface, _SIZE_PX)
+            viewer.closed.connect(self.tool.stop)
+            add_docked(viewer, self._iface, _BESIDE)
         self.viewer.setUserVisible(True)
         return self.viewer
 
@@ -204,3 +272,11 @@ class Viewing(QObject):
             self._remove_band()
             if self.viewer is not None:
                 self.viewer.show_hint(tr("Click a captured footprint on the map."))
+        elif self.seen is not None and self.viewer is not None:
+            # The layer that shows it may be among them.
+            self.viewer.on_map.setChecked(self._layer_of(self.seen) is not None)
+
+
+def _role_of(seen: Seen) -> str:
+    """Role of the layer that shows an image by itself."""
+    return f"image/{seen.map_type}/{seen.shot.name}"

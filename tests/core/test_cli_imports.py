@@ -14,6 +14,7 @@ COMMANDS = (
     "clean",
     "split",
     "convert",
+    "mosaic",
     "pairs",
     "load",
     "report",

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from osgeo import gdal
-from qgis.core import QgsExpression, QgsGeometry, QgsPointXY, QgsRasterLayer
+from qgis.core import QgsExpression, QgsGeometry, QgsPointXY, QgsRasterLayer, QgsRectangle
 from terrainav.core.capture.runner import capture as run_capture
 from terrainav.core.geodesy.footprint import exact
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
@@ -150,7 +150,7 @@ def tilted(desk):
     return desk
 
 
-def test_tilted_mission_from_preview_to_footprints(tilted):
+def test_tilted_mission_from_preview_to_mosaic(tilted, screenshot):
     planned = tilted.session.planned.plan
     assert planned.size_px == (640, 480)
     tilted.click(tilted.dock.preview)
@@ -162,7 +162,7 @@ def test_tilted_mission_from_preview_to_footprints(tilted):
     }
     capture(tilted)
 
-    # Footprints and no mosaic, which is said.
+    # Footprints, and a mosaic that is orthorectified.
     assert tilted.layer_names() == [
         "Area",
         "Capture centres",
@@ -170,9 +170,24 @@ def test_tilted_mission_from_preview_to_footprints(tilted):
         "Planned images",
         "Images per place",
         "Captured images",
+        "Satellite images",
     ]
     assert not list(tilted.folder.glob("*.vrt"))
-    assert any("Camera frames make no mosaic" in text for text in tilted.messages())
+    mosaic = tilted.layer("Satellite images")
+    assert mosaic.isValid()
+    assert mosaic.crs().authid() == "EPSG:3857"
+    assert mosaic.bandCount() == 4
+    raster = gdal.Open(str(tilted.folder / "satellite.tif"))
+    assert raster.GetRasterBand(1).GetOverviewCount() > 0
+    # No farther than the footprints: ground that is seen too flat is left out.
+    box = tilted.layer("Captured images").extent()
+    x, y = metres(*np.array([[box.xMinimum(), box.xMaximum()], [box.yMinimum(), box.yMaximum()]]))
+    footprints = QgsRectangle(x[0], y[0], x[1], y[1])
+    assert footprints.buffered(0.05 * footprints.width()).contains(mosaic.extent())
+    assert mosaic.extent().area() > 0.1 * footprints.area()
+    shown = mosaic.extent()
+    tilted.look_at("EPSG:3857", (shown.xMinimum(), shown.yMinimum(), shown.xMaximum(), shown.yMaximum()))
+    screenshot("mosaic-tilted")
     layer = tilted.layer("Captured images")
     assert layer.featureCount() == len(planned)
     for feature in layer.getFeatures():

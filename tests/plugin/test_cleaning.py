@@ -217,9 +217,48 @@ def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, scr
     QTest.mouseClick(bars, LEFT, PLAIN, QPoint(bars.width() // 2, round(bars.place_of(4.0))))
     assert panel.threshold.value() == pytest.approx(4.0, abs=8.0 / (bars.frame().bottom - bars.frame().top))
 
+    screenshot("entropy-bars")
+
+
+def with_entropies(folder, bits):
+    """A dataset's tables with other entropies."""
+    from dataclasses import replace
+
+    from terrainav.core.dataset.table import Table
+
+    for map_type in ("satellite", "roadmap"):
+        path = folder / map_type / "meta_data.csv"
+        table = Table.load(path)
+        replace(table, entropies=np.resize(bits, len(table))).save(path)
+
+
+def test_suggest_sets_a_threshold_between_two_groups_and_says_why(desk, dataset, opened, screenshot):
+    with_entropies(dataset, [1.0, 1.1, 4.0, 4.1, 4.2, 3.9, 1.2])
+    panel = opened(dataset)
+    assert panel.entropies.groups
     desk.click(panel.suggest)
     assert panel.threshold.value() == pytest.approx(panel.entropies.suggested, abs=0.005)
-    screenshot("entropy-bars")
+    text, below = panel.reason.text(), panel.entropies.rejected(panel.entropies.suggested)
+    assert panel.reason.isVisible()
+    assert "two groups" in text
+    assert f"{below} of {len(panel.entropies)} images" in text
+    assert "a large part" in text
+    screenshot("suggest-two-groups")
+    # Said of this threshold alone.
+    panel.threshold.setValue(3.0)
+    assert not panel.reason.isVisible()
+
+
+def test_suggest_leaves_the_threshold_where_nothing_stands_out(desk, dataset, opened, screenshot):
+    with_entropies(dataset, np.linspace(4.0, 5.0, 97))
+    panel = opened(dataset)
+    before = panel.threshold.value()
+    desk.click(panel.suggest)
+    assert panel.threshold.value() == before
+    rejected = panel.entropies.rejected(panel.entropies.suggested)
+    assert "form one group: nothing stands out" in panel.reason.text()
+    assert f"{rejected} of {len(panel.entropies)} images" in panel.reason.text()
+    screenshot("suggest-one-group")
 
 
 def test_histogram_shows_every_image_on_its_side_of_the_line(desk, dataset, opened):

@@ -56,7 +56,7 @@ EXTENT = "-89.90,-89.895,35.156,35.16 [EPSG:4326]"
 NEVER_S = 60.0
 NAMES = {
     *("plan", "posesalongline", "capture", "capturefailed", "accuracyreport"),
-    *("clean", "split", "makebenchmark", "scorebenchmark"),
+    *("clean", "split", "mosaic", "makebenchmark", "scorebenchmark"),
 }
 
 

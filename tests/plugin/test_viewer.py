@@ -260,3 +260,72 @@ def test_open_hands_the_file_to_the_system(desk, captured, viewing, monkeypatch)
     look_at(desk, plan, 2)
     QTest.mouseClick(viewing.viewer.open, Qt.MouseButton.LeftButton)
     assert [url.toLocalFile() for url in opened] == [str(viewing.seen.picture.path)]
+
+
+def test_the_window_opens_beside_the_map_on_the_first_image(desk, captured, viewing, screenshot):
+    plan = captured()
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    assert viewing.seen.shot.name == plan.names[0]
+    viewer = viewing.viewer
+    assert not viewer.isFloating()
+    assert viewer.isVisible()
+    on_screen = viewer.rect().translated(viewer.mapToGlobal(QPoint(0, 0)))
+    canvas = desk.canvas.rect().translated(desk.canvas.mapToGlobal(QPoint(0, 0)))
+    assert not on_screen.intersects(canvas)
+    screenshot("viewer-docked")
+
+
+def test_the_tool_ends_with_the_window(desk, captured, viewing):
+    captured()
+    desk.wait(lambda: not viewing.busy)
+    assert viewing.tool.isActive()
+    viewing.viewer.close()
+    desk.wait(lambda: not viewing.tool.isActive())
+    assert not desk.plugin.actions["view_images"].isChecked()
+    desk.plugin.actions["view_images"].trigger()
+    assert viewing.viewer.isVisible()
+    assert viewing.tool.isActive()
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 40.0])
+def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing, screenshot, tilt_deg):
+    def tilt():
+        desk.form.set_state(
+            replace(desk.session.state(), tilt_deg=tilt_deg, yaw_deg=20.0 if tilt_deg else 0.0)
+        )
+
+    plan = captured(tilt)
+    index = len(plan) // 2
+    seen = look_at(desk, plan, index)
+    viewer = viewing.viewer
+    name = seen.shot.name
+    desk.click(viewer.on_map)
+    desk.wait(lambda: not viewing.busy and name in desk.layer_names())
+    layer = desk.layer(name)
+    assert layer.isValid()
+    assert layer.crs().authid() == "EPSG:3857"
+    assert viewer.on_map.isChecked()
+    at = QgsCoordinateTransform(
+        QgsCoordinateReferenceSystem("EPSG:4326"), layer.crs(), QgsProject.instance()
+    ).transformBoundingBox(seen.shot.outline.boundingBox())
+    # As far as the footprint reaches.
+    assert layer.extent().width() == pytest.approx(at.width(), rel=0.02)
+    assert layer.extent().height() == pytest.approx(at.height(), rel=0.02)
+    assert layer.extent().center().distance(at.center()) < 0.02 * at.width()
+    # The map has gone there.
+    assert desk.canvas.extent().contains(at)
+    screenshot(f"viewer-on-map-{tilt_deg:.0f}")
+    # Another image is not there; this one still is.
+    desk.click(viewer.following)
+    desk.wait(lambda: not viewing.busy and viewing.seen.shot.name != name)
+    assert not viewer.on_map.isChecked()
+    desk.click(viewer.previous)
+    desk.wait(lambda: not viewing.busy and viewing.seen.shot.name == name)
+    assert viewer.on_map.isChecked()
+    desk.click(viewer.on_map)
+    desk.wait(lambda: name not in desk.layer_names())
+    # A layer that is taken off the map by hand counts as removed.
+    desk.click(viewer.on_map)
+    desk.wait(lambda: not viewing.busy and name in desk.layer_names())
+    QgsProject.instance().removeMapLayer(desk.layer(name).id())
+    assert not viewer.on_map.isChecked()

@@ -25,6 +25,7 @@ from terrainav.core.errors import Cancelled
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mosaic.orthomosaic import make_orthomosaic
 
 from tests.core.remedies.files import extra_brings
 from tests.support.datasets import write_dataset
@@ -831,3 +832,16 @@ def _of_more_than_8_bits(case: Case) -> None:
         sample(case.tmp_path / "shown")
 
     case.follow("capture with a stretch (--stretch)", stretched)
+
+
+# --- mosaics
+
+
+@remedy(
+    "mosaic/orthomosaic.py",
+    "mosaic of {} x {} px: at most {} px along a side; give a larger ground sample distance",
+)
+def _too_fine_a_mosaic(case: Case) -> None:
+    folder = captured(case, TURNED)
+    case.refused(lambda: make_orthomosaic(folder, gsd_m=1e-5))
+    case.follow("give a larger ground sample distance", lambda: make_orthomosaic(folder, gsd_m=5.0))

@@ -1,0 +1,103 @@
+"""GeoTIFFs larger than memory: tiles of 8-bit pixels with alpha, written one after the other."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..capture.georeference import Georeference
+from ..capture.metadata import SOFTWARE
+from ..capture.tiff import Kind, Tag, big_header, directory, header
+from ..errors import OutputError
+from ..files import partial_file
+
+Pixels = NDArray[np.uint8]
+
+#: Side of a tile, a multiple of 16.
+TILE_PX = 256
+#: Of what is packed: quick, and within some percent of the smallest.
+_ZLIB_LEVEL = 6
+#: Offsets of a classic TIFF have 32 bits; room for what tags may take.
+_MOST_BYTES = (1 << 32) - (1 << 24)
+_BIG_HEADER_BYTES = 16
+
+
+def packed_tile(pixels: Pixels) -> bytes:
+    """Deflated differences (Predictor 2) of a tile (h, w, n) of at most `TILE_PX` a side, filled up with nothing."""
+    tile = np.zeros((TILE_PX, TILE_PX, pixels.shape[2]), np.uint8)
+    tile[: pixels.shape[0], : pixels.shape[1]] = pixels
+    tile[:, 1:] -= tile[:, :-1].copy()
+    packer = zlib.compressobj(_ZLIB_LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, zlib.Z_RLE)
+    return packer.compress(tile.tobytes()) + packer.flush()
+
+
+def write_tiles(
+    target: Path,
+    place: Georeference,
+    channels: int,
+    tiles: Iterable[tuple[int, int, bytes]],
+    title: str = "",
+    attribution: str = "",
+) -> None:
+    """Write a tiled GeoTIFF, whole or not at all; a BigTIFF where it might not fit a classic one.
+
+    Parameters
+    ----------
+    channels : int
+        2 or 4: grey, or red, green and blue; the last is alpha.
+    tiles : iterable of (column, row, bytes)
+        `packed_tile` of each tile, in any order; those that are missing show nothing.
+
+    Raises
+    ------
+    OutputError
+    """
+    columns, rows = (-(-size // TILE_PX) for size in (place.width_px, place.height_px))
+    is_big = columns * rows * TILE_PX * TILE_PX * channels > _MOST_BYTES
+    offsets, lengths = np.zeros((2, rows, columns), np.int64)
+    try:
+        with partial_file(target) as partial, partial.open("xb") as file:
+            # Where the directory stands is known at the end.
+            file.write(big_header(0) if is_big else header().ljust(_BIG_HEADER_BYTES, b"\0"))
+            for column, row, data in tiles:
+                offsets[row, column], lengths[row, column] = file.tell(), len(data)
+                file.write(data)
+            missing = lengths == 0
+            if missing.any():
+                # One tile stands for all of them, as not every reader knows tiles that are left out.
+                data = packed_tile(np.zeros((1, 1, channels), np.uint8))
+                offsets[missing], lengths[missing] = file.tell(), len(data)
+                file.write(data)
+            file.write(b"\0" * (file.tell() % 2))
+            at = file.tell()
+            kind = Kind.LONG8 if is_big else Kind.LONG
+            tags = [
+                Tag(256, Kind.LONG, [place.width_px]),
+                Tag(257, Kind.LONG, [place.height_px]),
+                Tag(258, Kind.SHORT, [8] * channels),
+                Tag(259, Kind.SHORT, [8]),  # compression: deflate
+                Tag(262, Kind.SHORT, [1 if channels == 2 else 2]),  # black is zero; RGB
+                Tag(270, Kind.ASCII, title),
+                Tag(277, Kind.SHORT, [channels]),
+                Tag(284, Kind.SHORT, [1]),  # channels pixel by pixel
+                Tag(305, Kind.ASCII, SOFTWARE),
+                Tag(317, Kind.SHORT, [2]),  # differences
+                Tag(322, Kind.LONG, [TILE_PX]),
+                Tag(323, Kind.LONG, [TILE_PX]),
+                Tag(324, kind, offsets.ravel().tolist()),
+                Tag(325, kind, lengths.ravel().tolist()),
+                Tag(
+                    338, Kind.SHORT, [2]
+                ),  # the last channel is alpha, and the others are not multiplied by it
+                Tag(33432, Kind.ASCII, attribution),
+                *place.tags(),
+            ]
+            file.write(directory(tags, at, big=is_big))
+            file.seek(0)
+            file.write(big_header(at) if is_big else header(at))
+    except OSError as wrong:
+        raise OutputError("mosaic {0}: cannot be written ({1})", target, wrong.strerror) from wrong

@@ -1,0 +1,410 @@
+"""Orthophotos of the ground from a dataset's images, in files that may be larger than memory.
+
+Each pixel of the map comes from the image that sees its ground most nearly from straight above, of those that hold it
+and from which no relief hides it: where all cameras fly at one height that is the one whose nadir is nearest, so that
+the seams are the Voronoi diagram of the nadirs, and it is the most upright view where cameras look to the side or fly
+at different heights. Its colours are those of the exact camera there, bilinear between pixels.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections import OrderedDict
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from itertools import islice
+from pathlib import Path
+from threading import Lock
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.dataset import open_masked
+from ..errors import Cancelled, InvalidInput
+from ..picture.heights import heights_of
+from ..picture.resampling import sample
+from .bigtiff import TILE_PX, packed_tile, write_tiles
+from .frames import Boxes, CameraFrames, Frames, OpenHeights, frames_of, unit_m
+from .raster import Block, Raster, places
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Pixels = NDArray[np.uint8]
+#: Takes the share done, 0 to 1; an answer of False stops.
+Progress = Callable[[float], bool]
+
+#: Side of the blocks that are worked on, in px: whole tiles, some 100 MB a thread.
+_BLOCK_PX = 2 * TILE_PX
+#: Bytes of decoded images that are kept, beside those in use.
+_KEPT_BYTES = 1 << 28
+#: Threads, each of which works on a block, and blocks begun ahead of the one that is written next, for each.
+_MOST_THREADS, _AHEAD = 8, 2
+_OPAQUE = 255
+#: Of an image alone: rays along each side by which the box of its ground is found, the widest pixel of its map in
+#: pixels of the camera straight below it, and the flattest view, degrees.
+_RAYS_OF_ONE, _COARSEST, _LEVEL_DEG = 65, 8.0, 89.99
+#: Most pixels along a side of a mosaic.
+_MOST_PX = 1 << 22
+
+
+@dataclass(frozen=True)
+class Orthomosaic:
+    """What has been made.
+
+    Parameters
+    ----------
+    images, used : int
+        Images there are, and how many of them the mosaic shows.
+    shown_share : float
+        Share of its pixels that show ground.
+    """
+
+    path: str
+    map_type: str
+    images: int
+    used: int
+    width_px: int
+    height_px: int
+    gsd_m_per_px: float
+    crs: str
+    shown_share: float
+
+
+def make_orthomosaic(
+    folder: str | os.PathLike[str],
+    target: str | os.PathLike[str] | None = None,
+    *,
+    map_type: str | None = None,
+    gsd_m: float | None = None,
+    most_px: int | None = None,
+    open_heights: OpenHeights = heights_of,
+    progress: Progress = lambda share: True,  # noqa: ARG005  goes on
+) -> Orthomosaic:
+    """Write one orthophoto of all images of a dataset's map type, in the CRS of its source.
+
+    Parameters
+    ----------
+    target : path or None
+        ``MAP_TYPE.tif`` in the folder for None; written whole or not at all.
+    map_type : str or None
+        The first one for None.
+    gsd_m : float or None
+        Ground that a pixel spans in the middle; that of the images for None.
+    most_px : int or None
+        Pixels at most; the ground sample distance is larger where there would be more.
+    open_heights : callable
+        Gives the heights of a mission.
+
+    Raises
+    ------
+    InvalidInput
+        As `frames.frames_of` does; a ground sample distance that is none.
+    OutputError, SourceError, Cancelled
+    """
+    if gsd_m is not None and not (math.isfinite(gsd_m) and gsd_m > 0.0):
+        raise InvalidInput("ground sample distance {0} m: must be a number above 0", gsd_m, field="gsd_m")
+    path = Path(folder)
+    frames, images, rows = frames_of(path, map_type, open_heights)
+    raster, boxes = raster_of(frames, gsd_m)
+    count = raster.width_px * raster.height_px
+    if most_px is not None and count > most_px:
+        gsd_m = (gsd_m or frames.gsd_m) * math.sqrt(count / most_px)
+        raster, boxes = raster_of(frames, gsd_m)
+    aim = path / f"{images.map_type}.tif" if target is None else Path(target)
+    owed = dict.fromkeys(images.table.attribution[row] for row in rows.tolist())
+    used, shown = write_orthomosaic(
+        frames, raster, boxes, aim, progress, images.map_type, "; ".join(filter(None, owed))
+    )
+    return Orthomosaic(
+        str(aim),
+        images.map_type,
+        len(frames),
+        used,
+        raster.width_px,
+        raster.height_px,
+        frames.gsd_m if gsd_m is None else gsd_m,
+        raster.plane.crs,
+        shown,
+    )
+
+
+def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes]:
+    """Pixels about all that images show, and the boxes of that.
+
+    Their edges are whole multiples of a pixel, so that mosaics of one ground sample distance fit each other; those of
+    map frames are the pixels of these.
+    """
+    boxes = frames.boxes()
+    ends = (np.nanmin(boxes.west), np.nanmin(boxes.south), np.nanmax(boxes.east), np.nanmax(boxes.north))
+    if not np.isfinite(ends).all():
+        raise _no_ground(frames)
+    west, south, east, north = (float(end) for end in ends)
+    own = getattr(frames, "affines", None)
+    if own is not None and gsd_m is None:
+        across, down = (float(max(abs(own[0, at]), abs(own[0, at + 1]))) for at in (1, 4))
+        start_x, start_y = west, north
+    else:
+        middle = int(np.argmin(np.abs(frames.nadirs[1] - np.median(frames.nadirs[1]))))
+        lat, lon = places(frames.plane, *(at[middle : middle + 1] for at in frames.nadirs))
+        across = down = (frames.gsd_m if gsd_m is None else gsd_m) / unit_m(
+            frames.plane, float(lat[0]), float(lon[0])
+        )
+        start_x, start_y = math.floor(west / across) * across, math.ceil(north / down) * down
+    # Of what is whole but for rounding.
+    width, height = (math.ceil(span - 1e-6) for span in ((east - start_x) / across, (start_y - south) / down))
+    if max(width, height) > _MOST_PX:
+        raise InvalidInput(
+            "mosaic of {0:,} x {1:,} px: at most {2:,} px along a side",
+            width,
+            height,
+            _MOST_PX,
+            field="gsd_m",
+            remedy="give a larger ground sample distance",
+        )
+    return Raster(start_x, start_y, across, down, max(width, 1), max(height, 1), frames.plane), boxes
+
+
+def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
+    """Lay the first image of some on the map, as a GeoTIFF of so many pixels along its longer side.
+
+    An image with the horizon in it reaches hundreds of kilometres: it is laid on the map as far as a pixel there is no
+    wider than `_COARSEST` pixels of the camera straight below it.
+
+    Raises
+    ------
+    InvalidInput
+        Where it cannot be read, or shows no ground that a map has.
+    OutputError
+        Where the file cannot be written.
+    """
+    alone = frames.take(np.array([0]))
+    below_m = frames.gsd_m * max(frames.size_px) / (2.0 * max(frames.camera.half_tangents))
+    reach_m = _COARSEST * frames.gsd_m * longest_px
+    flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), _LEVEL_DEG)
+    boxes = replace(alone, flattest_deg=flattest_deg).boxes(_RAYS_OF_ONE, 0.0)
+    alone = replace(alone, flattest_deg=_LEVEL_DEG)
+    west, south, east, north = (float(end[0]) for end in boxes)
+    if not (west < east and south < north):
+        raise _no_ground(alone)
+    pixel = max(east - west, north - south) / longest_px
+    width, height = (max(math.floor(length / pixel), 1) for length in (east - west, north - south))
+    raster = Raster(west, north, pixel, pixel, width, height, frames.plane)
+    write_orthomosaic(alone, raster, boxes, target)
+
+
+def _no_ground(frames: Frames) -> InvalidInput:
+    return InvalidInput(
+        "image {0}: shows no ground that a map in {1} has", frames.paths[0].name, frames.plane.crs
+    )
+
+
+def write_orthomosaic(
+    frames: Frames,
+    raster: Raster,
+    boxes: Boxes,
+    target: Path,
+    progress: Progress = lambda share: True,  # noqa: ARG005  goes on
+    title: str = "",
+    attribution: str = "",
+) -> tuple[int, float]:
+    """Write a mosaic as a GeoTIFF with an alpha channel, whole or not at all.
+
+    Returns
+    -------
+    used : int
+        How many images it shows.
+    shown_share : float
+        Share of its pixels that show ground.
+
+    Raises
+    ------
+    InvalidInput, OutputError, SourceError, Cancelled
+    """
+    images = _Images(frames, raster)
+    channels = images.channels
+    used: set[int] = set()
+    shown = 0
+
+    def tiles() -> Iterator[tuple[int, int, bytes]]:
+        nonlocal shown
+        blocks = [
+            (left, top)
+            for top in range(0, raster.height_px, _BLOCK_PX)
+            for left in range(0, raster.width_px, _BLOCK_PX)
+        ]
+        for number, made in enumerate(_each(lambda at: _made(frames, raster, boxes, images, *at), blocks)):
+            used.update(made.used)
+            shown += made.shown
+            yield from made.tiles
+            if not progress((number + 1) / len(blocks)):
+                raise Cancelled("mosaic: stopped")
+
+    write_tiles(target, raster.place, channels + 1, tiles(), title, attribution)
+    return len(used), shown / (raster.width_px * raster.height_px)
+
+
+class _Made(NamedTuple):
+    """Tiles of a block that show something, as `write_tiles` takes them; its images, and pixels that show ground."""
+
+    tiles: list[tuple[int, int, bytes]]
+    used: set[int]
+    shown: int
+
+
+def _each(make: Callable[[tuple[int, int]], _Made], blocks: list[tuple[int, int]]) -> Iterator[_Made]:
+    """What is made of blocks, in their order, some at a time."""
+    threads = min(os.cpu_count() or 1, _MOST_THREADS)
+    left = iter(blocks)
+    with ThreadPoolExecutor(threads, thread_name_prefix="terrainav-mosaic") as pool:
+        waiting = [pool.submit(make, at) for at in islice(left, threads * _AHEAD)]
+        try:
+            while waiting:
+                yield waiting.pop(0).result()
+                waiting += [pool.submit(make, at) for at in islice(left, 1)]
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+def _made(frames: Frames, raster: Raster, boxes: Boxes, images: _Images, left: int, top: int) -> _Made:
+    block = raster.block(left, top, _BLOCK_PX)
+    choice = chosen(frames, boxes, block, images)
+    there = choice.image >= 0
+    used = np.unique(choice.image[there]).tolist()
+    if not used:
+        return _Made([], set(), 0)
+    pixels = np.zeros((*there.shape, images.channels + 1), np.uint8)
+    for index in used:
+        at = choice.image == index
+        image, _ = images.of(index)
+        x, y = choice.x[at] * image.shape[1], choice.y[at] * image.shape[0]
+        pixels[at, :-1] = np.rint(sample(image, x, y, "bilinear")).astype(np.uint8)
+    pixels[..., -1] = there * np.uint8(_OPAQUE)
+    tiles = [
+        ((left + across) // TILE_PX, (top + down) // TILE_PX, packed_tile(part))
+        for down in range(0, pixels.shape[0], TILE_PX)
+        for across in range(0, pixels.shape[1], TILE_PX)
+        if (part := pixels[down : down + TILE_PX, across : across + TILE_PX])[..., -1].any()
+    ]
+    return _Made(tiles, set(used), int(there.sum()))
+
+
+class Choice(NamedTuple):
+    """The image that each pixel of a block comes from, -1 for none, and where in it, in shares; (h, w) each."""
+
+    image: Numbers
+    x: Floats
+    y: Floats
+
+
+def chosen(frames: Frames, boxes: Boxes, block: Block, images: _Images | None = None) -> Choice:
+    """Choose the image that each pixel of a block comes from.
+
+    Of those that see it equally from above, the first counts.
+
+    Parameters
+    ----------
+    images : _Images or None
+        Where pixels that are masked count as not seen.
+    """
+    shape = block.lat_deg.shape
+    index, best = np.full(shape, -1, np.int64), np.full(shape, -np.inf)
+    found = Choice(index, np.zeros(shape), np.zeros(shape))
+    with np.errstate(invalid="ignore"):
+        near = (boxes.west <= block.x[-1]) & (boxes.east >= block.x[0])
+        near &= (boxes.south <= block.y[0]) & (boxes.north >= block.y[-1])
+    candidates = np.flatnonzero(near).astype(np.int64)
+    if not len(candidates):
+        return found
+    ground = frames.ground_of(block, candidates)
+    bounds = frames.steepest(block, ground, candidates)
+    order = np.lexsort((candidates, -bounds))
+    for candidate, bound in zip(candidates[order].tolist(), bounds[order].tolist()):
+        if bound < best.min():
+            break
+        sight = frames.sight(candidate, block, ground)
+        better = sight.inside & ((sight.steepness > best) | ((sight.steepness == best) & (candidate < index)))
+        if images is not None and better.any():
+            better = images.shows(candidate, sight.x, sight.y, better)
+        better = frames.unhidden(candidate, ground, better)
+        for whole, part in ((best, sight.steepness), (found.x, sight.x), (found.y, sight.y)):
+            whole[better] = part[better]
+        index[better] = candidate
+    return found
+
+
+class _Images:
+    """Decoded images, of which a bounded number is kept; for any number of threads.
+
+    Those that are finer than the mosaic's pixels wherever they look are reduced to about those, by means of pixels.
+    """
+
+    def __init__(self, frames: Frames, raster: Raster) -> None:
+        self._paths = frames.paths
+        lat, lon = places(frames.plane, *(at[:1] for at in frames.nadirs))
+        pixel_m = raster.across * unit_m(frames.plane, float(lat[0]), float(lon[0]))
+        self._reduced = max(int(pixel_m / frames.coarsest_gsd_m + 1e-6), 1)
+        self._kept: OrderedDict[int, Future[tuple[Pixels, Pixels | None]]] = OrderedDict()
+        self._bytes = 0
+        self._lock = Lock()
+        self.channels = 0
+        self.channels = self.of(0)[0].shape[2]
+
+    def of(self, index: int) -> tuple[Pixels, Pixels | None]:
+        """Pixels (h, w, c), and the mask (h, w), 0 where nothing is shown, or None where all is."""
+        with self._lock:
+            known = self._kept.get(index)
+            if known is not None:
+                self._kept.move_to_end(index)
+            else:
+                future = self._kept[index] = Future()
+        if known is not None:
+            return known.result()
+        try:
+            image = self._read(self._paths[index])
+        except BaseException as wrong:
+            future.set_exception(wrong)
+            raise
+        future.set_result(image)
+        with self._lock:
+            self._bytes += _bytes_of(image)
+            for old, other in list(self._kept.items()):
+                if self._bytes <= _KEPT_BYTES:
+                    break
+                if old != index and other.done():
+                    del self._kept[old]
+                    self._bytes -= _bytes_of(other.result())
+        return image
+
+    def shows(self, index: int, x: Floats, y: Floats, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Those of some places (h, w), in shares, at which an image is not masked."""
+        image, mask = self.of(index)
+        if mask is None:
+            return which
+        found = which.copy()
+        column, row = x[which] * image.shape[1], y[which] * image.shape[0]
+        found[which] = sample(mask[..., np.newaxis], column, row, "bilinear")[:, 0] > _OPAQUE / 2
+        return found
+
+    def _read(self, path: Path) -> tuple[Pixels, Pixels | None]:
+        pixels, mask = open_masked(path)
+        if self.channels == 1 and pixels.shape[2] == 3:
+            pixels = np.rint(pixels @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)[..., np.newaxis]
+        elif self.channels == 3 and pixels.shape[2] == 1:
+            pixels = np.repeat(pixels, 3, axis=2)
+        step = self._reduced
+        if step == 1:
+            return pixels, mask
+        from PIL import Image
+
+        reduced = np.asarray(Image.fromarray(pixels.squeeze()).reduce(step))
+        if mask is not None:
+            mask = np.asarray(Image.fromarray(mask).reduce(step))
+        return reduced.reshape(*reduced.shape[:2], -1), mask
+
+
+def _bytes_of(image: tuple[Pixels, Pixels | None]) -> int:
+    return image[0].nbytes + (0 if image[1] is None else image[1].nbytes)
