@@ -1879,7 +1879,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is already there. Replace it?</source>
-        <translation type="unfinished"></translation>
+        <translation>{name} ya existe. ¿Reemplazarlo?</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -8782,7 +8782,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
         <source>the file is for the drone {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>el archivo es para el dron {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
