@@ -2361,6 +2361,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>{name} is already there. Replace it?</source>
+        <translation>{name} ya existe. ¿Reemplazarlo?</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is still being written; try again when it is there.</source>
         <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
     </message>
@@ -9663,6 +9668,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/wpml.py"/>
         <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
         <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>the file is for the drone {0}</source>
+        <translation>el archivo es para el dron {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>

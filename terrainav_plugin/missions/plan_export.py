@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
-from qgis.PyQt.QtWidgets import QFileDialog, QWidget
+from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
 from ..i18n import tr, translate
@@ -92,21 +92,34 @@ class PlanExport(QObject):
         folder = settings.missions
         name = self._mission_folder().name or tr("mission")
         usual = settings.plan_ending if settings.plan_ending in known else next(iter(known))
-        filters = {ending: f"{title} (*{ending})" for ending, title in known.items()}
         chosen, kind = QFileDialog.getSaveFileName(
             self._parent.window(),
             tr("TerrAInav: export plan"),
             # Of an ending in two parts the last: the dialog puts the others in its place by the last dot.
             str((folder if folder.is_dir() else Path.home()) / f"{name}{Path(usual).suffix or usual}"),
-            ";;".join(filters.values()),
-            filters[usual],
+            file_filters(),
+            f"{known[usual]} (*{usual})",
         )
         if not chosen:
             return
         path = with_ending(Path(chosen), kind, usual)
+        # The dialog has asked for the name that it shows, which may have got another ending.
+        if path != Path(chosen) and path.exists() and not self._may_replace(path):
+            return
         settings.plan_ending = _ending(path.name) or usual
         refusal = tr("Nothing to export yet.")
         self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
+
+    def _may_replace(self, path: Path) -> bool:
+        buttons = QMessageBox.StandardButton
+        answer = QMessageBox.question(
+            self._parent.window(),
+            tr("TerrAInav: export plan"),
+            tr("{name} is already there. Replace it?").format(name=path.name),
+            buttons.Yes | buttons.No,
+            buttons.No,
+        )
+        return bool(answer == buttons.Yes)
 
     def _write(self, planned: Planned, path: Path) -> None:
         from ...core.mission.export import check_plan_ending
@@ -132,7 +145,8 @@ class PlanExport(QObject):
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))
         if notes:
             lines = [translate(note) for note in notes]
-            self._messages.warning(f"{text} {' '.join(lines)}", "\n".join(lines), open_folder)
+            said = " ".join(f"{line[:1].upper()}{line[1:]}." for line in lines)
+            self._messages.warning(f"{text} {said}", "\n".join(lines), open_folder)
         else:
             self._messages.success(text, open_folder)
 
@@ -150,6 +164,11 @@ def formats() -> dict[str, str]:
         ".csv": tr("Table"),
         ".geojson": tr("GeoJSON footprints"),
     }
+
+
+def file_filters() -> str:
+    """Kinds of files as dialogs take them."""
+    return ";;".join(f"{title} (*{ending})" for ending, title in formats().items())
 
 
 def with_ending(path: Path, kind: str, usual: str = ".kml") -> Path:

@@ -84,6 +84,8 @@ class Plan(Algorithm):
 
     def define(self) -> None:
         """Add its parameters and outputs."""
+        from ..missions.plan_export import file_filters
+
         add_mission_parameters(self, listed=self._listed)
         kinds = QgsProcessing.SourceType
         for name, title, kind, usual in (
@@ -98,7 +100,7 @@ class Plan(Algorithm):
             )
         for name, title, ending in (
             ("MISSION_FILE", tr("Mission as a file"), tr("Mission files (*.json)")),
-            ("EXPORT", tr("Plan as a file"), tr("All files (*.*)")),
+            ("EXPORT", tr("Plan as a file"), f"{tr('All files (*.*)')};;{file_filters()}"),
         ):
             file = QgsProcessingParameterFileDestination(
                 name, title, ending, optional=True, createByDefault=False

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from osgeo import ogr
-from qgis.PyQt.QtWidgets import QFileDialog
+from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox
 from terrainav.terrainav_plugin.settings import Settings
 
 from tests.core.mission.wpml_reader import Wpml
@@ -93,7 +93,28 @@ def test_the_button_beside_capture_exports_for_dji(desk, tmp_path, choose_file):
     read = Wpml(tmp_path / "survey.kmz")
     assert len(read.marks) == len(plan)
     (text,) = (text for text in desk.messages() if "Plan exported as survey.kmz." in text)
-    assert "not flown" in text
+    assert "The file is for the drone Mavic 3E. Not flown yet: " in text
+
+
+@pytest.mark.parametrize("replaced", [True, False])
+def test_a_file_that_the_dialog_did_not_ask_for_is_not_replaced_unasked(
+    desk, tmp_path, choose_file, monkeypatch, replaced
+):
+    desk.enter_small_mission()
+    desk.wait_planned()
+    (tmp_path / "field.survey.plan").write_text("kept")
+    buttons = QMessageBox.StandardButton
+    asked = []
+
+    def answer(_parent, _title, text, *_):
+        asked.append(text)
+        return buttons.Yes if replaced else buttons.No
+
+    monkeypatch.setattr(QMessageBox, "question", answer)
+    choose_file(tmp_path / "field.plan", "QGroundControl survey (*.survey.plan)")
+    export(desk)
+    assert asked == ["field.survey.plan is already there. Replace it?"]
+    assert (tmp_path / "field.survey.plan").read_text().startswith("{") is replaced
 
 
 def test_the_dialog_names_programs_and_begins_with_the_last_ending(desk, tmp_path, monkeypatch):
@@ -108,13 +129,15 @@ def test_the_dialog_names_programs_and_begins_with_the_last_ending(desk, tmp_pat
 
     monkeypatch.setattr(QFileDialog, "getSaveFileName", answer)
     export(desk)
+    assert (tmp_path / "field.survey.plan").is_file()
+    # Else the second time it is asked whether to replace it.
+    (tmp_path / "field.survey.plan").unlink()
     export(desk)
     (first, filters, chosen), (second, _, chosen_then) = asked
     assert "DJI Pilot 2, FlightHub 2, DJI Fly (*.kmz)" in filters
     assert "QGroundControl survey (*.survey.plan)" in filters
     assert (first.endswith(".kml"), chosen) == (True, "Google Earth (*.kml)")
     assert (second, chosen_then) == (first.replace(".kml", ".plan"), "QGroundControl survey (*.survey.plan)")
-    assert (tmp_path / "field.survey.plan").is_file()
 
 
 def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):

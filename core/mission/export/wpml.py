@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...errors import InvalidInput, Message
+from ...fields import field_named
 from ...geodesy.projections import geodesics
-from ..parts import BY_DISTANCE, DJI_FLY, HOVER, utc_time
+from ..parts import BY_DISTANCE, DJI_FLY, HOVER, Route, utc_time
 from ..plan import Plan
 from .sorties import Sortie, sorties
 from .waypoints import not_flown
@@ -130,7 +131,9 @@ def wpml_files(plan: Plan) -> list[bytes]:
 def wpml_notes(plan: Plan) -> tuple[str, ...]:
     """What the files cannot say, and what the pilot has to know, one line each."""
     drone, flight = _drone(plan), plan.mission.flight
+    titles = field_named(Route, "drone").choices
     notes = [
+        Message("the file is for the drone {0}", Message(titles[plan.mission.route.drone])),
         Message(
             "not flown yet: files for DJI's programs were checked by their structure and by reading them back"
         ),

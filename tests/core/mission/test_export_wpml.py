@@ -74,7 +74,9 @@ def test_files_are_as_the_reference_says(tmp_path, survey, drone, trigger):
     }
     hovers = [name for mark in read.marks for group in mark.groups for name, _ in group[4] if name == "hover"]
     assert len(hovers) == (len(flown) if trigger == "hover" else 0)
-    assert "not flown" in " ".join(map(str, exported.notes))
+    said = " ".join(map(str, exported.notes))
+    assert "not flown" in said
+    assert f"for the drone {field_named(Route, 'drone').choices[drone]}" in said
     assert any("by distance" in str(note) for note in exported.notes) is (
         trigger == "distance" and read.of_fly
     )
