@@ -8696,11 +8696,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>
-        <source>QGroundControl survey without rows</source>
-        <translation>levantamiento de QGroundControl sin filas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/export/survey.py"/>
         <source>QGroundControl survey: needs an area of one polygon without holes</source>
         <translation>levantamiento de QGroundControl: necesita un área de un solo polígono sin huecos</translation>
     </message>
