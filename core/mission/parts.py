@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: Rows to and fro, or each from its beginning.
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
+#: Azimuth of rows along parallels.
+EASTWARD_DEG = 90.0
 #: Rows that leave nothing out, or the published UTM grid.
 COVER, PAPER = "cover", "paper"
 #: The cheapest that fits the error budget.
@@ -169,8 +171,8 @@ class Attitude(Part):
     yaw_deg: float = declared(
         0.0,
         title="yaw",
-        help="direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid "
-        "angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws",
+        help="direction of the image's top edge, clockwise from north; counted from across the rows where these are "
+        "turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws",
         unit="deg",
         least=-360.0,
         most=360.0,
@@ -243,13 +245,13 @@ class Flight(Part):
         help="cover: rows that leave nothing out; paper: the grid in UTM as published",
         choices={COVER: "Cover (no gaps)", PAPER: "Paper (UTM grid)"},
     )
-    grid_angle_deg: float = declared(
-        0.0,
-        title="grid angle",
-        help="how far the rows of an area, and the images with them, are turned clockwise from east; points have none",
+    row_azimuth_deg: float = declared(
+        EASTWARD_DEG,
+        title="row azimuth",
+        help="direction of an area's rows, clockwise from north: 90 flies them east; points have none",
         unit="deg",
-        least=-180.0,
-        most=180.0,
+        least=0.0,
+        most=360.0,
     )
     crosshatch: bool = declared(
         False,

@@ -17,6 +17,7 @@ from ...geodesy.projections import NOISE_M, LocalPlane
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
+from ..parts import EASTWARD_DEG
 from .coverage import (
     Coverage,
     Overlap,
@@ -89,7 +90,7 @@ class Shape(NamedTuple):
 def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
     return not isinstance(mission.area, Points) and (
-        mission.flight.grid_angle_deg != 0.0 or mission.flight.crosshatch
+        mission.flight.row_azimuth_deg != EASTWARD_DEG or mission.flight.crosshatch
     )
 
 
@@ -120,8 +121,8 @@ def lay_out_rotated(
         )
     if mission.flight.layout != "cover":
         what = (
-            Message("grid angle {0:g} deg", mission.flight.grid_angle_deg)
-            if mission.flight.grid_angle_deg
+            Message("row azimuth {0:g} deg", mission.flight.row_azimuth_deg)
+            if mission.flight.row_azimuth_deg != EASTWARD_DEG
             else Message("crosshatch")
         )
         raise InvalidInput(
@@ -135,9 +136,8 @@ def lay_out_rotated(
     if own is None:
         refuse_beyond_mercator(box)
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
-    angles = [mission.flight.grid_angle_deg, mission.flight.grid_angle_deg + _ACROSS_DEG][
-        : 1 + mission.flight.crosshatch
-    ]
+    turned_deg = mission.flight.row_azimuth_deg - EASTWARD_DEG
+    angles = [turned_deg, turned_deg + _ACROSS_DEG][: 1 + mission.flight.crosshatch]
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
@@ -273,12 +273,12 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid)
     farthest = math.hypot(*(max(abs(low), abs(high)) for low, high in ends))
     if not farthest <= _REACH_M:
         raise InvalidInput(
-            "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area "
+            "row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area "
             "or its images reach {2:.4g} km",
-            mission.flight.grid_angle_deg,
+            mission.flight.row_azimuth_deg,
             _REACH_M / 1000.0,
             farthest / 1000.0,
-            field="grid_angle_deg",
+            field="row_azimuth_deg",
             remedy="take a smaller area or north-up rows",
         )
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))

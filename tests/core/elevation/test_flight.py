@@ -255,7 +255,7 @@ def seen_by(made, lat, lon, height_m, margin=0.0, only=None):
         {},
         {"height_above": "takeoff"},
         {"height_above": "ellipsoid"},
-        {"grid_angle_deg": 30.0},
+        {"row_azimuth_deg": 120.0},
         {"climb_m_per_s": 2.0},
     ],
     ids=["ground", "takeoff", "ellipsoid", "turned", "slow"],
