@@ -20,6 +20,7 @@ from .imageries import NamedImagery
 from .parts import (
     EASTWARD_DEG,
     FLAT_PARTS,
+    NORTH,
     PAPER,
     PAPER_MAX_PX,
     Accuracy,
@@ -147,6 +148,8 @@ class Mission:
             del plain["imagery"][name]
         if self.flight.row_azimuth_deg == EASTWARD_DEG:
             del plain["flight"]["row_azimuth_deg"]
+        if self.flight.facing == NORTH:
+            del plain["flight"]["facing"]
         if not self.output.products:
             del plain["output"]["products"]
         if self.terrain == Terrain():

@@ -22,10 +22,10 @@ from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
 from ..mission import Mission
-from ..parts import GROUND
+from ..parts import GROUND, TRACK
 from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, lay_out, point_angles_deg
+from .rows import Layout, lay_out, point_angles_deg, row_yaws_deg
 
 Floats = NDArray[np.float64]
 #: Places and nominal poses to the poses that are flown.
@@ -105,8 +105,15 @@ def framed(
 
     def laid_out(pixel: float) -> Layout:
         def frames(lat_deg: Floats, agl_m: Floats) -> FrameEdges:
-            attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
-            return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, *attitude), pixel)
+            leans = (mission.attitude.tilt_deg, mission.attitude.roll_deg)
+            return _common_edges(
+                [
+                    framing.edges(
+                        Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans), pixel
+                    )
+                    for yaw in row_yaws_deg(mission)
+                ]
+            )
 
         layout = lay_out(mission, frames, pixel, relief)
         if relief is None or relief.reaches(layout.lat_deg, layout.lon_deg):
@@ -131,8 +138,10 @@ def framed(
                 grid.own.forward(layout.lat_deg, layout.lon_deg)[0]
             )
             refuse_beyond_plane(grid.own, nominal_poses(mission, layout), reached)
-            if not (isinstance(mission.area, Points) and mission.area.yaws_deg):
-                # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true.
+            own_yaws = isinstance(mission.area, Points) and mission.area.yaws_deg
+            if not (own_yaws or mission.flight.facing == TRACK):
+                # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true,
+                # and so is that of its track.
                 layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
     zoom = zoom_of(layout)
     if not passes and not isinstance(mission.area, Points):
@@ -156,6 +165,14 @@ def framed(
         edges = framing.edges(poses.take(first), pixel)
     windows = windows_of(edges, run, poses.lon_deg, grid, zoom)
     return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown)
+
+
+def _common_edges(ways: list[FrameEdges]) -> FrameEdges:
+    """What frames of one camera have in common that rows flown to and fro see in turn, (n,)."""
+    if len(ways) == 1:
+        return ways[0]
+    west, east, top, bottom = (np.stack(edges) for edges in zip(*ways))
+    return FrameEdges(west.max(axis=0), east.min(axis=0), top.max(axis=0), bottom.min(axis=0))
 
 
 def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout: Layout) -> int:

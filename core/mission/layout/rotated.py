@@ -17,7 +17,7 @@ from ...geodesy.projections import NOISE_M, LocalPlane
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
-from ..parts import EASTWARD_DEG
+from ..parts import EASTWARD_DEG, NORTH, TRACK
 from .coverage import (
     Coverage,
     Overlap,
@@ -30,10 +30,11 @@ from .coverage import (
     twice_area,
     within,
 )
-from .rows import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
+from .rows import Layout, in_order, is_flown_back, refuse_beyond_mercator, refuse_no_step, refuse_too_many
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 #: How far from its middle a plane is used, metres: it enlarges by 0.6 % there, and as many images more are flown.
 _REACH_M = 1e6
@@ -69,11 +70,25 @@ class Pass(NamedTuple):
         The rectangle of ground, from the place of the camera, that every image of the pass shows.
     first : int
         Index of its first capture.
+    back : Sides or None
+        The same of rows that are flown back, where their images see the other way.
+    first_row : int
+        Number of its first row.
     """
 
     plane: RowsPlane
     sides: Sides
     first: int
+    back: Sides | None = None
+    first_row: int = 0
+
+    def sides_of(self, row: Numbers) -> Sides:
+        """Rectangles of captures by the numbers of their rows (n,): one for all, or one for each."""
+        return (
+            self.sides
+            if self.back is None
+            else _alternating(self.sides, self.back, (row - self.first_row) % 2 == 1)
+        )
 
 
 class Shape(NamedTuple):
@@ -89,8 +104,14 @@ class Shape(NamedTuple):
 
 def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
-    return not isinstance(mission.area, Points) and (
-        mission.flight.row_azimuth_deg != EASTWARD_DEG or mission.flight.crosshatch
+    if isinstance(mission.area, Points):
+        return False
+    # Rows along parallels are alike but for their latitude: those that see aside to both sides are not.
+    sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
+    return (
+        mission.flight.row_azimuth_deg != EASTWARD_DEG
+        or mission.flight.crosshatch
+        or (mission.flight.turns_about and sees_aside)
     )
 
 
@@ -143,9 +164,9 @@ def lay_out_rotated(
     for angle in angles:
         plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
-        part, sides = _laid_out(mission, area, plane, ground, flown, room_m)
+        part, sides, back = _laid_out(mission, area, plane, ground, flown, room_m)
         parts.append(part._replace(row=part.row + rows))
-        passes.append(Pass(plane, sides, flown))
+        passes.append(Pass(plane, sides, flown, back, rows))
     if len(parts) == 1:
         return parts[0], tuple(passes)
     whole = Layout(*(np.concatenate(columns) for columns in zip(*parts)))
@@ -178,9 +199,12 @@ def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
 
 def _laid_out(
     mission: Mission, area: Box | Polygon, plane: RowsPlane, ground: Ellipsoid, flown: int, room_m: float
-) -> tuple[Layout, Sides]:
-    """One pass, after so many captures, and the rectangle that its images have in common."""
-    sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
+) -> tuple[Layout, Sides, Sides | None]:
+    """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
+    extent, out, back = _shape(area, plane, _EXTENT_M), False, None
+    sides = _common(mission, extent, plane, ground, out)
+    if mission.flight.turns_about:
+        sides, back = _alike(sides, _common(mission, extent, plane, ground, not out))
     (width,), (height,) = sides.size_m
     steps = np.array(
         [width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)]
@@ -214,29 +238,63 @@ def _laid_out(
     left = ((low + high) / 2.0)[row] + (column - (per_row[row] - 1) / 2.0) * step_x - width / 2.0
     bottom = (tops - height)[row]
     keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)
-    lat, lon = plane.inverse(left[keep] - sides.left_m, bottom[keep] - sides.bottom_m)
-    yaw = _yaws_deg(mission, plane, lat, lon)
+    is_back = is_flown_back(mission, row[keep])
+    own = sides if back is None else _alternating(sides, back, is_back)
+    lat, lon = plane.inverse(left[keep] - own.left_m, bottom[keep] - own.bottom_m)
+    yaw = _yaws_deg(mission, plane, lat, lon, is_back)
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), lat.shape)
-    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides
+    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides, back
 
 
-def _yaws_deg(mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence."""
-    return wrap_lon_deg(mission.attitude.yaw_deg - plane.north_deg(lat_deg, lon_deg))
+def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
+    """Rectangles of captures (n,), of which some are of rows that are flown back."""
+    return Sides(*(np.where(is_back, there, here) for here, there in zip(sides, back)))
 
 
-def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats) -> Poses:
+def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
+    """What rectangles of rows flown to and fro have in common when one is turned by half a turn, and that turned."""
+    left, bottom, right, top = (
+        pick(here, -there)
+        for pick, here, there in (
+            (np.maximum, sides.left_m, back.right_m),
+            (np.maximum, sides.bottom_m, back.top_m),
+            (np.minimum, sides.right_m, back.left_m),
+            (np.minimum, sides.top_m, back.bottom_m),
+        )
+    )
+    return Sides(left, bottom, right, top), Sides(-right, -top, -left, -bottom)
+
+
+def _yaws_deg(
+    mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats, is_back: Flags | bool
+) -> Floats:
+    """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence.
+
+    A fixed azimuth is a true one, and on a source's own plane one from its grid north.
+    """
+    flight, yaw = mission.flight, mission.attitude.yaw_deg
+    relative: Floats | float = yaw
+    if flight.facing == TRACK:
+        relative = yaw + np.where(is_back, -EASTWARD_DEG, EASTWARD_DEG)
+    elif flight.facing != NORTH and isinstance(plane, LocalPlane):
+        return np.broadcast_to(wrap_lon_deg(np.array((flight.faced_deg or 0.0) + yaw)), lat_deg.shape)
+    elif flight.facing != NORTH:
+        relative = yaw + (flight.faced_deg or 0.0) - plane.angle_deg
+    return wrap_lon_deg(relative - plane.north_deg(lat_deg, lon_deg))
+
+
+def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats, is_back: bool) -> Poses:
     lat, lon = plane.inverse(x_m, y_m)
     tilt, roll = (
         np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
     )
     agl = np.full(lat.shape, mission.flight.agl_m)
-    return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon), tilt, roll)
+    return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon, is_back), tilt, roll)
 
 
-def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid) -> Sides:
-    """Sides of the rectangle that images all over a shape show, from the camera's place."""
-    middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
+def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid, is_back: bool) -> Sides:
+    """Sides of the rectangle that images all over a shape show, from the camera's place, of rows flown one way."""
+    middle = _posed(mission, plane, np.zeros(1), np.zeros(1), is_back)
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
         if isinstance(plane, TurnedPlane):
@@ -282,7 +340,7 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid)
             remedy="take a smaller area or north-up rows",
         )
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
-    poses = _posed(mission, plane, x, y)
+    poses = _posed(mission, plane, x, y, is_back)
     rings, _, whole = image_rings(mission.camera, poses, plane, ground)
     common = common_sides(mission.camera, poses, plane, ground)
     # Between the places images differ from those there by what a curve leaves its chord: an eighth of its bend.
@@ -333,7 +391,7 @@ def rotated_rectangles(
     # A row is level but for the noise that the rectangles leave room for.
     new = np.append(True, row[1:] != row[:-1])
     y = y[new][np.cumsum(new) - 1]
-    left, bottom, right, top = part.sides
+    left, bottom, right, top = part.sides_of(row)
     return Rectangles(x + left, y + bottom, x + right, y + top)
 
 

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
-from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ...geodesy.projections import utm_zone
 from ..area import Box, Points, Polygon, row_spans, touching
+from ..flight import legs
 from ..mission import Mission
-from ..parts import ONE_WAY
+from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -50,6 +51,8 @@ _MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
 _HEIGHTS, _STRETCHES = 5, 2_000_000
 #: Times the images that a mission may have beyond which they are not counted capture by capture.
 _FAR_TOO_MANY = 20.0
+#: Points this near to each other are one place, from which there is no way to go.
+_NO_LEG_M = 1e-6
 #: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
 _COUNT_GUARD = 1e-9
 #: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
@@ -182,11 +185,43 @@ def _points(mission: Mission, area: Points) -> Layout:
 
 
 def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
-    """Yaw, tilt or roll of each point, (n,): its own, or the mission's; that takes no memory."""
+    """Yaw, tilt or roll of each point, (n,): its own, or the mission's; what is the same for all takes no memory."""
     own = area.own_deg(name)
     if own:
         return np.array(own, np.float64)
-    return np.broadcast_to(np.float64(getattr(mission.attitude, f"{name}_deg")), (len(area.poses),))
+    angle = getattr(mission.attitude, f"{name}_deg")
+    if name == "yaw" and mission.flight.facing == TRACK:
+        return wrap_lon_deg(angle + _headings_deg(area))
+    if name == "yaw":
+        (angle,) = row_yaws_deg(mission)
+    return np.broadcast_to(np.float64(angle), (len(area.poses),))
+
+
+def _headings_deg(area: Points) -> Floats:
+    """Azimuth from each point to the next that is elsewhere, (n,); of the last ones that of the leg they end."""
+    lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
+    way = legs(lat, lon)
+    moving = np.flatnonzero(way.distance_m > _NO_LEG_M)
+    if not len(moving):
+        return np.zeros(len(lat))
+    ahead = np.searchsorted(moving, np.arange(len(lat)))
+    headings: Floats = way.azimuth_deg[moving[np.minimum(ahead, len(moving) - 1)]]
+    return headings
+
+
+def row_yaws_deg(mission: Mission) -> tuple[float, ...]:
+    """Yaws of rows along parallels: of those flown east, and where others see the other way of those flown west."""
+    yaw, faced = mission.attitude.yaw_deg, mission.flight.faced_deg
+    if mission.flight.facing == NORTH:
+        return (yaw,)
+    if faced is not None:
+        return (_wrapped(faced + yaw),)
+    ways = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.turns_about]
+    return tuple(_wrapped(way + yaw) for way in ways)
+
+
+def _wrapped(angle_deg: float) -> float:
+    return float(wrap_lon_deg(np.array(angle_deg)))
 
 
 # --- rows along parallels
@@ -225,12 +260,20 @@ def _cover(
 
 
 def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
-    """Captures of one height and yaw, those of the mission."""
-    agl, yaw = (
-        np.broadcast_to(np.float64(value), row.shape)
-        for value in (mission.flight.agl_m, mission.attitude.yaw_deg)
+    """Captures of the mission's height, of rows that are flown east or west."""
+    agl = np.broadcast_to(np.float64(mission.flight.agl_m), row.shape)
+    out, *back = row_yaws_deg(mission)
+    yaw = (
+        np.where(is_flown_back(mission, row), back[0], out)
+        if back
+        else np.broadcast_to(np.float64(out), row.shape)
     )
     return Layout(column, row, lat_deg, lon_deg, agl, yaw)
+
+
+def is_flown_back(mission: Mission, row: Numbers) -> NDArray[np.bool_]:
+    """Which captures are of rows that are flown against the rows' azimuth, (n,)."""
+    return np.asarray((row % 2 == 1) & (mission.flight.order != ONE_WAY))
 
 
 def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float) -> Layout:
@@ -608,6 +651,7 @@ def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
 
 def in_order(layout: Layout, order: str) -> Layout:
     """Rows one after the other: to and fro, or each from its first column."""
+    # As `is_flown_back` says.
     column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
     return _picked(layout, np.lexsort((column, layout.row)))
 
@@ -617,6 +661,14 @@ def in_order(layout: Layout, order: str) -> Layout:
 
 def _paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> Layout:
     """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
+    if mission.flight.facing != NORTH:
+        raise InvalidInput(
+            "camera faces {0}: the layout {1} is north-up",
+            mission.flight.facing,
+            mission.flight.layout,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
+        )
     box = area.bounds
     middle_lon = box.west_deg + box.span_deg / 2.0
     zone = utm_zone((box.north_deg + box.south_deg) / 2.0, middle_lon)
