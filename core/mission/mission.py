@@ -150,6 +150,8 @@ class Mission:
             del plain["flight"]["row_azimuth_deg"]
         if self.flight.facing == NORTH:
             del plain["flight"]["facing"]
+        if not self.flight.margin_m:
+            del plain["flight"]["margin_m"]
         if not self.output.products:
             del plain["output"]["products"]
         if self.terrain == Terrain():

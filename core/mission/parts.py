@@ -34,6 +34,8 @@ PAPER_MAX_PX = 640
 HIGHEST_AGL_M = 1e9
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
+#: Widest margin about an area, metres.
+WIDEST_MARGIN_M = 100_000.0
 #: What the heights of captures are above.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
 #: What becomes of holes in the first source of heights.
@@ -290,6 +292,14 @@ class Flight(Part):
         help="serpentine: every other row is flown back; one-way: every row is flown from its beginning",
         choices={SERPENTINE: "Serpentine (to and fro)", ONE_WAY: "One way"},
     )
+    margin_m: float = declared(
+        0.0,
+        title="margin",
+        help="so much ground beyond an area is covered as well, on all sides; points have none",
+        unit="m",
+        least=0.0,
+        most=WIDEST_MARGIN_M,
+    )
     airspeed_m_per_s: float = declared(
         15.0,
         title="airspeed",
@@ -507,9 +517,9 @@ class Accuracy(Part):
     frame: str = declared(
         AUTO,
         title="kind of image",
-        help="map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the "
-        "image as the camera sees it; auto: a map frame where its error fits the budget",
-        choices={AUTO: "Automatic", "map": "Map frame (north-up)", "camera": "Camera frame (as seen)"},
+        help="map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight "
+        "down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget",
+        choices={AUTO: "Automatic", "map": "Map frame (not resampled)", "camera": "Camera frame (as seen)"},
         advanced=True,
     )
     mesh: str = declared(

@@ -15,7 +15,16 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
-from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, refuse_beyond_plane, runs_on, windows_of
+from ...geodesy.frames import (
+    FrameEdges,
+    Windows,
+    map_frame_edges,
+    quarter_turns,
+    refuse_beyond_plane,
+    runs_on,
+    swapped,
+    windows_of,
+)
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v, wrap_lon_deg
 from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
 from ...geodesy.view import fitting_detail
@@ -25,7 +34,7 @@ from ..mission import Mission
 from ..parts import GROUND, TRACK
 from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, lay_out, point_angles_deg, row_yaws_deg
+from .rows import Layout, bounds_with_margin, lay_out, point_angles_deg, row_yaws_deg
 
 Floats = NDArray[np.float64]
 #: Places and nominal poses to the poses that are flown.
@@ -188,6 +197,8 @@ def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
     if relief is None:
         return mission
     box = mission.area.bounds
+    if not isinstance(mission.area, Points):
+        box = bounds_with_margin(mission, mission.area)
     least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, _SOME))
     return mission.with_(agl_m=float(least.min()))
 
@@ -341,11 +352,13 @@ class MapFraming:
             return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, _highest(mission, grid))
         camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
-        poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
+        level = np.broadcast_to(np.float64(0.0), layout.lat_deg.shape)
+        poses = Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, level, level)
         first, run = runs_on(grid, poses)
         edges = self.edges(poses.take(first), 0.0)
         if mission.output.img_size is not None:
-            zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, edges, grid)), grid.min_zoom)
+            sizes = swapped(quarter_turns(poses.take(first), grid.own), *edges.size)
+            zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, sizes, grid)), grid.min_zoom)
         return self._fitting(zoom, edges, run, layout.lon_deg)
 
     def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
@@ -446,9 +459,9 @@ class CameraFraming:
         return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
 
 
-def _zoom_for_size(size: tuple[int, int, int], edges: FrameEdges, grid: PixelGrid) -> int:
-    """Return the lowest zoom at which no picture has to be enlarged to a size."""
-    width, height = (float(np.min(side)) for side in edges.size)
+def _zoom_for_size(size: tuple[int, int, int], sizes: tuple[Floats, Floats], grid: PixelGrid) -> int:
+    """Return the lowest zoom at which no picture, of widths and heights in world fractions, is enlarged to a size."""
+    width, height = (float(np.min(side)) for side in sizes)
     times = max(size[0] / width, size[1] / height) / grid.world_px(0)
     # The exponent that just fits the inverse, taken down, is this one taken up.
     return -fitting_zoom(times, 256.0)

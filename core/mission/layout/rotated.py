@@ -13,7 +13,7 @@ from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
-from ...geodesy.projections import NOISE_M, LocalPlane
+from ...geodesy.projections import NOISE_M, LocalPlane, along_geodesics
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
@@ -30,7 +30,15 @@ from .coverage import (
     twice_area,
     within,
 )
-from .rows import Layout, in_order, is_flown_back, refuse_beyond_mercator, refuse_no_step, refuse_too_many
+from .rows import (
+    Layout,
+    bounds_with_margin,
+    in_order,
+    is_flown_back,
+    refuse_beyond_mercator,
+    refuse_no_step,
+    refuse_too_many,
+)
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -50,6 +58,8 @@ _BEND_SHARE, _MOST_HALVINGS = 1e-4, 12
 #: Shares of a piece at which it is looked how far it leaves its chord: one that bends both ways does not in its middle.
 _LOOKED_AT = (0.25, 0.5, 0.75)
 _ACROSS_DEG = 90.0
+#: Directions in which a margin is measured on a plane, and what it may be more between them.
+_MARGIN_STEP_DEG, _MARGIN_ROOM = 15.0, 1.001
 #: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
 #: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
 _PIECES = 512
@@ -155,7 +165,7 @@ def lay_out_rotated(
         )
     box = area.bounds
     if own is None:
-        refuse_beyond_mercator(box)
+        refuse_beyond_mercator(bounds_with_margin(mission, area))
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
     turned_deg = mission.flight.row_azimuth_deg - EASTWARD_DEG
     angles = [turned_deg, turned_deg + _ACROSS_DEG][: 1 + mission.flight.crosshatch]
@@ -202,6 +212,8 @@ def _laid_out(
 ) -> tuple[Layout, Sides, Sides | None]:
     """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
     extent, out, back = _shape(area, plane, _EXTENT_M), False, None
+    # Images stand beyond the area by its margin, too.
+    extent = extent._replace(bend_m=extent.bend_m + _margin_on(mission, area, plane))
     sides = _common(mission, extent, plane, ground, out)
     if mission.flight.turns_about:
         sides, back = _alike(sides, _common(mission, extent, plane, ground, not out))
@@ -215,7 +227,7 @@ def _laid_out(
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
     refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
-    margin = shape.bend_m + _MEETING_M + room_m
+    margin = shape.bend_m + _MEETING_M + room_m + _margin_on(mission, area, plane)
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin
@@ -244,6 +256,20 @@ def _laid_out(
     yaw = _yaws_deg(mission, plane, lat, lon, is_back)
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), lat.shape)
     return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides, back
+
+
+def _margin_on(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float:
+    """Most that a mission's margin measures on a plane, which enlarges most far from its middle."""
+    margin = mission.flight.margin_m
+    if not margin:
+        return 0.0
+    lon, lat = (np.concatenate(values)[:, np.newaxis] for values in zip(*rings_of(area)))
+    azimuths = np.arange(0.0, 360.0, _MARGIN_STEP_DEG)
+    to_lat, to_lon, _ = along_geodesics(*np.broadcast_arrays(lat, lon, azimuths, margin))
+    to_lon = lon + wrap_lon_deg(to_lon - lon)
+    ends = (plane.forward(*place) for place in ((lat, lon), (to_lat, to_lon)))
+    (x, y), (to_x, to_y) = ends
+    return float(np.hypot(to_x - x, to_y - y).max()) * _MARGIN_ROOM
 
 
 def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
