@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
 #: Where the top of images points: north, or along each row's flight.
 NORTH, TRACK = "north", "track"
+#: Ways to align rows with their area.
+ALIGNMENTS = LONGEST_SIDE, SHORTEST = ("longest-side", "shortest")
 #: Azimuth of rows along parallels.
 EASTWARD_DEG = 90.0
 #: Rows that leave nothing out, or the published UTM grid.
