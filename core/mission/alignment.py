@@ -62,21 +62,23 @@ class Alignment(NamedTuple):
     def text(self) -> Message:
         """What was found, and what it gains, in words."""
         azimuth, before = self.azimuth_deg, self.before.mission.flight.row_azimuth_deg
-        figures = (azimuth, self.made.rows, self.made.flight_distance_m / 1000.0)
+        count = self.made.rows
+        rows = Message("{0} row", count) if count == 1 else Message("{0} rows", count)
+        figures = (azimuth, rows, self.made.flight_distance_m / 1000.0)
         percent = abs(round(100.0 * self.gain))
         if azimuth == before:
-            return Message("row azimuth {0:g}°: {1} rows, {2:.3g} km, as before", *figures)
+            return Message("row azimuth {0:g}°: {1}, {2:.3g} km, as before", *figures)
         if percent == 0:
-            return Message("row azimuth {0:g}°: {1} rows, {2:.3g} km, as long as {3:g}°", *figures, before)
+            return Message("row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°", *figures, before)
         if self.gain > 0.0:
             return Message(
-                "row azimuth {0:g}°: {1} rows, {2:.3g} km, {3} % shorter than {4:g}°",
+                "row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°",
                 *figures,
                 percent,
                 before,
             )
         return Message(
-            "row azimuth {0:g}°: {1} rows, {2:.3g} km, {3} % longer than {4:g}°", *figures, percent, before
+            "row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°", *figures, percent, before
         )
 
 
@@ -115,7 +117,7 @@ def aligned(
             "rows to be aligned: the layout {0} is north-up",
             mission.flight.layout,
             field="layout",
-            remedy=Message("use {0} {1}", OptionName("layout"), COVER),
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     flights = _Flights(mission, grid, heights, area)
     before = flights.plan(mission.flight.row_azimuth_deg)

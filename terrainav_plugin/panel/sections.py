@@ -137,8 +137,8 @@ class FlightEntries(Entries):
         self.align.setMenu(menu)
         label = label_of(DECLARED["row_azimuth_deg"])
         self.add("row_azimuth_deg", label, azimuth, row(azimuth, self.align, stretch=0))
-        two = {name: declared_widget(name) for name in ("order", "crosshatch")}
-        self.add_two(label_of(DECLARED["order"]), *two, two)
+        self.add_declared("order")
+        self.add_declared("crosshatch")
         self.add_declared("facing", named(FacingBox("facing", tip_of(DECLARED["facing"])), "facing"))
         self.add_declared("margin_m")
 

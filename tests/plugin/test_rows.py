@@ -6,9 +6,9 @@ import json
 from dataclasses import replace
 
 import pytest
-from terrainav.terrainav_plugin.compat import QAction
 from terrainav.core.mission.parts import LONGEST_SIDE, SHORTEST
 from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.compat import QAction
 from terrainav.terrainav_plugin.form.state import FormState
 
 from tests.plugin.test_dock_use import type_number

@@ -333,6 +333,16 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid,
                 field="tilt_deg",
                 remedy="tilt it less or fly lower",
             )
+        if mission.flight.turns_about and (mission.attitude.tilt_deg or mission.attitude.roll_deg):
+            raise InvalidInput(
+                "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where rows flown to and "
+                "fro have no frames that face their track",
+                mission.attitude.tilt_deg,
+                mission.attitude.roll_deg,
+                mission.flight.agl_m,
+                field="tilt_deg",
+                remedy="tilt it less or fly lower",
+            )
         if mission.attitude.tilt_deg or mission.attitude.roll_deg:
             raise InvalidInput(
                 "camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where "
