@@ -805,6 +805,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Turned images make no mosaic: “View images” shows them one by one.</source>
+        <translation>Las imágenes giradas no forman mosaico: «Ver imágenes» las muestra una a una.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>in an earlier run</source>
         <translation>en una ejecución anterior</translation>
     </message>
@@ -1882,6 +1887,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>The entries changed while the rows were being aligned: press the button again.</source>
+        <translation>Las entradas han cambiado mientras se alineaban las pasadas: pulsar el botón de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>The rows stay as they are.</source>
+        <translation>Las pasadas quedan como están.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Aspect ra&amp;tio</source>
         <translation>Relación de as&amp;pecto</translation>
@@ -2218,6 +2233,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
         <source>Terrain of the project ({name})</source>
         <translation>Terreno del proyecto ({name})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>Azimuth</source>
+        <translation>Acimut</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>Flight direction</source>
+        <translation>Dirección de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>North</source>
+        <translation>Norte</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2934,6 +2964,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Align</source>
+        <translation>Alinear</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Align to longest side</source>
+        <translation>Alinear con el lado más largo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Also set: {text}</source>
         <translation>También definido: {text}</translation>
     </message>
@@ -3020,6 +3060,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Shortest flight</source>
+        <translation>Vuelo más corto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Source's pixels</source>
         <translation>Píxeles de la fuente</translation>
     </message>
@@ -3027,6 +3072,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>To</source>
         <translation>A</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Turn the rows so that they suit the area</source>
+        <translation>Girar las pasadas para que se ajusten al área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4473,6 +4523,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Grid angle</source>
+        <translation>Ángulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
     </message>
@@ -4495,6 +4550,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Pitch of each point instead of a tilt, degrees: -90 looks straight down.</source>
         <translation>Cabeceo de cada punto en lugar de una inclinación, en grados: -90 mira en vertical hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Replaced by the row azimuth, which is 90° more.</source>
+        <translation>Sustituido por el acimut de las pasadas, que es 90° mayor.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -6642,7 +6702,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>leave room between them, or keep less distance</source>
-        <translation type="unfinished"></translation>
+        <translation>dejar espacio entre ellas, o guardar menos distancia</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
@@ -6653,12 +6713,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>no way leads around the no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>ningún camino rodea las zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>{0} of a leg lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>el {0} de un tramo está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -7935,9 +7995,62 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
     </message>
     <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>alignment: stopped</source>
+        <translation>alineación: detenida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>points have no rows that could be aligned</source>
+        <translation>los puntos no tienen pasadas que alinear</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>rows to be aligned: the layout {0} is north-up</source>
+        <translation>pasadas por alinear: la disposición {0} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} row</source>
+        <translation>{0} pasada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} rows</source>
+        <translation>{0} pasadas</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/area.py"/>
         <source>area of no polygons: needs at least one</source>
-        <translation type="unfinished"></translation>
+        <translation>área sin polígonos: necesita al menos uno</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -8017,77 +8130,77 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>area file {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>archivo de área {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
-        <translation type="unfinished"></translation>
+        <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>give a GeoJSON, KML or KMZ file with one or more</source>
-        <translation type="unfinished"></translation>
+        <translation>dar un archivo GeoJSON, KML o KMZ con uno o más</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>no-fly file {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>archivo de zonas de exclusión {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: a corner is not longitude, latitude ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: un vértice no es longitud, latitud ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como GeoJSON, KML o KMZ ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as KML ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como KML ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as KMZ ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como KMZ ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: corner {1!r} is not longitude,latitude</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: el vértice {1!r} no es longitud,latitud</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds more than {1:,} files</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: contiene más de {1:,} archivos</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds no polygon</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no contiene ningún polígono</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: is a zip without a KML file</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: es un zip sin archivo KML</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: its KML is larger than {1} MB</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: su KML ocupa más de {1} MB</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: polygon {1:,}: {2}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: polígono {1:,}: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: {1}, which reads KML, is not installed</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1}, que lee KML, no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -8284,7 +8397,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/earlier.py"/>
         <source>grid angle {0!r}: must be a number from -180 to 180</source>
-        <translation type="unfinished"></translation>
+        <translation>ángulo de cuadrícula {0!r}: debe ser un número de -180 a 180</translation>
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
@@ -8299,8 +8412,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
-        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two</source>
-        <translation type="unfinished"></translation>
+        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: both say where rows run</source>
+        <translation>misión con grid_angle_deg {0!r} y row_azimuth_deg {1!r}: ambos dicen hacia dónde van las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8320,7 +8433,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
-        <translation type="unfinished"></translation>
+        <translation>área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8407,7 +8520,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>left out over no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>omitidas sobre zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8504,7 +8617,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} images</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:,} imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8514,7 +8627,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} polygons, {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:,} polígonos, {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8529,7 +8642,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} ({1:,} areas)</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} ({1:,} zonas)</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8963,14 +9076,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/polygons.py"/>
         <source>layout {0}: lays one grid over one polygon, and there are {1:,}</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/polygons.py"/>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
+        <translation>disposición {0}: traza una sola cuadrícula sobre un polígono, y hay {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -8986,6 +9092,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
         <translation>cámara con inclinación {0:g}, alabeo {1:g} grados desde {2:g} m: ve más allá del horizonte, y en una fuente con SRC propio un área se cubre solo con imágenes de terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where rows flown to and fro have no frames that face their track</source>
+        <translation>cámara con inclinación de {0:g} y alabeo de {1:g} grados desde {2:g} m: ve más allá del horizonte, donde las pasadas de ida y vuelta no tienen encuadres en el sentido de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9016,17 +9127,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>points have no rows that could be turned, and several polygons each their own</source>
-        <translation type="unfinished"></translation>
+        <translation>los puntos no tienen pasadas que se puedan girar, y varios polígonos tienen cada uno las suyas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>row azimuth {0:g} deg</source>
-        <translation type="unfinished"></translation>
+        <translation>acimut de las pasadas de {0:g} grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
-        <translation type="unfinished"></translation>
+        <translation>acimut de las pasadas de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9061,6 +9172,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
+        <source>camera faces {0}: the layout {1} is north-up</source>
+        <translation>la cámara mira a {0}: la disposición {1} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>choose imagery in a polar CRS, such as the synthetic world with {0} {1}</source>
         <translation>elegir imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
     </message>
@@ -9083,6 +9199,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>images with under 0.001 px of map in them: the camera looks past the map or the Earth</source>
         <translation>imágenes con menos de 0,001 px de mapa: la cámara mira más allá del mapa o de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>margin {0:g} m: the layout {1} has none</source>
+        <translation>margen de {0:g} m: la disposición {1} no tiene ninguno</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9117,7 +9238,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>several polygons have rows each by themselves</source>
-        <translation type="unfinished"></translation>
+        <translation>varios polígonos tienen cada uno sus propias pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9302,12 +9423,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/mission.py"/>
         <source>area type {0!r}: must be box, polygon, polygons or points</source>
-        <translation type="unfinished"></translation>
+        <translation>tipo de área {0!r}: debe ser box, polygon, polygons o points</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
-        <translation type="unfinished"></translation>
+        <translation>el campo {0!r} de la misión es {1!r}: debe ser una lista de polígonos</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -9357,12 +9478,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>all {0:,} images lie over no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>choose another area, or smaller no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>elegir otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -9511,8 +9632,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
+        <source>Map frame (not resampled)</source>
+        <translation>Encuadre de mapa (sin remuestreo)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9686,6 +9807,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>camera faces</source>
+        <translation>la cámara mira a</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360</source>
+        <translation>la cámara mira a {0!r}: debe ser {1}, {2} o un acimut de -360 a 360</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
     </message>
@@ -9727,12 +9858,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>direction of an area's rows, clockwise from north: 90 flies them east; points have none</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección de las pasadas de un área, en sentido horario desde el norte: con 90 se vuelan hacia el este; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde la perpendicular a las pasadas donde estas se apartan del este, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9976,8 +10107,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
-        <translation>mapa: una ventana de los propios píxeles de la fuente, norte arriba, para cámaras que miran en vertical; cámara: la imagen como la ve la cámara; automático: un encuadre de mapa si su error cabe en el admisible</translation>
+        <source>map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en cuartos de vuelta, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>margin</source>
+        <translation>margen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10092,7 +10228,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>row azimuth</source>
-        <translation type="unfinished"></translation>
+        <translation>acimut de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10118,6 +10254,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>side overlap: share of an image that the next row shows again</source>
         <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>so much ground beyond an area is covered as well, on all sides; points have none</source>
+        <translation>se cubre además este terreno alrededor del área, por todos los lados; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10248,6 +10389,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
         <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where the top of the images points, from which the yaw counts: north, turned with the rows where these are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images</source>
+        <translation>hacia dónde apunta el borde superior de las imágenes, desde donde se cuenta la guiñada: north, girado con las pasadas donde estas se apartan del este; track, el sentido en que se vuela cada pasada; o un acimut en grados, el mismo para todas las imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
