@@ -25,6 +25,7 @@ from .i18n import tr, translate
 from .map.mission_group import MissionGroup
 from .messages import Messages
 from .missions.missions import Missions
+from .panel.alignment import RowAlignment
 from .panel.camera import camera_choices
 from .panel.choices import source_choices
 from .panel.dock import Dock
@@ -85,6 +86,7 @@ class Session(QObject):
             clean=lambda run: self.cleaning.open(run.folder),
         )
         self.planning = Planning(self.dock, self.planner, messages, lambda: self.runs.idle)
+        self.alignment = RowAlignment(form, self.planning, messages)
         self.missions = Missions(
             self.dock.missions,
             messages,
@@ -200,6 +202,7 @@ class Session(QObject):
             self.cleaning,
             self.benchmarks,
             self.source_on_map,
+            self.alignment,
             self.planning,
         ):
             room.close()

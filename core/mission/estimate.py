@@ -69,7 +69,7 @@ class Summary:
     below a camera, at the highest and at the lowest that its image may show, and ``hidden_share`` is that of the area's
     ground which images hold, but relief in front of it hides from all of them.
 
-    The flight is that from the first image to the last; the path also has the ways there and back, over all sorties,
+    The flight is that from image to image, without turns; the path also has the ways there and back, over all sorties,
     and is None where the mission has no route. ``interval_s`` is the least time between two images of a row;
     ``fov_deg`` is 0 where the camera does not look straight down.
 

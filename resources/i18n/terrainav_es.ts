@@ -805,6 +805,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Turned images make no mosaic: “View images” shows them one by one.</source>
+        <translation>Las imágenes giradas no forman mosaico: «Ver imágenes» las muestra una a una.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>in an earlier run</source>
         <translation>en una ejecución anterior</translation>
     </message>
@@ -1612,7 +1617,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -1885,6 +1890,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is still being written; try again when it is there.</source>
         <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>The entries changed while the rows were being aligned: press the button again.</source>
+        <translation>Las entradas han cambiado mientras se alineaban las pasadas: pulsar el botón de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>The rows stay as they are.</source>
+        <translation>Las pasadas quedan como están.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2225,6 +2240,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Terreno del proyecto ({name})</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>Azimuth</source>
+        <translation>Acimut</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>Flight direction</source>
+        <translation>Dirección de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>North</source>
+        <translation>Norte</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>, which is exceeded</source>
         <translation>, que se supera</translation>
@@ -2459,7 +2489,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{distance}, {duration} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{distance}, {duration} con los giros</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2939,6 +2969,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Align</source>
+        <translation>Alinear</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Align to longest side</source>
+        <translation>Alinear con el lado más largo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Also set: {text}</source>
         <translation>También definido: {text}</translation>
     </message>
@@ -2955,7 +2995,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3025,6 +3065,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Shortest flight</source>
+        <translation>Vuelo más corto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Source's pixels</source>
         <translation>Píxeles de la fuente</translation>
     </message>
@@ -3032,6 +3077,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>To</source>
         <translation>A</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Turn the rows so that they suit the area</source>
+        <translation>Girar las pasadas para que se ajusten al área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3112,7 +3162,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>none: from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>ninguno: de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3454,7 +3504,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Sortie {number}</source>
-        <translation type="unfinished"></translation>
+        <translation>Salida {number}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -4478,6 +4528,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Grid angle</source>
+        <translation>Ángulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
     </message>
@@ -4500,6 +4555,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Pitch of each point instead of a tilt, degrees: -90 looks straight down.</source>
         <translation>Cabeceo de cada punto en lugar de una inclinación, en grados: -90 mira en vertical hacia abajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Replaced by the row azimuth, which is 90° more.</source>
+        <translation>Sustituido por el acimut de las pasadas, que es 90° mayor.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4609,7 +4669,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Flight path with take-off and turns (metres)</source>
-        <translation type="unfinished"></translation>
+        <translation>Trayectoria de vuelo con despegue y giros (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4679,7 +4739,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>Salidas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4699,7 +4759,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the flight path (seconds)</source>
-        <translation type="unfinished"></translation>
+        <translation>Tiempo de la trayectoria de vuelo (segundos)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6647,23 +6707,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>leave room between them, or keep less distance</source>
-        <translation type="unfinished"></translation>
+        <translation>dejar espacio entre ellas, o guardar menos distancia</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <location filename="../../core/mission/path.py"/>
         <source>move it outside</source>
-        <translation type="unfinished"></translation>
+        <translation>sáquelo de ella</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>no way leads around the no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>ningún camino rodea las zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>{0} of a leg lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>el {0} de un tramo está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/imagery/cache/tile_cache.py"/>
@@ -7940,9 +8000,62 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
     </message>
     <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>alignment: stopped</source>
+        <translation>alineación: detenida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>points have no rows that could be aligned</source>
+        <translation>los puntos no tienen pasadas que alinear</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>rows to be aligned: the layout {0} is north-up</source>
+        <translation>pasadas por alinear: la disposición {0} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} row</source>
+        <translation>{0} pasada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} rows</source>
+        <translation>{0} pasadas</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/area.py"/>
         <source>area of no polygons: needs at least one</source>
-        <translation type="unfinished"></translation>
+        <translation>área sin polígonos: necesita al menos uno</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -8022,77 +8135,77 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>area file {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>archivo de área {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
-        <translation type="unfinished"></translation>
+        <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>give a GeoJSON, KML or KMZ file with one or more</source>
-        <translation type="unfinished"></translation>
+        <translation>dar un archivo GeoJSON, KML o KMZ con uno o más</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>no-fly file {0}</source>
-        <translation type="unfinished"></translation>
+        <translation>archivo de zonas de exclusión {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: a corner is not longitude, latitude ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: un vértice no es longitud, latitud ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como GeoJSON, KML o KMZ ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as KML ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como KML ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: cannot be read as KMZ ({1})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no se puede leer como KMZ ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: corner {1!r} is not longitude,latitude</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: el vértice {1!r} no es longitud,latitud</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds more than {1:,} files</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: contiene más de {1:,} archivos</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds no polygon</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: no contiene ningún polígono</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: is a zip without a KML file</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: es un zip sin archivo KML</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: its KML is larger than {1} MB</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: su KML ocupa más de {1} MB</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: polygon {1:,}: {2}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: polígono {1:,}: {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: {1}, which reads KML, is not installed</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1}, que lee KML, no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -8289,7 +8402,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/earlier.py"/>
         <source>grid angle {0!r}: must be a number from -180 to 180</source>
-        <translation type="unfinished"></translation>
+        <translation>ángulo de cuadrícula {0!r}: debe ser un número de -180 a 180</translation>
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
@@ -8304,8 +8417,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
-        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two</source>
-        <translation type="unfinished"></translation>
+        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: both say where rows run</source>
+        <translation>misión con grid_angle_deg {0!r} y row_azimuth_deg {1!r}: ambos dicen hacia dónde van las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8325,7 +8438,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
-        <translation type="unfinished"></translation>
+        <translation>área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8360,7 +8473,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>flight path</source>
-        <translation type="unfinished"></translation>
+        <translation>trayectoria de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8412,7 +8525,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>left out over no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>omitidas sobre zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8469,12 +8582,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>sun</source>
-        <translation type="unfinished"></translation>
+        <translation>sol</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8509,7 +8622,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} images</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:,} imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8519,7 +8632,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} polygons, {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:,} polígonos, {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8534,7 +8647,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} ({1:,} areas)</source>
-        <translation type="unfinished"></translation>
+        <translation>{0} ({1:,} zonas)</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8574,7 +8687,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0}, {1} with turns</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, {1} con los giros</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8653,6 +8766,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a smaller area, a greater height or less overlap</source>
         <translation>planificar un área menor, una altura mayor o menos solape</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/litchi.py"/>
+        <source>sorties begin with the parts {0}</source>
+        <translation>las salidas empiezan con las partes {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
@@ -8963,14 +9081,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/polygons.py"/>
         <source>layout {0}: lays one grid over one polygon, and there are {1:,}</source>
-        <translation type="unfinished"></translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/polygons.py"/>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
+        <translation>disposición {0}: traza una sola cuadrícula sobre un polígono, y hay {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -8986,6 +9097,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
         <translation>cámara con inclinación {0:g}, alabeo {1:g} grados desde {2:g} m: ve más allá del horizonte, y en una fuente con SRC propio un área se cubre solo con imágenes de terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where rows flown to and fro have no frames that face their track</source>
+        <translation>cámara con inclinación de {0:g} y alabeo de {1:g} grados desde {2:g} m: ve más allá del horizonte, donde las pasadas de ida y vuelta no tienen encuadres en el sentido de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9016,17 +9132,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>points have no rows that could be turned, and several polygons each their own</source>
-        <translation type="unfinished"></translation>
+        <translation>los puntos no tienen pasadas que se puedan girar, y varios polígonos tienen cada uno las suyas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>row azimuth {0:g} deg</source>
-        <translation type="unfinished"></translation>
+        <translation>acimut de las pasadas de {0:g} grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
-        <translation type="unfinished"></translation>
+        <translation>acimut de las pasadas de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9061,6 +9177,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
+        <source>camera faces {0}: the layout {1} is north-up</source>
+        <translation>la cámara mira a {0}: la disposición {1} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>choose imagery in a polar CRS, such as the synthetic world with {0} {1}</source>
         <translation>elegir imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
     </message>
@@ -9083,6 +9204,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>images with under 0.001 px of map in them: the camera looks past the map or the Earth</source>
         <translation>imágenes con menos de 0,001 px de mapa: la cámara mira más allá del mapa o de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>margin {0:g} m: the layout {1} has none</source>
+        <translation>margen de {0:g} m: la disposición {1} no tiene ninguno</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9117,7 +9243,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>several polygons have rows each by themselves</source>
-        <translation type="unfinished"></translation>
+        <translation>varios polígonos tienen cada uno sus propias pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9302,12 +9428,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/mission.py"/>
         <source>area type {0!r}: must be box, polygon, polygons or points</source>
-        <translation type="unfinished"></translation>
+        <translation>tipo de área {0!r}: debe ser box, polygon, polygons o points</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r} is {1!r}: must be a list of polygons</source>
-        <translation type="unfinished"></translation>
+        <translation>el campo {0!r} de la misión es {1!r}: debe ser una lista de polígonos</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
@@ -9357,12 +9483,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>all {0:,} images lie over no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>choose another area, or smaller no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>elegir otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -9387,7 +9513,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>As laid out</source>
-        <translation type="unfinished"></translation>
+        <translation>Según la disposición</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9397,7 +9523,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>At each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>En cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9417,7 +9543,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>By distance along rows</source>
-        <translation type="unfinished"></translation>
+        <translation>Por distancia a lo largo de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9467,7 +9593,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Hover and capture</source>
-        <translation type="unfinished"></translation>
+        <translation>Detenerse y capturar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9511,8 +9637,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
+        <source>Map frame (not resampled)</source>
+        <translation>Encuadre de mapa (sin remuestreo)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9542,7 +9668,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>Nearest to take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>La más cercana al despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9552,12 +9678,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>North-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9602,12 +9728,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-east</source>
-        <translation type="unfinished"></translation>
+        <translation>Sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>South-west</source>
-        <translation type="unfinished"></translation>
+        <translation>Suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9677,12 +9803,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery</source>
-        <translation type="unfinished"></translation>
+        <translation>batería</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: necesita un punto de despegue, donde empieza y termina cada salida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>camera faces</source>
+        <translation>la cámara mira a</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360</source>
+        <translation>la cámara mira a {0!r}: debe ser {1}, {2} o un acimut de -360 a 360</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9707,7 +9843,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>corner of the rows that the flight begins at; of turned rows the corner nearest to that direction. first: as the rows are laid out; nearest: the corner nearest to the take-off. Points keep their order</source>
-        <translation type="unfinished"></translation>
+        <translation>esquina de las pasadas por la que empieza el vuelo; en pasadas giradas, la más cercana a esa dirección. first: según la disposición de las pasadas; nearest: la esquina más cercana al despegue. Los puntos conservan su orden</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9727,12 +9863,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>direction of an area's rows, clockwise from north: 90 flies them east; points have none</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección de las pasadas de un área, en sentido horario desde el norte: con 90 se vuelan hacia el este; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
-        <translation type="unfinished"></translation>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde la perpendicular a las pasadas donde estas se apartan del este, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9757,12 +9893,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>entry nearest: needs a take-off point to be near to</source>
-        <translation type="unfinished"></translation>
+        <translation>entrada nearest: necesita un punto de despegue del que estar cerca</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9772,7 +9908,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9852,7 +9988,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far before the first capture of each row the flight is already on its line</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto antes de la primera captura de cada pasada vuela ya en línea con ella</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9862,7 +9998,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>how far the flight goes on beyond the end of each row before it turns</source>
-        <translation type="unfinished"></translation>
+        <translation>cuánto sigue el vuelo más allá del final de cada pasada antes de girar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9942,7 +10078,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>latitude and longitude of the place that the flight begins and ends at; left out, the flight is that from the first capture to the last</source>
-        <translation type="unfinished"></translation>
+        <translation>latitud y longitud del lugar donde empieza y termina el vuelo; si se omite, el vuelo va de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9952,12 +10088,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>lead-in</source>
-        <translation type="unfinished"></translation>
+        <translation>tramo de entrada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>least interval of images</source>
-        <translation type="unfinished"></translation>
+        <translation>intervalo mínimo de imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9976,8 +10112,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
-        <translation>mapa: una ventana de los propios píxeles de la fuente, norte arriba, para cámaras que miran en vertical; cámara: la imagen como la ve la cámara; automático: un encuadre de mapa si su error cabe en el admisible</translation>
+        <source>map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en cuartos de vuelta, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>margin</source>
+        <translation>margen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10092,7 +10233,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>row azimuth</source>
-        <translation type="unfinished"></translation>
+        <translation>acimut de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10107,7 +10248,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>set a take-off point{0}</source>
-        <translation type="unfinished"></translation>
+        <translation>indique un punto de despegue{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10118,6 +10259,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>side overlap: share of an image that the next row shows again</source>
         <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>so much ground beyond an area is covered as well, on all sides; points have none</source>
+        <translation>se cubre además este terreno alrededor del área, por todos los lados; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10177,17 +10323,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue {0}: debe ser una latitud de -90 a 90 y una longitud de -360 a 360 grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>the shortest time between two images that the camera can keep up</source>
-        <translation type="unfinished"></translation>
+        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10202,12 +10348,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>trigger</source>
-        <translation type="unfinished"></translation>
+        <translation>disparo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>turnaround</source>
-        <translation type="unfinished"></translation>
+        <translation>prolongación para el giro</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10222,7 +10368,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>waypoint: an image at each waypoint, flown through; distance: the camera is released by the distance flown along each row; hover: the aircraft stops at each waypoint</source>
-        <translation type="unfinished"></translation>
+        <translation>waypoint: una imagen en cada punto de ruta, sin detenerse; distance: la cámara se dispara según la distancia volada en cada pasada; hover: la aeronave se detiene en cada punto de ruta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10248,6 +10394,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
         <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where the top of the images points, from which the yaw counts: north, turned with the rows where these are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images</source>
+        <translation>hacia dónde apunta el borde superior de las imágenes, desde donde se cuenta la guiñada: north, girado con las pasadas donde estas se apartan del este; track, el sentido en que se vuela cada pasada; o un acimut en grados, el mismo para todas las imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10277,122 +10428,122 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: el vuelo necesita más de {1:,} salidas</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
-        <translation type="unfinished"></translation>
+        <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take a smaller area, a nearer take-off or a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>tome un área menor, un despegue más cercano o una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take off nearer to it, fly faster or take a larger battery</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue más cerca de ella, vuele más deprisa o tome una batería mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/path.py"/>
         <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>despegue en la latitud {0:.6f}, longitud {1:.6f}: está dentro de una zona de exclusión aérea</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>east</source>
-        <translation type="unfinished"></translation>
+        <translation>este</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
-        <translation type="unfinished"></translation>
+        <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north</source>
-        <translation type="unfinished"></translation>
+        <translation>norte</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-east</source>
-        <translation type="unfinished"></translation>
+        <translation>noreste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>north-west</source>
-        <translation type="unfinished"></translation>
+        <translation>noroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south</source>
-        <translation type="unfinished"></translation>
+        <translation>sur</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-east</source>
-        <translation type="unfinished"></translation>
+        <translation>sureste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>south-west</source>
-        <translation type="unfinished"></translation>
+        <translation>suroeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>west</source>
-        <translation type="unfinished"></translation>
+        <translation>oeste</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° below the horizon in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0:.0f}° bajo el horizonte al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.0f}° high in the {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>a {0:.0f}° de altura al {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0:.1f} to {1:.1f}</source>
-        <translation type="unfinished"></translation>
+        <translation>de {0:.1f} a {1:.1f}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}, at the end {1}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}, al final {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: a bright spot, and glint on water, lie in the images</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: en las imágenes hay un punto brillante y reflejos en el agua</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: long shadows</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: sombras largas</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: night</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: noche</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}: {1} of {2:g} min</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: {1} de {2:g} min</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; fly at {1:g} m/s or slower ({2})</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; vuele a {1:g} m/s o más despacio ({2})</translation>
     </message>
     <message>
         <location filename="../../core/mission/pilot.py"/>
         <source>{0}; overlap less or fly higher</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}; reduzca el solape o vuele más alto</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -11114,12 +11265,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/units.py"/>
         <source>min</source>
-        <translation type="unfinished"></translation>
+        <translation>min</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
         <source>minutes</source>
-        <translation type="unfinished"></translation>
+        <translation>minutos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

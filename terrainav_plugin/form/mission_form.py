@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.fields import field_named
+from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
 from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
@@ -77,7 +77,9 @@ def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     from ...core.mission.area import Points
 
     checks = _Checks()
-    single = replace(state, map_types=state.map_types[:1])
+    # Nobody flies there: it needs no way from a take-off, and no battery.
+    route = {one.name: one.default for one in declared_fields(Route) if one.name in ENTERED_AS_DECLARED}
+    single = replace(state, map_types=state.map_types[:1], **route, takeoff="")
     return _mission(single, checks("agl", lambda: Points(((lat_deg, lon_deg, state.agl_m),))), checks)
 
 

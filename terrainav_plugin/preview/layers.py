@@ -104,7 +104,9 @@ def _map_tip(role: str) -> str:
         sky = f"[% CASE WHEN \"horizon\" THEN '<br/>{horizon}' ELSE '' END %]"
         return f"{name}{gsd}<br/>{attitude}{sky}<br/>{overlap}<br/>{time}"
     if role == "flight":
-        return tr("{length} km, {count} images, from {start} to {end} UTC").format(
+        sortie = _sortie_text()
+        which = f"[% CASE WHEN \"sortie\" > 0 THEN '<b>{sortie}</b><br/>' ELSE '' END %]"
+        return which + tr("{length} km, {count} images, from {start} to {end} UTC").format(
             length='[% round("length_m" / 1000, 2) %]',
             count='[% "images" %]',
             start="[% format_date(\"start\", 'yyyy-MM-dd HH:mm:ss') %]",
@@ -113,6 +115,11 @@ def _map_tip(role: str) -> str:
     if role == "density":
         return tr("mean overlap count here: {count}").format(count='[% "images" %]')
     return ""
+
+
+def _sortie_text() -> str:
+    """Which sortie a line is of, as the inside of a text in an expression."""
+    return tr("Sortie {number}").replace("'", "''").format(number="' || \"sortie\" || '")
 
 
 def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
@@ -127,7 +134,7 @@ def _dress(layer: QgsVectorLayer, role: str, name: str) -> None:
 def _label_sorties(layer: QgsVectorLayer) -> None:
     """Write along the line of each of several sorties which one it is; colours repeat, and not all tell them apart."""
     labels = QgsPalLayerSettings()
-    text = tr("Sortie {number}").format(number="' || \"sortie\" || '")
+    text = _sortie_text()
     labels.fieldName, labels.isExpression = f"if(\"sortie\" > 0, '{text}', '')", True
     labels.placement = LABELS_ALONG_LINE
     style = labels.format()

@@ -17,6 +17,7 @@ from tests.core.remedies import (  # noqa: F401
     planning,
     poses,
     relief,
+    routes,
 )
 from tests.support.remedies import ENTRIES, Case, places, unknown_beginnings
 

@@ -88,6 +88,36 @@ def test_test_shot_is_one_picture_of_the_first_map_type():
     assert there.area.poses == ((1.5, 2.5, 100.0 * 0.3048),)
 
 
+@pytest.mark.parametrize("text", ["35.15, -89.9", "35.15 -89.9", "35.15N 89.9W", "35.15_-89.9"])
+def test_a_take_off_is_typed_as_a_latitude_and_a_longitude(text):
+    made = mission(replace(GOOD, takeoff=text, battery_min=18.0, entry="nearest"))
+    assert made.route.takeoff == (35.15, -89.9)
+    assert state_of(made, "").takeoff == "35.15, -89.9"
+    assert mission(state_of(made, "")) == made
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "says"),
+    [
+        ({"takeoff": "home"}, "takeoff", "must be a latitude and a longitude"),
+        ({"takeoff": "35.1"}, "takeoff", "must be a latitude and a longitude"),
+        ({"takeoff": "95 10"}, "takeoff", "must be a latitude from -90 to 90"),
+        ({"battery_min": 18.0}, "battery_min", "needs a take-off point"),
+        ({"entry": "nearest"}, "entry", "needs a take-off point"),
+    ],
+)
+def test_what_is_wrong_with_a_take_off_is_said_at_its_entry(changes, field, says):
+    with pytest.raises(FormError) as wrong:
+        mission(replace(GOOD, **changes))
+    assert list(wrong.value.messages) == [field]
+    assert says in wrong.value.messages[field]
+
+
+def test_a_test_shot_has_no_way_to_it():
+    state = replace(GOOD, takeoff="35.15, -89.9", battery_min=1.0, entry="nearest", turnaround_m=30.0)
+    assert single_shot(state, 35.0, -80.0).route == type(mission(GOOD).route)()
+
+
 def test_state_survives_its_settings_text():
     state = with_box(replace(GOOD, map_types=("terrain",), agl_unit="ft"), Box(1.0, 2.0, 0.5, 3.0))
     assert FormState.from_json(state.to_json()) == state

@@ -81,10 +81,15 @@ def litchi_texts(plan: Plan) -> list[Iterator[str]]:
     for sortie in range(plan.path.sorties):
         # At most 10,000 waypoints: all of them may be in memory.
         lines = [_line(one, speed, actions, spacing_m) for one, actions, spacing_m in _shots(plan, sortie)]
-        count, files = len(lines), -(-len(lines) // MOST_WAYPOINTS)
+        count, files = len(lines), _files(len(lines))
         ends = [count * number // files for number in range(files + 1)]
         texts += [iter([",".join(COLUMNS) + "\n", *lines[first:end]]) for first, end in zip(ends, ends[1:])]
     return texts
+
+
+def _files(waypoints: int) -> int:
+    """Files that a sortie is cut into."""
+    return -(-waypoints // MOST_WAYPOINTS)
 
 
 def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
@@ -121,6 +126,10 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
                 FASTEST_M_PER_S,
             )
         )
+    files = [_files(sum(1 for _ in _shots(plan, sortie))) for sortie in range(plan.path.sorties)]
+    if sum(files) > len(files) > 1:
+        first = (str(1 + sum(files[:number])) for number in range(len(files)))
+        notes.append(Message("sorties begin with the parts {0}", ", ".join(first)))
     return (*not_flown(plan), *notes)
 
 

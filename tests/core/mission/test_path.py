@@ -59,7 +59,7 @@ def test_without_a_route_it_is_the_captures_alone():
 
 
 @pytest.mark.parametrize(
-    "changes", [{}, {"order": "one-way"}, {"grid_angle_deg": 30.0}, {"grid_angle_deg": -50.0}]
+    "changes", [{}, {"order": "one-way"}, {"row_azimuth_deg": 120.0}, {"row_azimuth_deg": 40.0}]
 )
 def test_a_flight_enters_at_each_corner_and_takes_the_same_images(changes):
     as_laid_out = flown(**changes)
@@ -237,7 +237,7 @@ def test_no_sortie_is_longer_than_a_battery_and_each_begins_and_ends_at_home(
         battery_min=battery,
         turnaround_m=turnaround,
         trigger=trigger,
-        grid_angle_deg=angle,
+        row_azimuth_deg=90.0 + angle,
     )
     path = made.path
     assert path.capture[path.capture >= 0].tolist() == list(range(len(made)))
@@ -281,3 +281,24 @@ def test_an_image_too_far_is_one_clear_line():
 def test_what_needs_a_take_off_is_refused_without_one(changes):
     with pytest.raises(InvalidInput, match="needs a take-off point"):
         FIELD.with_(**changes)
+
+
+# --- entry of rows whose cameras face their track
+
+
+@pytest.mark.parametrize("order", ["serpentine", "one-way"])
+@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize("tilt", [0.0, 15.0])
+@pytest.mark.parametrize("azimuth", [90.0, 125.0])
+def test_cameras_face_their_track_wherever_the_flight_enters(order, corner, tilt, azimuth):
+    tracking = {"facing": "track", "tilt_deg": tilt, "order": order, "row_azimuth_deg": azimuth}
+    made, as_laid_out = flown(entry=corner, **tracking), flown(**tracking)
+    same = made.row[1:] == made.row[:-1]
+    heading, _, _ = GEOD.inv(made.lon_deg[:-1], made.lat_deg[:-1], made.lon_deg[1:], made.lat_deg[1:])
+    off = (made.poses.yaw_deg[:-1] - heading + 180.0) % 360.0 - 180.0
+    assert np.abs(off[same]).max() < 0.05
+    # Their images lie the other way round, but at the same places.
+    places = [sorted(zip(one.column, one.row, one.lat_deg, one.lon_deg)) for one in (made, as_laid_out)]
+    assert places[0] == places[1]
+    assert made.coverage.complete
+    assert astuple(made.overlap) == pytest.approx(astuple(as_laid_out.overlap), abs=1e-6)

@@ -127,7 +127,7 @@ LAYOUTS = {
     "cover": {},
     "overlap": {"overlap_along": 0.6, "overlap_across": 0.4},
     "one-way": {"order": "one-way", "overlap_along": 0.3},
-    "rotated": {"grid_angle_deg": 30.0},
+    "rotated": {"row_azimuth_deg": 120.0},
     "crosshatch": {"crosshatch": True},
 }
 
@@ -219,7 +219,7 @@ def test_polygons_along_a_line_are_flown_from_one_end_to_the_other(count):
 def test_no_other_order_of_few_polygons_is_shorter():
     """All orders of polygons and all ways to fly each of them, one by one."""
     ways = [
-        polygons_of_layout._ways(found, (), "serpentine")
+        polygons_of_layout._ways(found, (), (0, 1, 2, 3))
         for found in (
             Layout(
                 np.tile(np.arange(3), 2),

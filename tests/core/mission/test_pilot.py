@@ -1,0 +1,132 @@
+"""What a pilot is told: the camera's interval, the sun, and sorties."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import pytest
+from pyproj import Geod
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.path import HOVER_S
+from terrainav.core.mission.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
+from terrainav.core.mission.plan import plan
+from terrainav.core.mission.wind import Wind
+
+GRID = PixelGrid()
+FIELD = Mission(Box(35.158, -89.90, 35.155, -89.894), 120.0, overlap_along=0.8, overlap_across=0.5)
+HOME = (35.1565, -89.9015)
+
+
+def planned(**changes):
+    return plan(FIELD.with_(**changes), GRID)
+
+
+def least_step_m(made):
+    lon, lat = made.meant.lon_deg, made.meant.lat_deg
+    steps = Geod(ellps="WGS84").inv(lon[:-1], lat[:-1], lon[1:], lat[1:])[2]
+    return min(step for step, row, next_ in zip(steps, made.row, made.row[1:]) if row == next_)
+
+
+def test_the_interval_is_that_of_the_shortest_step_at_the_speed_over_ground():
+    still = planned()
+    step = least_step_m(still)
+    assert interval_s(still) == pytest.approx(step / 15.0, rel=1e-9)
+    assert interval_s(planned(trigger="hover")) == pytest.approx(step / 15.0 + HOVER_S, rel=1e-9)
+    # Rows run east and west: one of them has the wind behind it.
+    assert interval_s(planned(wind=Wind(5.0, 270.0, 0.0))) == pytest.approx(step / 20.0, rel=1e-4)
+    assert interval_s(plan(Mission(Points(((35.0, -89.0, 90.0),)), 90.0), GRID)) is None
+
+
+@pytest.mark.parametrize("wind", [None, Wind(4.0, 200.0, 0.0), Wind(2.0, 270.0, 0.1)])
+@pytest.mark.parametrize("trigger", ["waypoint", "distance", "hover"])
+def test_the_speed_that_is_named_is_the_highest_that_does(wind, trigger):
+    least_s = 2.6 + (HOVER_S if trigger == "hover" else 0.0)
+    fast = planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=18.0)
+    (text,) = too_fast(fast)
+    assert f"the camera takes one every {least_s:g} s" in text
+    speed = float(re.search(r"fly at ([0-9.]+) m/s or slower", text).group(1))
+    assert (
+        too_fast(planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed)) == ()
+    )
+    faster = planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed + 0.1)
+    assert too_fast(faster) != ()
+    assert text in estimate(fast).warnings
+
+
+def test_no_speed_does_where_the_wind_alone_is_faster():
+    made = planned(photo_interval_s=8.0, wind=Wind(9.0, 270.0, 0.0))
+    (text,) = too_fast(made)
+    assert "overlap less or fly higher" in text
+    assert "m/s" not in text
+
+
+def test_without_an_interval_nothing_is_said():
+    assert too_fast(planned()) == ()
+    assert too_fast(planned(photo_interval_s=0.5)) == ()
+
+
+def test_the_sun_is_told_where_the_start_is():
+    assert sun_of(planned()) is None
+    sun = sun_of(planned(start="2024-12-21T15:00:00Z"))
+    # As pvlib has it in the middle of Memphis, a few kilometres away.
+    assert sun.height_deg == pytest.approx(17.83, abs=0.05)
+    assert sun.azimuth_deg == pytest.approx(137.52, abs=0.05)
+    assert sun.end_azimuth_deg > sun.azimuth_deg
+    said = dict(estimate(planned(start="2024-12-21T15:00:00Z")).lines())
+    assert said["sun"] == "18° high in the south-east: long shadows"
+    assert "sun" not in dict(estimate(planned()).lines())
+
+
+@pytest.mark.parametrize(
+    ("sun", "fov", "text"),
+    [
+        (Sun(45.0, 100.0, 45.2, 104.0), 60.0, "45° high in the east"),
+        (
+            Sun(38.0, 200.0, 29.0, 230.0),
+            60.0,
+            "38° high in the south, at the end 29° high in the south-west: long shadows",
+        ),
+        (
+            Sun(64.0, 350.0, 66.0, 10.0),
+            60.0,
+            "64° high in the north, at the end 66° high in the north: a bright spot",
+        ),
+        (Sun(64.0, 350.0, 64.0, 350.0), 0.0, "64° high in the north"),
+        (
+            Sun(-3.0, 271.0, -4.0, 272.0),
+            60.0,
+            "3° below the horizon in the west, at the end 4° below the horizon",
+        ),
+        (Sun(40.0, 359.9, 40.0, 0.1), 60.0, "40° high in the north"),
+    ],
+)
+def test_the_sun_in_words(sun, fov, text):
+    assert str(sun.text(fov)).startswith(text)
+    if sun.end_height_deg < 0.0:
+        assert str(sun.text(fov)).endswith(": night")
+
+
+def test_sorties_are_told_one_by_one_or_by_their_range():
+    assert str(sorties_text((600.0, 90.0), 12.0)) == "2: 10.0, 1.5 of 12 min"
+    assert (
+        str(sorties_text(tuple(60.0 * count for count in range(3, 12)), 12.5)) == "9: 3.0 to 11.0 of 12.5 min"
+    )
+
+
+def test_figures_of_the_path_are_those_of_all_sorties():
+    made = planned(takeoff=HOME, battery_min=5.0)
+    summary = estimate(made)
+    assert summary.path_m == made.path.distance_m
+    assert summary.sorties_s == tuple(made.path.sorties_s)
+    assert summary.path_s == pytest.approx(math.fsum(summary.sorties_s))
+    said = dict(summary.lines())
+    assert said["flight path"].endswith("min with turns")
+    assert said["sorties"].endswith("of 5 min")
+    assert summary.to_dict()["battery_min"] == 5.0
+    plain = estimate(planned())
+    assert plain.path_m is None
+    assert not {"flight path", "sorties", "sun"} & set(dict(plain.lines()))
