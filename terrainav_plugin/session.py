@@ -26,6 +26,7 @@ from .map.canvas import is_in_sight
 from .map.mission_group import GroupsOnTop, MissionGroup
 from .messages import Messages
 from .missions.missions import Missions
+from .panel.alignment import RowAlignment
 from .panel.camera import camera_choices
 from .panel.choices import source_choices
 from .panel.dock import Dock
@@ -87,6 +88,7 @@ class Session(QObject):
             clean=lambda run: self.cleaning.open(run.folder),
         )
         self.planning = Planning(self.dock, self.planner, messages, lambda: self.runs.idle)
+        self.alignment = RowAlignment(form, self.planning, messages)
         self.missions = Missions(
             self.dock.missions,
             messages,
@@ -207,6 +209,7 @@ class Session(QObject):
             self.cleaning,
             self.benchmarks,
             self.source_on_map,
+            self.alignment,
             self.planning,
         ):
             room.close()

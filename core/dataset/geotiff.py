@@ -24,6 +24,8 @@ _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
 _OFFSETS, _SAMPLES, _ROWS, _LENGTHS, _PLANES, _PREDICTOR = 273, 277, 278, 279, 284, 317
 _EXTRA, _FORMAT, _PIXEL_SCALE, _METADATA, _NO_DATA = 338, 339, 33550, 42112, 42113
 _TIE_POINTS, _TRANSFORMATION = 33922, 34264
+#: Either says where a file lies on the map.
+_PLACES = frozenset((_PIXEL_SCALE, _TRANSFORMATION))
 _DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
 _KINDS = {1: "u", 2: "i", 3: "f"}
 _COLOURS = 3
@@ -180,7 +182,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
         Bands(names, data_type, shown),
         "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
         _ranges(said),
-        _PIXEL_SCALE in tags,
+        not _PLACES.isdisjoint(tags),
         tuple(Strip(*strip) for strip in zip(tags[_OFFSETS], tags[_LENGTHS])),
         max(tags.get(_ROWS, (height,))[0], 1),
         channels,

@@ -23,6 +23,7 @@ In reading order:
 - `path`: what an aircraft flies: take-off, ways, lead-ins, captures and turns, in sorties
 - `plan`: a mission worked out, as arrays
 - `pilot`: sorties, the camera's interval and the sun
+- `alignment`: rows along the longest side of an area, or for the shortest flight
 - `estimate`: what a plan takes and gives, in figures
 - `outlines`: what is drawn of a plan, cut at the antimeridian
 - `export`: a plan in files

@@ -72,7 +72,7 @@ def with_row_azimuth(values: Mapping[str, Any]) -> dict[str, Any]:
         return values
     if values.get(_NEW_AZIMUTH) is not None:
         raise InvalidInput(
-            "mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two",
+            "mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: both say where rows run",
             angle,
             values[_NEW_AZIMUTH],
             field=_NEW_AZIMUTH,

@@ -22,6 +22,7 @@ from .parts import (
     BY_WAYPOINT,
     EASTWARD_DEG,
     FLAT_PARTS,
+    NORTH,
     PAPER,
     PAPER_MAX_PX,
     Accuracy,
@@ -163,19 +164,7 @@ class Mission:
         plain: dict[str, Any] = {
             name: None if part is None else asdict(part) for name, part in parts.items() if name != "no_fly"
         }
-        # Files of missions that go without what is new are those of versions that did not know it.
-        if not self.imagery.crs:
-            del plain["imagery"]["crs"]
-        for name in ("source", "date", "map_types") if self.imagery.imageries else ("imageries",):
-            del plain["imagery"][name]
-        if self.flight.row_azimuth_deg == EASTWARD_DEG:
-            del plain["flight"]["row_azimuth_deg"]
-        if not self.output.products:
-            del plain["output"]["products"]
-        if self.terrain == Terrain():
-            del plain["terrain"]
-        if self.route == Route():
-            del plain["route"]
+        self._leave_out(plain)
         if self.no_fly:
             plain["no_fly"] = [asdict(polygon) for polygon in self.no_fly]
         if isinstance(self.area, Points):
@@ -184,6 +173,25 @@ class Mission:
                     del plain["area"][name]
         kind = type(self.area).__name__.lower()
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **(plain["area"] or {})}}
+
+    def _leave_out(self, plain: dict[str, Any]) -> None:
+        """Take out what this mission goes without, and earlier versions did not know: its file is theirs."""
+        if not self.imagery.crs:
+            del plain["imagery"]["crs"]
+        for name in ("source", "date", "map_types") if self.imagery.imageries else ("imageries",):
+            del plain["imagery"][name]
+        if self.flight.row_azimuth_deg == EASTWARD_DEG:
+            del plain["flight"]["row_azimuth_deg"]
+        if self.flight.facing == NORTH:
+            del plain["flight"]["facing"]
+        if not self.flight.margin_m:
+            del plain["flight"]["margin_m"]
+        if not self.output.products:
+            del plain["output"]["products"]
+        if self.terrain == Terrain():
+            del plain["terrain"]
+        if self.route == Route():
+            del plain["route"]
 
     def to_json(self) -> str:
         """Text of the mission file: the same mission gives the same text."""

@@ -2370,6 +2370,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>The entries changed while the rows were being aligned: press the button again.</source>
+        <translation>Las entradas han cambiado mientras se alineaban las pasadas: pulsar el botón de nuevo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>The rows stay as they are.</source>
+        <translation>Las pasadas quedan como están.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Aspect ra&amp;tio</source>
         <translation>Relación de as&amp;pecto</translation>
@@ -2706,6 +2716,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
         <source>Terrain of the project ({name})</source>
         <translation>Terreno del proyecto ({name})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>Azimuth</source>
+        <translation>Acimut</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>Flight direction</source>
+        <translation>Dirección de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/entries.py"/>
+        <source>North</source>
+        <translation>Norte</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3423,6 +3448,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Align</source>
+        <translation>Alinear</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Align to longest side</source>
+        <translation>Alinear con el lado más largo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Also set: {text}</source>
         <translation>También definido: {text}</translation>
     </message>
@@ -3515,6 +3550,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Shortest flight</source>
+        <translation>Vuelo más corto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Source's pixels</source>
         <translation>Píxeles de la fuente</translation>
     </message>
@@ -3522,6 +3562,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>To</source>
         <translation>A</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>Turn the rows so that they suit the area</source>
+        <translation>Girar las pasadas para que se ajusten al área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -5218,6 +5263,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Grid angle</source>
+        <translation>Ángulo de cuadrícula</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
     </message>
@@ -5250,6 +5300,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Polygons where no camera may stand: images planned inside are left out.</source>
         <translation>Polígonos donde no puede haber ninguna cámara: las imágenes planificadas dentro se omiten.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Replaced by the row azimuth, which is 90° more.</source>
+        <translation>Sustituido por el acimut de las pasadas, que es 90° mayor.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -8825,6 +8880,59 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
     </message>
     <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>alignment: stopped</source>
+        <translation>alineación: detenida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>points have no rows that could be aligned</source>
+        <translation>los puntos no tienen pasadas que alinear</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>rows to be aligned: the layout {0} is north-up</source>
+        <translation>pasadas por alinear: la disposición {0} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} row</source>
+        <translation>{0} pasada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} rows</source>
+        <translation>{0} pasadas</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/area.py"/>
         <source>area of no polygons: needs at least one</source>
         <translation>área sin polígonos: necesita al menos uno</translation>
@@ -9194,8 +9302,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
-        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two</source>
-        <translation type="unfinished"></translation>
+        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: both say where rows run</source>
+        <translation>misión con grid_angle_deg {0!r} y row_azimuth_deg {1!r}: ambos dicen hacia dónde van las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9586,11 +9694,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>
-        <source>QGroundControl survey without rows</source>
-        <translation>levantamiento de QGroundControl sin filas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/export/survey.py"/>
         <source>QGroundControl survey: needs an area of one polygon without holes</source>
         <translation>levantamiento de QGroundControl: necesita un área de un solo polígono sin huecos</translation>
     </message>
@@ -9861,13 +9964,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>disposición {0}: traza una sola cuadrícula sobre un polígono, y hay {1:,}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/layout/polygons.py"/>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>area: the source's CRS {0} does not reach latitude {1!r}, longitude {2!r}</source>
         <translation>área: el SRC {0} de la fuente no alcanza la latitud {1!r}, longitud {2!r}</translation>
@@ -9881,6 +9977,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, and an area is covered by images of ground alone on a source that has its own CRS</source>
         <translation>cámara con inclinación {0:g}, alabeo {1:g} grados desde {2:g} m: ve más allá del horizonte, y en una fuente con SRC propio un área se cubre solo con imágenes de terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>camera with tilt {0:g}, roll {1:g} deg from {2:g} m: sees past the horizon, where rows flown to and fro have no frames that face their track</source>
+        <translation>cámara con inclinación de {0:g} y alabeo de {1:g} grados desde {2:g} m: ve más allá del horizonte, donde las pasadas de ida y vuelta no tienen encuadres en el sentido de vuelo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9956,6 +10057,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
+        <source>camera faces {0}: the layout {1} is north-up</source>
+        <translation>la cámara mira a {0}: la disposición {1} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
         <source>choose imagery in a polar CRS, such as the synthetic world with {0} {1}</source>
         <translation>elegir imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
     </message>
@@ -9978,6 +10084,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>images with under 0.001 px of map in them: the camera looks past the map or the Earth</source>
         <translation>imágenes con menos de 0,001 px de mapa: la cámara mira más allá del mapa o de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>margin {0:g} m: the layout {1} has none</source>
+        <translation>margen de {0:g} m: la disposición {1} no tiene ninguno</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -10406,8 +10517,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
+        <source>Map frame (not resampled)</source>
+        <translation>Encuadre de mapa (sin remuestreo)</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10578,6 +10689,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>battery of {0:g} min: needs a take-off point, where each sortie begins and ends</source>
         <translation>batería de {0:g} min: necesita un punto de despegue, donde empieza y termina cada salida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>camera faces</source>
+        <translation>la cámara mira a</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360</source>
+        <translation>la cámara mira a {0!r}: debe ser {1}, {2} o un acimut de -360 a 360</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10871,8 +10992,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
-        <translation>mapa: una ventana de los propios píxeles de la fuente, norte arriba, para cámaras que miran en vertical; cámara: la imagen como la ve la cámara; automático: un encuadre de mapa si su error cabe en el admisible</translation>
+        <source>map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en cuartos de vuelta, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>margin</source>
+        <translation>margen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11016,6 +11142,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>so much ground beyond an area is covered as well, on all sides; points have none</source>
+        <translation>se cubre además este terreno alrededor del área, por todos los lados; los puntos no tienen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>source</source>
         <translation>fuente</translation>
     </message>
@@ -11144,6 +11275,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
         <translation>de dónde vienen las imágenes: un nombre o título (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, arcgis:URL, ogcapi:URL o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where the top of the images points, from which the yaw counts: north, turned with the rows where these are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images</source>
+        <translation>hacia dónde apunta el borde superior de las imágenes, desde donde se cuenta la guiñada: north, girado con las pasadas donde estas se apartan del este; track, el sentido en que se vuela cada pasada; o un acimut en grados, el mismo para todas las imágenes</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

@@ -97,7 +97,7 @@ class CaptureTask(Task):
         self._test_shot, self._only_failed = test_shot, only_failed
         self._snapshot = snapshot_for(plan.mission)
         self._with_mosaic = not test_shot
-        self._capture_share = _CAPTURE_SHARE if plan.size_px is None else _CAMERA_SHARE
+        self._capture_share = _CAPTURE_SHARE if plan.is_north_up else _CAMERA_SHARE
         self._connections = Settings().connections
         self._transport = transport_for(plan.mission.imagery.source)
         self._stopping = False
@@ -176,7 +176,7 @@ class CaptureTask(Task):
 
         if len(self.plan) > MOST_PICTURES:
             return
-        if self.plan.size_px is None:
+        if self.plan.is_north_up:
             self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
             return
         try:

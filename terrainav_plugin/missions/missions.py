@@ -88,7 +88,7 @@ class DatasetTask(Task):
             steps = worked_out(self.mission, self._find_grid)
             if len(steps) > MOST_PICTURES:
                 return []
-            if steps.size_px is not None:
+            if not steps.is_north_up:
                 return build_orthomosaics(self.folder, self.mission, heights_for, self.go_on)
             return build_mosaics(steps, self.folder, self.go_on)
         except TerrAInavError as wrong:

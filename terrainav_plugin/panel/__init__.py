@@ -12,6 +12,7 @@ source_list     these as the project's layers come and go, and as the user adds 
 source_dialogs  dialogs for sources of one's own
 figures         the figures of a plan in the user's words
 planning        from what is entered to a plan
+alignment       rows turned so that they suit the area
 runs            the captures of this session
 options_page    the plugin's settings, among QGIS's own
 """

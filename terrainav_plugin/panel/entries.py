@@ -7,14 +7,18 @@ from typing import Any, NamedTuple
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
-from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QLabel, QLineEdit, QWidget
+from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QLineEdit, QWidget
 
+from ...core.mission.parts import NORTH, TRACK
 from ..form.fields import choices_of, label_of, tip_of
 from ..form.state import DECLARED, ENTERED_AS_DECLARED, FormState
+from ..i18n import tr
 from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, line_edit, named, row, spin, tick
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
 _MOST = 1e6
+#: What the chooser of where cameras face holds for an azimuth.
+_AZIMUTH = "azimuth"
 
 
 class _Access(NamedTuple):
@@ -37,6 +41,53 @@ class WordsLine(QLineEdit):
     def enter(self, words: tuple[str, ...]) -> None:
         """Enter words."""
         self.setText((", " if any(" " in word for word in words) else " ").join(words))
+
+
+class FacingBox(QWidget):
+    """Choice of where cameras face, with a number for an azimuth; its value is the text that missions have.
+
+    Signals
+    -------
+    changed()
+    """
+
+    changed = pyqtSignal()
+
+    def __init__(self, name: str, tip: str) -> None:
+        super().__init__()
+        items = [(NORTH, tr("North")), (TRACK, tr("Flight direction")), (_AZIMUTH, tr("Azimuth"))]
+        self.choice = combo(f"{name}_choice", items, tip)
+        self.azimuth = spin(f"{name}_azimuth", -_MOST, _MOST, 2, " °", tip)
+        self.setToolTip(tip)
+        self._entered = self._shown = ""
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.choice, 1)
+        layout.addWidget(self.azimuth, 1)
+        self.setFocusProxy(self.choice)
+        self.azimuth.hide()
+        self.choice.currentIndexChanged.connect(self._chosen)
+        self.azimuth.valueChanged.connect(self.changed)
+
+    def text(self) -> str:
+        """What is chosen; an azimuth in the digits that it was entered in, as long as it is the same."""
+        if self.choice.currentData() != _AZIMUTH:
+            return str(self.choice.currentData())
+        shown = f"{self.azimuth.value():.15g}"
+        return self._entered if shown == self._shown else shown
+
+    def enter(self, text: str) -> None:
+        """Enter a value."""
+        if text in (NORTH, TRACK):
+            choose(self.choice, text)
+            return
+        self.azimuth.setValue(float(text))
+        choose(self.choice, _AZIMUTH)
+        self._entered, self._shown = text, f"{self.azimuth.value():.15g}"
+
+    def _chosen(self) -> None:
+        self.azimuth.setVisible(self.choice.currentData() == _AZIMUTH)
+        self.changed.emit()
 
 
 class Entries(QgsCollapsibleGroupBoxBasic):
@@ -178,6 +229,8 @@ def declared_number(name: str) -> NumberBox:
 
 
 def _access(widget: QWidget) -> _Access:
+    if isinstance(widget, FacingBox):
+        return _Access(widget.text, widget.enter, widget.changed)
     if isinstance(widget, QComboBox):
         return _Access(widget.currentData, lambda value: choose(widget, value), widget.currentIndexChanged)
     if isinstance(widget, QCheckBox):

@@ -7,8 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from qgis.PyQt.QtCore import Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QLabel
+from qgis.PyQt.QtWidgets import QLabel, QMenu
 
+from ...core.mission.parts import LONGEST_SIDE, SHORTEST
 from ..form.camera import shown_gsd
 from ..form.fields import label_of, tip_of
 from ..form.state import DECLARED, FormState
@@ -23,6 +24,7 @@ from ..widgets import (
     folder_entry,
     line_edit,
     named,
+    push_button,
     row,
     spin,
     tick,
@@ -31,6 +33,7 @@ from ..widgets import (
 from .elevation import HeightsLine
 from .entries import (
     Entries,
+    FacingBox,
     Section,
     WordsLine,
     declared_choice,
@@ -52,11 +55,18 @@ _LOW_M = 20.0
 class FlightEntries(Entries):
     """Group of the flight.
 
+    Signals
+    -------
+    align_clicked(str)
+        Rows are to be aligned, in one of `parts.ALIGNMENTS`.
+
     Attributes
     ----------
     height_by : str
         What the height follows from, as in `FormState`: what was typed last.
     """
+
+    align_clicked = pyqtSignal(str)
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("flight", tr("Flight"), marks)
@@ -130,9 +140,20 @@ class FlightEntries(Entries):
     def _add_lines(self) -> None:
         self.layout_choice = declared_choice("layout")
         self.add_declared("layout", self.layout_choice)
-        two = {name: declared_widget(name) for name in ("row_azimuth_deg", "crosshatch")}
-        self.add_two(label_of(DECLARED["row_azimuth_deg"]), *two, two)
+        azimuth = declared_widget("row_azimuth_deg")
+        self.align = push_button("align", tr("Align"), tr("Turn the rows so that they suit the area"))
+        menu = named(QMenu(self.align), "align_menu")
+        for way, text in ((LONGEST_SIDE, tr("Align to longest side")), (SHORTEST, tr("Shortest flight"))):
+            action = menu.addAction(text)
+            action.setObjectName(way)
+            action.triggered.connect(lambda _checked=False, way=way: self.align_clicked.emit(way))
+        self.align.setMenu(menu)
+        label = label_of(DECLARED["row_azimuth_deg"])
+        self.add("row_azimuth_deg", label, azimuth, row(azimuth, self.align, stretch=0))
         self.add_declared("order")
+        self.add_declared("crosshatch")
+        self.add_declared("facing", named(FacingBox("facing", tip_of(DECLARED["facing"])), "facing"))
+        self.add_declared("margin_m")
 
 
 class OutputEntries(Entries):

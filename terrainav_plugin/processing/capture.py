@@ -135,7 +135,7 @@ class _Capturing(WithImagery):
         def progress(share: float) -> bool:
             return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
 
-        if worked_out.size_px is None:
+        if worked_out.is_north_up:
             return build_mosaics(worked_out, result.folder, progress)
         try:
             return build_orthomosaics(result.folder, worked_out.mission, heights_for, progress)

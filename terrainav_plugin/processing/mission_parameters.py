@@ -23,6 +23,7 @@ from qgis.core import (
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
+from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels
 from ...core.mission.wind import Wind
 from ...core.resources import read_json
@@ -53,6 +54,8 @@ _IF_GIVEN = ("image_px", "start", "date", "crs")
 _OF_PATHS = ("elevation", "surface")
 #: The last of a mission's parameters, which stands for all others.
 _FILE = "MISSION"
+#: What turned rows in earlier versions.
+_ANGLE = "GRID_ANGLE"
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 
@@ -73,6 +76,10 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
                 _add_shares(algorithm, field)
             else:
                 algorithm.add(_parameter(field), sentence_of(field), advanced=field.advanced)
+    # Models and scripts of earlier versions turn rows by it; nobody else is asked.
+    angle = QgsProcessingParameterNumber(_ANGLE, tr("Grid angle"), _REAL, None, optional=True)
+    angle.setFlags(angle.flags() | QgsProcessingParameterDefinition.Flag.FlagHidden)
+    algorithm.add(angle, tr("Replaced by the row azimuth, which is 90° more."))
     for name, own in _WIND.items():
         field = field_named(Wind, own)
         usual = field.default if own == "speed_m_per_s" else field.starts_with
@@ -114,6 +121,9 @@ def mission_of(run: Run) -> Mission:
             if field.name not in _OTHERWISE:
                 value = _value(run, field)
                 entries.update({} if value is None else {field.name: value})
+    if run.parameters.get(_ANGLE) is not None:
+        entries.pop("row_azimuth_deg", None)
+        entries = with_row_azimuth({**entries, GRID_ANGLE: run.number(_ANGLE)})
     size, other = run.text("IMG_SIZE").strip(), run.text("OTHER_SOURCE").strip()
     return Mission(
         area,

@@ -284,19 +284,17 @@ def _polygon(plan: Plan, rows: _Rows) -> tuple[list[list[float]], float, int]:
     left = _straightened(offset, low - beyond, straight, -1.0)
     right = _straightened(offset, high + beyond, straight, 1.0)
     near, far = (left, right) if rows.forward else (right, left)
-    best: tuple[float, Floats, Floats, float] | None = None
+    best: tuple[float, Floats, Floats, float] = np.inf, low, offset, rows.spacing_m
     for below, above in sorted(product(_MARGINS, _MARGINS), key=sum):
         ends = below * rows.spacing_m, above * rows.spacing_m
         sides = _capped(*near, *ends, margin), _capped(*far, *ends, margin)
         along = np.concatenate([sides[0][0], sides[1][0][::-1]])
         across = np.concatenate([sides[0][1], sides[1][1][::-1]])
         spacing, off = _fitted(rows, along, across, offset)
-        if best is None or off < best[0]:
+        if off < best[0]:
             best = off, along, across, spacing
         if off < _NEAR:
             break
-    if best is None:
-        raise InvalidInput("QGroundControl survey without rows")
     _, along, across, spacing = best
     return rows.placed(along, across), spacing, entry
 

@@ -15,7 +15,7 @@ from ..area import Polygons
 from ..mission import Mission
 from ..parts import ONE_WAY, PAPER
 from .rotated import Pass
-from .rows import Layout, picked, refuse_too_many
+from .rows import Layout, keeps_ways, picked, refuse_too_many, turned_yaws_deg
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -53,8 +53,8 @@ class _Ways(NamedTuple):
 #: Whether the captures of a pass are taken from the last to the first, and whether each row is turned round then: as
 #: laid out, from the other end of the first row, and from either end of the last row.
 _TURNS = ((False, False), (False, True), (True, False), (True, True))
-#: Those that fly each row in the direction in which it is laid out.
-_SAME_DIRECTIONS = (0, 3)
+#: Those that fly each row the way it is laid out.
+_KEPT_TURNS = (0, 3)
 
 
 def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
@@ -91,15 +91,18 @@ def lay_out_polygons(mission: Mission, laid_out: LaidOut) -> tuple[Layout, tuple
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     found = list(_laid_out(mission, area, laid_out))
-    turns = _turns(mission)
-    ways = [_ways(layout, passes, turns) for layout, passes in found]
+    # Cameras that see aside along their track stand where their own way of flying needs them.
+    kept = mission.flight.order == ONE_WAY or keeps_ways(mission)
+    ways = [
+        _ways(layout, passes, _KEPT_TURNS if kept else tuple(range(len(_TURNS)))) for layout, passes in found
+    ]
     chosen = _shortest(ways)
     layouts, joined, firsts, rows, count = [], [], [], 0, 0
     for part, way in chosen:
         layout, passes = found[part]
-        flown = _flown(layout, passes, ways[part].turns[way])
+        flown = _flown(mission, layout, passes, ways[part].turns[way])
         layouts.append(flown._replace(row=flown.row + rows))
-        joined += [one._replace(first=one.first + count) for one in passes]
+        joined += [one._replace(first=one.first + count, first_row=one.first_row + rows) for one in passes]
         firsts.append(count)
         rows += int(layout.row.max()) + 1
         count += len(layout.row)
@@ -146,11 +149,6 @@ def _runs(row: Numbers) -> tuple[Numbers, Numbers]:
     return np.append(0, change), np.append(change - 1, len(row) - 1)
 
 
-def _turns(mission: Mission) -> tuple[int, ...]:
-    """Which of `_TURNS` a mission's rows may be flown by: those of one direction keep to it."""
-    return _SAME_DIRECTIONS if mission.flight.order == ONE_WAY else tuple(range(len(_TURNS)))
-
-
 def _ways(layout: Layout, passes: tuple[Pass, ...], which: tuple[int, ...]) -> _Ways:
     """Ways to fly the rows of a polygon: each of its passes from either end of its first row or its last."""
     each: list[dict[int, tuple[Floats, Floats, int]]] = []
@@ -192,13 +190,15 @@ def _steps(start: Floats, end: Floats) -> Numbers:
     return np.asarray(np.rint(np.linalg.norm(end - start, axis=-1) * _STEPS_PER_M), np.int64)
 
 
-def _flown(layout: Layout, passes: tuple[Pass, ...], turns: tuple[int, ...]) -> Layout:
+def _flown(mission: Mission, layout: Layout, passes: tuple[Pass, ...], turns: tuple[int, ...]) -> Layout:
     """Layout of a polygon with its passes flown in some way."""
     if not any(turns):
         return layout
-    order = []
+    order, yaw = [], layout.yaw_deg
     for part, turn in zip(_slices(layout, passes), turns):
         back, turned = _TURNS[turn]
+        if back != turned:
+            yaw = turned_yaws_deg(mission, yaw, part)
         index = np.arange(part.stop - part.start)
         if turned:
             first, last = _runs(layout.row[part])
@@ -206,7 +206,7 @@ def _flown(layout: Layout, passes: tuple[Pass, ...], turns: tuple[int, ...]) -> 
             index = first[run] + last[run] - index
         order.append(part.start + (index[::-1] if back else index))
     which = np.concatenate(order)
-    return picked(layout, which)
+    return picked(layout._replace(yaw_deg=yaw), which)
 
 
 # --- the order of polygons

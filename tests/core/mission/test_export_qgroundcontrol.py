@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.mission import Mission
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
+from tests.core.mission.qgc_survey import GEOD, photos
+from tests.core.mission.test_export_wpml import SURVEY, with_sorties
 
 TAKEOFF, WAYPOINT, RETURN, SPEED, MOUNT, PICTURE = 22, 16, 20, 178, 205, 2000
 
@@ -82,3 +87,43 @@ def test_more_than_mavlink_counts_is_refused(tmp_path):
     with pytest.raises(InvalidInput, match="waypoints: takes 32,765 or fewer"):
         write_plan(flown, tmp_path / "field.plan")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_each_sortie_is_a_plan_from_the_takeoff(tmp_path):
+    flown = worked_out(SURVEY.with_(ground_height_m=500.0))
+    count = int(np.flatnonzero(flown.row == 3)[0])
+    exported = write_plan(with_sorties(flown, count), tmp_path / "field.plan")
+    assert [path.name for path in exported.files] == ["field-1.plan", "field-2.plan"]
+    for path, captures in zip(exported.files, (count, len(flown) - count)):
+        mission = read(path)["mission"]
+        assert mission["plannedHomePosition"] == [47.39, 8.49, 430.0]
+        commands = [item["command"] for item in mission["items"]]
+        # A transit and a lead-in on the way there, a turn at the end.
+        assert commands == [
+            *(TAKEOFF, SPEED, MOUNT, WAYPOINT, WAYPOINT),
+            *[WAYPOINT, PICTURE] * captures,
+            *(WAYPOINT, RETURN),
+        ]
+        assert mission["items"][0]["params"][4:] == [47.39, 8.49, 120.0]
+
+
+def test_distance_and_hovering_release_the_camera(tmp_path):
+    flown = worked_out(SURVEY)
+    by_distance = replace(flown, mission=flown.mission.with_(trigger="distance"))
+    write_plan(by_distance, tmp_path / "field.plan")
+    items = read(tmp_path / "field.plan")["mission"]["items"][3:-1]
+    assert [item["command"] for item in items] == [WAYPOINT, 206, WAYPOINT, 206] * flown.rows
+    taken = np.array(photos(items))
+    assert GEOD.inv(taken[:, 1], taken[:, 0], flown.lon_deg, flown.lat_deg)[2].max() < 0.05
+    write_plan(replace(flown, mission=flown.mission.with_(trigger="hover")), tmp_path / "field.plan")
+    items = read(tmp_path / "field.plan")["mission"]["items"]
+    assert {item["params"][0] for item in items if item["command"] == WAYPOINT} == {1.0}
+
+
+def test_the_gimbal_is_turned_where_its_pitch_changes(tmp_path):
+    poses = ((47.4, 8.5, 80.0), (47.4, 8.501, 80.0), (47.4, 8.502, 80.0))
+    write_plan(worked_out(Mission(Points(poses, tilts_deg=(0.0, 30.0, 30.0)), 80.0)), tmp_path / "field.plan")
+    items = read(tmp_path / "field.plan")["mission"]["items"]
+    assert [
+        (item["command"], item["params"][0]) for item in items if item["command"] in (MOUNT, PICTURE)
+    ] == [*((MOUNT, -90.0), (PICTURE, 0), (MOUNT, -60.0), (PICTURE, 0), (PICTURE, 0))]

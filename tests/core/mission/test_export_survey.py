@@ -26,7 +26,7 @@ from tests.core.mission.qgc_survey import (
 from tests.core.mission.test_export_wpml import with_sorties
 
 BOX = Mission(Box(47.404, 8.5, 47.4, 8.507), 100.0, overlap_along=0.7, overlap_across=0.6)
-FIELD = Polygon((((47.405, 8.50), (47.404, 8.508), (47.400, 8.511), (47.3985, 8.503)),))
+FIELD = Polygon((((8.50, 47.405), (8.508, 47.404), (8.511, 47.400), (8.503, 47.3985)),))
 MISSIONS = {
     "box": BOX,
     "facing east": BOX.with_(yaw_deg=90.0),
@@ -178,7 +178,7 @@ def test_ways_there_and_back_are_outside_the_survey(tmp_path):
             "an area of one polygon without holes",
         ),
         (
-            BOX.with_(area=Polygon((*FIELD.rings, ((47.402, 8.505), (47.403, 8.506), (47.402, 8.507))))),
+            BOX.with_(area=Polygon((*FIELD.rings, ((8.505, 47.402), (8.506, 47.403), (8.507, 47.402))))),
             "an area of one polygon without holes",
         ),
         (BOX.with_(tilt_deg=20.0), "must look straight down"),

@@ -151,7 +151,7 @@ def test_the_same_plan_gives_the_same_bytes(tmp_path):
 
 
 def test_dji_fly_gets_parts_of_200_waypoints(tmp_path):
-    flown = worked_out(SURVEY.with_(drone="dji-fly", overlap_along=0.85, overlap_across=0.75))
+    flown = worked_out(SURVEY.with_(drone="dji-fly", overlap_along=0.88, overlap_across=0.75))
     exported = written(flown, tmp_path)
     files = -(-len(flown) // 200)
     assert files > 1

@@ -459,7 +459,7 @@ def test_rows_that_a_mission_file_turns_by_an_angle_from_east_keep_their_directi
         ({"grid_angle_deg": 181}, "grid angle 181: must be a number from -180 to 180"),
         ({"grid_angle_deg": "east"}, "grid angle 'east': must be a number"),
         ({"grid_angle_deg": math.nan}, "grid angle nan"),
-        ({"grid_angle_deg": 1, "row_azimuth_deg": 91}, "give one of the two"),
+        ({"grid_angle_deg": 1, "row_azimuth_deg": 91}, "both say where rows run"),
     ],
 )
 def test_an_angle_that_no_version_took_is_refused(flight, says):

@@ -281,3 +281,24 @@ def test_an_image_too_far_is_one_clear_line():
 def test_what_needs_a_take_off_is_refused_without_one(changes):
     with pytest.raises(InvalidInput, match="needs a take-off point"):
         FIELD.with_(**changes)
+
+
+# --- entry of rows whose cameras face their track
+
+
+@pytest.mark.parametrize("order", ["serpentine", "one-way"])
+@pytest.mark.parametrize("corner", CORNERS)
+@pytest.mark.parametrize("tilt", [0.0, 15.0])
+@pytest.mark.parametrize("azimuth", [90.0, 125.0])
+def test_cameras_face_their_track_wherever_the_flight_enters(order, corner, tilt, azimuth):
+    tracking = {"facing": "track", "tilt_deg": tilt, "order": order, "row_azimuth_deg": azimuth}
+    made, as_laid_out = flown(entry=corner, **tracking), flown(**tracking)
+    same = made.row[1:] == made.row[:-1]
+    heading, _, _ = GEOD.inv(made.lon_deg[:-1], made.lat_deg[:-1], made.lon_deg[1:], made.lat_deg[1:])
+    off = (made.poses.yaw_deg[:-1] - heading + 180.0) % 360.0 - 180.0
+    assert np.abs(off[same]).max() < 0.05
+    # Their images lie the other way round, but at the same places.
+    places = [sorted(zip(one.column, one.row, one.lat_deg, one.lon_deg)) for one in (made, as_laid_out)]
+    assert places[0] == places[1]
+    assert made.coverage.complete
+    assert astuple(made.overlap) == pytest.approx(astuple(as_laid_out.overlap), abs=1e-6)

@@ -129,7 +129,7 @@ LAYOUTS = {
     "cover": {},
     "overlap": {"overlap_along": 0.6, "overlap_across": 0.4},
     "one-way": {"order": "one-way", "overlap_along": 0.3},
-    "rotated": {"grid_angle_deg": 30.0},
+    "rotated": {"row_azimuth_deg": 120.0},
     "crosshatch": {"crosshatch": True},
 }
 

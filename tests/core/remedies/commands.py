@@ -26,7 +26,7 @@ def _no_memory(case: Case) -> None:
 
     real = planning.plan
 
-    def hungry(mission, grid):
+    def hungry(mission, grid, heights=None):
         # A machine that has room for ten images of 640 px.
         made = real(mission, grid)
         if len(made) * made.width_px[0] > 6_400:

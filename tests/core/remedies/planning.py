@@ -12,8 +12,10 @@ from terrainav.core.geodesy.frames import map_windows
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.ways import way_around
+from terrainav.core.mission.alignment import aligned
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import LONGEST_SIDE
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.wind import Wind
 from terrainav.core.world import WorldSource
@@ -321,6 +323,34 @@ planned(
         "fly north-up rows": {"row_azimuth_deg": 90.0},
     },
 )
+planned(
+    "layout/rotated.py",
+    "camera with tilt {}, roll {} deg from {} m: sees past the horizon, where rows flown to and fro have no frames "
+    "that face their track; tilt it less or fly lower",
+    Mission(SMALL, 1e6, camera=Camera(60.0, 1.0), tilt_deg=40.0, facing="track"),
+    {"tilt it less": {"tilt_deg": 5.0}, "fly lower": {"agl_m": 1e4}},
+)
+planned(
+    "layout/rows.py",
+    "camera faces {}: the layout {} is north-up; use --layout cover",
+    Mission(AREA, 120.0, facing="track", layout="paper"),
+    {"use --layout cover": {"layout": "cover"}},
+)
+planned(
+    "layout/rows.py",
+    "margin {} m: the layout {} has none; use --layout cover",
+    Mission(AREA, 120.0, margin_m=20.0, layout="paper"),
+    {"use --layout cover": {"layout": "cover"}},
+)
+
+
+@remedy("mission/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
+def _aligned_on_paper(case: Case) -> None:
+    mission = Mission(AREA, 120.0, layout="paper")
+    case.refused(partial(aligned, mission, GRID))
+    case.follow("use --layout cover", partial(aligned, mission.with_(layout="cover"), GRID, way=LONGEST_SIDE))
+
+
 planned(
     "layout/rotated.py",
     "camera from {} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows",

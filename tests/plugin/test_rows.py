@@ -1,0 +1,107 @@
+"""Rows in the panel: aligned with the area in the background, and where cameras face."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import pytest
+from terrainav.core.mission.parts import LONGEST_SIDE, SHORTEST
+from terrainav.core.mission.plan import plan
+from terrainav.terrainav_plugin.compat import QAction
+from terrainav.terrainav_plugin.form.state import FormState
+
+from tests.plugin.test_dock_use import type_number
+
+RING = [[-89.866, 35.1385], [-89.8585, 35.1425], [-89.8597, 35.1440], [-89.8672, 35.1400]]
+
+
+def enter_field(desk):
+    desk.enter_small_mission()
+    lon, lat = zip(*RING)
+    desk.form.set_state(
+        replace(
+            desk.session.state(),
+            shape=json.dumps({"type": "polygon", "rings": [RING]}),
+            north=str(max(lat)),
+            south=str(min(lat)),
+            west=str(min(lon)),
+            east=str(max(lon)),
+            agl=250.0,
+        )
+    )
+    return desk.wait_planned()
+
+
+def press(desk, way):
+    desk.form.flight.align.menu().findChild(QAction, way).trigger()
+    desk.wait(lambda: not desk.form.flight.align.isEnabled() or desk.session.alignment.busy)
+    desk.wait(lambda: desk.form.flight.align.isEnabled() and not desk.session.alignment.busy)
+
+
+@pytest.mark.parametrize("way", [LONGEST_SIDE, SHORTEST])
+def test_rows_are_aligned_and_the_gain_is_said(desk, way):
+    before = enter_field(desk)
+    press(desk, way)
+    azimuth = desk.session.state().row_azimuth_deg
+    assert azimuth != 90.0
+    if way == LONGEST_SIDE:
+        assert azimuth == pytest.approx(57.0, abs=0.5)
+    planned = desk.wait_planned()
+    assert planned.mission.flight.row_azimuth_deg == azimuth
+    gain = round(100 * (1 - planned.summary.flight_distance_m / before.summary.flight_distance_m))
+    said = desk.messages()[-1]
+    assert said.startswith("Row azimuth")
+    assert f"{gain} % shorter than 90°" in said
+
+
+def test_entries_that_change_meanwhile_are_kept(desk):
+    enter_field(desk)
+    desk.session.alignment._look(SHORTEST, desk.session.planned)
+    type_number(desk.form.flight.entries["row_azimuth_deg"], "12")
+    desk.wait(desk.form.flight.align.isEnabled)
+    assert desk.session.state().row_azimuth_deg == 12.0
+    assert "entries changed" in desk.messages()[-1]
+
+
+def test_points_have_no_rows_to_align(desk):
+    desk.enter_small_mission()
+    points = {"type": "points", "poses": [[35.14, -89.86, 100.0], [35.141, -89.86, 100.0]]}
+    box = {"north": "35.141", "south": "35.14", "west": "-89.86", "east": "-89.86"}
+    desk.form.set_state(replace(desk.session.state(), shape=json.dumps(points), **box))
+    desk.wait_planned()
+    press(desk, LONGEST_SIDE)
+    assert "points have no rows" in desk.messages()[-1].lower()
+
+
+def test_cameras_face_what_is_chosen(desk):
+    desk.enter_small_mission()
+    desk.wait_planned()
+    facing = desk.form.flight.entries["facing"]
+    assert not facing.azimuth.isVisibleTo(facing)
+    desk.choose(facing.choice, "track")
+    made = desk.wait_planned()
+    assert made.mission.flight.facing == "track"
+    assert set(made.plan.quarter_turns.tolist()) <= {1, 3}
+    desk.choose(facing.choice, "azimuth")
+    assert facing.azimuth.isVisibleTo(facing)
+    type_number(facing.azimuth, "45.5")
+    assert desk.wait_planned().mission.flight.facing == "45.5"
+    assert plan(desk.wait_planned().mission, made.plan.grid).poses.yaw_deg == pytest.approx(45.5)
+    # What a mission says in other digits comes out as it went in.
+    desk.form.set_state(replace(desk.session.state(), facing="12.3456789"))
+    assert desk.session.state().facing == "12.3456789"
+    facing.azimuth.setValue(720.0)
+    desk.wait(lambda: "must be north, track or an azimuth" in desk.message("facing"))
+    desk.form.set_state(replace(desk.session.state(), facing="north"))
+    assert desk.wait_planned().mission.flight.facing == "north"
+
+
+def test_a_margin_is_flown(desk):
+    desk.enter_small_mission()
+    plain = desk.wait_planned().summary.images
+    type_number(desk.form.flight.entries["margin_m"], "150")
+    made = desk.wait_planned()
+    assert made.mission.flight.margin_m == 150.0
+    assert made.summary.images > plain
+    assert FormState.from_json(desk.session.state().to_json()).margin_m == 150.0
