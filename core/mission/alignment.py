@@ -211,7 +211,9 @@ class _Flights:
     def _laid_out_m(self, azimuth_deg: float) -> float:
         """Length of the flight at an azimuth; of turned rows over level ground by their places alone."""
         mission = self._mission.with_(row_azimuth_deg=azimuth_deg)
-        if self._heights is not None or self._grid.own is not None or not is_rotated(mission):
+        # Map frames of rows along the map's axes leave room for their rounding.
+        along_axes = azimuth_deg % EASTWARD_DEG == 0.0
+        if self._heights is not None or self._grid.own is not None or along_axes or not is_rotated(mission):
             return self.plan(azimuth_deg).flight_distance_m
         layout, _ = lay_out_rotated(mission, ground_of(mission))
         return float(np.sum(legs(layout.lat_deg, layout.lon_deg).distance_m))

@@ -29,7 +29,7 @@ from .layout.framing import (
 from .layout.rotated import is_rotated
 from .layout.rows import point_angles_deg
 from .mission import Mission
-from .parts import RAYS
+from .parts import NORTH, RAYS
 from .relief import ReliefBelow
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
@@ -325,11 +325,21 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: ReliefBelow | None)
             relief.lowest_m,
             relief.highest_m,
         )
-    if is_rotated(mission) and (grid.own is None or mission.flight.row_azimuth_deg % _QUARTER_DEG):
+    if is_rotated(mission) and not _is_quarter_turned(mission, grid):
         return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return _WIND
     return accuracy.outside_flat_domain(_ends(mission), None if grid.own is None else 0.0)
+
+
+def _is_quarter_turned(mission: Mission, grid: PixelGrid) -> bool:
+    """Whether images of turned rows may lie by quarter turns on the map, but for a plane's convergence.
+
+    North-up cameras, which turn with their rows, made camera frames of all turned rows on the map before others did.
+    """
+    if mission.flight.row_azimuth_deg % _QUARTER_DEG:
+        return False
+    return grid.own is not None or mission.flight.facing != NORTH
 
 
 def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:

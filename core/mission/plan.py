@@ -24,7 +24,7 @@ from ..geodesy.footprint import (
     poles_seen,
 )
 from ..geodesy.frames import Windows, quarter_turns, runs_on, window_centres
-from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, wrap_lon_deg
+from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import TurnedPlane
 from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View, view
@@ -41,7 +41,14 @@ from .layout.coverage import (
     unique_tiles,
 )
 from .layout.framing import ground_of, nominal_poses, sampled_zooms
-from .layout.rotated import Pass, rotated_coverage, rotated_overlap, rotated_rectangles, share_on
+from .layout.rotated import (
+    Pass,
+    rectangles_within,
+    rotated_coverage,
+    rotated_overlap,
+    rotated_rectangles,
+    share_on,
+)
 from .layout.rows import Layout
 from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
@@ -385,7 +392,7 @@ class Plan:
     @cached_property
     def _rectangles(self) -> tuple[Rectangles, ...]:
         """What the images of each pass show, in its plane."""
-        if self.grid.own is not None and self.size_px is None:
+        if self.size_px is None:
             return tuple(self._windows_in(part, at) for part, at in self._slices())
         mission, moved = self.mission, self.nominal is not None or self.flown is not None
         return tuple(
@@ -405,10 +412,12 @@ class Plan:
         return [(part, slice(part.first, end)) for part, end in zip(self.passes, ends)]
 
     def _windows_in(self, part: Pass, at: slice) -> Rectangles:
-        """Map frames in the plane of rows that run along their source's."""
+        """Map frames in the plane of rows that run along their source's, or nearly so in one about the area."""
         plane = part.plane
         if not isinstance(plane, TurnedPlane):
-            raise InvalidInput("windows of the map in a plane about an area")
+            world = self.grid.world_px(self.zoom)
+            left, top, right, bottom = (edge[at] / world for edge in self.windows.bounds_px)
+            return rectangles_within(plane, u_to_lon(left), v_to_lat(bottom), u_to_lon(right), v_to_lat(top))
         west, south, east, north = (edge[at] for edge in self.edges)
         (x0, y0), (x1, y1) = plane.of_crs(west, south), plane.of_crs(east, north)
         # The plane's axes may be turned by quarter turns.

@@ -58,7 +58,7 @@ class FacingBox(QWidget):
         items = [(NORTH, tr("North")), (TRACK, tr("Flight direction")), (_AZIMUTH, tr("Azimuth"))]
         self.choice = combo(f"{name}_choice", items, tip)
         self.azimuth = spin(f"{name}_azimuth", -_MOST, _MOST, 2, " °", tip)
-        self.setToolTip(tip)
+        named(self, name, tip)
         self._entered = self._shown = ""
         layout = QHBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)

@@ -152,7 +152,7 @@ class FlightEntries(Entries):
         self.add("row_azimuth_deg", label, azimuth, row(azimuth, self.align, stretch=0))
         self.add_declared("order")
         self.add_declared("crosshatch")
-        self.add_declared("facing", named(FacingBox("facing", tip_of(DECLARED["facing"])), "facing"))
+        self.add_declared("facing", FacingBox("facing", tip_of(DECLARED["facing"])))
         self.add_declared("margin_m")
 
 

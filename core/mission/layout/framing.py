@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, Protocol
@@ -140,21 +140,20 @@ def framed(
         layout, _, parts = lay_out_polygons(mission, of_one)
         return layout, parts
 
-    def in_plane(room_m: float) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
+    def in_plane(room: Mapping[str, float]) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
         # Turned rows are all alike, as tight as the highest ground needs.
         least = _over_highest(mission, relief)
         return lay_out_polygons(
-            least, lambda part: lay_out_rotated(part, ground_of(mission), grid.own, room_m)
+            least, lambda part: lay_out_rotated(part, ground_of(mission), grid.own, **room)
         )
 
     zoom_of = partial(_zoom, mission, framing, relief)
     passes: tuple[Pass, ...] = ()
     if is_rotated(mission) or (grid.own and not isinstance(mission.area, Points)):
-        layout, passes, parts = in_plane(0.0)
-        if grid.own is not None:
-            # Outer frames leave room for the rounding of their edges to the grid's pixels.
-            room_m = _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom_of(layout)))
-            layout, passes, parts = in_plane(room_m)
+        layout, passes, parts = in_plane({})
+        room = _room_in_plane(mission, grid, framing, layout, zoom_of)
+        if room:
+            layout, passes, parts = in_plane(room)
     else:
         layout, parts = in_rows(0.0)
         if grid.own is not None:
@@ -175,9 +174,30 @@ def framed(
         flown = relief.flown(layout)
         layout = layout._replace(agl_m=flown.seen_agl_m)
     poses = disturbed(layout, nominal_poses(mission, layout))
-    alike = passes and mission.wind is None and grid.own is None and flown is None
+    size_px = framing.size_px(layout)
+    still = mission.wind is None and grid.own is None and flown is None
+    alike = passes and still and size_px is not None
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
-    return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown, parts, lost)
+    return Framed(layout, poses, zoom, windows, size_px, passes, flown, parts, lost)
+
+
+def _room_in_plane(
+    mission: Mission,
+    grid: PixelGrid,
+    framing: Framing,
+    layout: Layout,
+    zoom_of: Callable[[Layout], int],
+) -> dict[str, float]:
+    """What `lay_out_rotated` is to leave room for; nothing where a first layout needs none."""
+    if grid.own is not None:
+        # Outer frames leave room for the rounding of their edges to the grid's pixels.
+        return {"room_m": _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom_of(layout)))}
+    if framing.size_px(layout) is None:
+        # Map frames have rounded edges, and lie a little across the axes of a plane about the area.
+        off_px = _ROUNDED_PX + mission.accuracy.error_budget_px
+        pixels_m = grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom_of(layout))
+        return {"narrowed_m": off_px * float(np.max(pixels_m))}
+    return {}
 
 
 def _laid_out_first(mission: Mission, layout: Layout) -> int:

@@ -142,12 +142,16 @@ def is_rotated(mission: Mission) -> bool:
 
 
 def lay_out_rotated(
-    mission: Mission, ground: Ellipsoid, own: ProjectedPlane | None = None, room_m: float = 0.0
+    mission: Mission,
+    ground: Ellipsoid,
+    own: ProjectedPlane | None = None,
+    room_m: float = 0.0,
+    narrowed_m: float = 0.0,
 ) -> tuple[Layout, tuple[Pass, ...]]:
     """Places of the captures of a mission whose rows lie in a plane.
 
     That is one about the area, or the plane of the source's own CRS, where rows run along grid east. The area is taken
-    to be ``room_m`` larger on all sides.
+    to be ``room_m`` larger on all sides, and what images have in common to be ``narrowed_m`` smaller.
 
     Raises
     ------
@@ -190,7 +194,7 @@ def lay_out_rotated(
     for angle in angles:
         plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
-        part, sides, back = _laid_out(mission, area, plane, ground, flown, room_m)
+        part, sides, back = _laid_out(mission, area, plane, ground, flown, (room_m, narrowed_m))
         parts.append(part._replace(row=part.row + rows))
         passes.append(Pass(plane, sides, flown, back, rows))
     if len(parts) == 1:
@@ -224,15 +228,23 @@ def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
 
 
 def _laid_out(
-    mission: Mission, area: Box | Polygon, plane: RowsPlane, ground: Ellipsoid, flown: int, room_m: float
+    mission: Mission,
+    area: Box | Polygon,
+    plane: RowsPlane,
+    ground: Ellipsoid,
+    flown: int,
+    rooms_m: tuple[float, float],
 ) -> tuple[Layout, Sides, Sides | None]:
     """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
     extent, out, back = _shape(area, plane, _EXTENT_M), False, None
     # Images stand beyond the area by its margin, too.
     extent = extent._replace(bend_m=extent.bend_m + _margin_on(mission, area, plane))
     sides = _common(mission, extent, plane, ground, out)
+    room_m, narrowed_m = rooms_m
     if mission.flight.turns_about:
         sides, back = _alike(sides, _common(mission, extent, plane, ground, not out))
+    if narrowed_m:
+        sides, back = _narrower(sides, narrowed_m), None if back is None else _narrower(back, narrowed_m)
     (width,), (height,) = sides.size_m
     steps = np.array(
         [width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)]
@@ -286,6 +298,13 @@ def _margin_on(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float
     ends = (plane.forward(*place) for place in ((lat, lon), (to_lat, to_lon)))
     (x, y), (to_x, to_y) = ends
     return float(np.hypot(to_x - x, to_y - y).max()) * _MARGIN_ROOM
+
+
+def _narrower(sides: Sides, by_m: float) -> Sides:
+    """Rectangles that are narrower on all sides; of no extent where that is all there is."""
+    across, up = (np.minimum(by_m, size / 2.0) for size in sides.size_m)
+    left, bottom, right, top = sides
+    return Sides(left + across, bottom + up, right - across, top - up)
 
 
 def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
@@ -398,9 +417,7 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid,
     # Between the places images differ from those there by what a curve leaves its chord: an eighth of its bend.
     lattice = rings.reshape(_PLACES, _PLACES, -1)
     bend = max(float(np.abs(np.diff(lattice, n=2, axis=axis)).max()) for axis in (0, 1)) / 4.0
-    left, bottom, right, top = common
-    across, up = (np.minimum(bend, size / 2.0) for size in common.size_m)
-    return Sides(left + across, bottom + up, right - across, top - up)
+    return _narrower(common, bend)
 
 
 def _shape(area: Box | Polygon, plane: RowsPlane, bend_m: float) -> Shape:
@@ -445,6 +462,18 @@ def rotated_rectangles(
     y = y[new][np.cumsum(new) - 1]
     left, bottom, right, top = part.sides_of(row)
     return Rectangles(x + left, y + bottom, x + right, y + top)
+
+
+def rectangles_within(
+    plane: RowsPlane, west: Floats, south: Floats, east: Floats, north: Floats
+) -> Rectangles:
+    """Rectangles along a plane's axes inside those along the map's, by their edges in degrees, (n,) each.
+
+    The two differ by quarter turns and by the plane's convergence.
+    """
+    lon, lat = np.stack([west, east, east, west]), np.stack([south, south, north, north])
+    x, y = (np.sort(part, axis=0) for part in plane.forward(lat, lon))
+    return Rectangles(x[1], y[1], np.maximum(x[2], x[1]), np.maximum(y[2], y[1]))
 
 
 def _rounded(own: Sides, size_m: tuple[Floats, Floats]) -> Rectangles:

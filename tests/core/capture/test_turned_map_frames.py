@@ -6,7 +6,7 @@ from contextlib import closing
 
 import numpy as np
 import pytest
-from osgeo import gdal, osr
+from osgeo import gdal, ogr, osr
 from pyproj import Transformer
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
@@ -15,7 +15,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import north_up, turned
@@ -25,6 +25,7 @@ from terrainav.core.world import WorldSource
 from tests.support import rasters
 
 gdal.UseExceptions()
+ogr.UseExceptions()
 TO_DEGREES = Transformer.from_crs(32616, 4326, always_xy=True)
 CAMERA = Camera(60.0, 1.5)
 #: One capture at each quarter turn, one of them across whole turns.
@@ -180,6 +181,76 @@ def test_images_lie_by_quarter_turns_on_a_source_s_own_grid(tmp_path, azimuth):
         true = TO_DEGREES.transform(*corners, direction="INVERSE")
         off = np.hypot(*(np.array([p[0, 0], p[0, -1], p[-1, -1]]) - t[:3] for p, t in zip((x, y), true)))
         assert off.max() < 0.8
+
+
+FIELD = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), (-89.868, 35.1405)),))
+
+
+@pytest.mark.parametrize(
+    ("area", "changes", "turns"),
+    [
+        (SMALL, {"row_azimuth_deg": 0.0}, {0, 2}),
+        (FIELD, {"row_azimuth_deg": 180.0, "overlap_along": 0.4, "overlap_across": 0.2}, {0, 2}),
+        (FIELD, {"row_azimuth_deg": 270.0}, {1, 3}),
+        (SMALL, {"crosshatch": True}, {0, 1, 2, 3}),
+        (SMALL, {"row_azimuth_deg": 0.0, "facing": "90"}, {1}),
+        (
+            Box(60.03, 10.0, 60.0, 10.05),
+            {"row_azimuth_deg": 0.0, "agl_m": 300.0, "error_budget_px": 2.0},
+            {0, 2},
+        ),
+    ],
+)
+def test_rows_along_meridians_are_map_frames_that_leave_nothing_out(area, changes, turns):
+    agl_m = changes.pop("agl_m", 60.0)
+    made = plan(
+        Mission(area, agl_m, CAMERA, **{"facing": "track", **changes}), PixelGrid(max_zoom=22, native_zoom=22)
+    )
+    assert made.size_px is None
+    assert set(made.quarter_turns.tolist()) == turns
+    assert made.coverage.complete
+    # GEOS knows no camera and no rows: the windows hold the area.
+    box = area.bounds
+    ring = (
+        area.rings[0]
+        if isinstance(area, Polygon)
+        else [
+            (box.west_deg, box.north_deg),
+            (box.east_deg, box.north_deg),
+            (box.east_deg, box.south_deg),
+            (box.west_deg, box.south_deg),
+        ]
+    )
+    field = polygon(*np.array(ring).T)
+    field.Segmentize(1e-4)
+    lon, lat = np.array(field.GetGeometryRef(0).GetPoints())[:, :2].T
+    windows = ogr.Geometry(ogr.wkbMultiPolygon)
+    for west, south, east, north in zip(*made.edges):
+        windows.AddGeometry(polygon([west, east, east, west], [south, south, north, north]))
+    on_map = polygon(*Transformer.from_crs(4326, 3857, always_xy=True).transform(lon, lat))
+    assert on_map.Difference(windows.UnionCascaded()).Area() < 1e-3
+    # Overlap that is said is had: the next window of a row shares as much.
+    west, south, east, north = made.edges
+    here = np.flatnonzero(made.row[1:] == made.row[:-1])
+    shared = np.minimum(north[here], north[here + 1]) - np.maximum(south[here], south[here + 1])
+    beside = np.minimum(east[here], east[here + 1]) - np.maximum(west[here], west[here + 1])
+    share = np.minimum(shared / (north - south)[here], beside / (east - west)[here])
+    assert share.min() >= made.overlap.least_along - 1e-3
+    assert made.overlap.least_along >= made.mission.flight.overlap_along
+
+
+def polygon(x, y):
+    ring = ogr.Geometry(ogr.wkbLinearRing)
+    for place in zip([*x, x[0]], [*y, y[0]]):
+        ring.AddPoint_2D(*map(float, place))
+    found = ogr.Geometry(ogr.wkbPolygon)
+    found.AddGeometry(ring)
+    return found
+
+
+def test_rows_that_were_camera_frames_before_others_could_be_turned_still_are():
+    for changes in ({"row_azimuth_deg": 0.0}, {"crosshatch": True}):
+        assert plan(Mission(SMALL, 60.0, CAMERA, **changes), PixelGrid()).size_px is not None
 
 
 @pytest.mark.parametrize("yaw", [1.0, 45.0, 89.0, 91.0])
