@@ -11462,11 +11462,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>viento de {0:g} m/s a {1:g} m: las ráfagas tiran la cámara al suelo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/plan.py"/>
-        <source>windows of the map in a plane about an area</source>
-        <translation>ventanas del mapa en un plano alrededor de un área</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/pose_table.py"/>
         <source>name it tilt (0 looks straight down) or gimbal_pitch (-90 does)</source>
         <translation>llámela tilt (0 mira en vertical hacia abajo) o gimbal_pitch (-90 lo hace)</translation>
