@@ -841,7 +841,7 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>Add anoth&amp;er polygon</source>
-        <translation type="unfinished"></translation>
+        <translation>Añadir un polígono &amp;más</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -856,7 +856,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Area file (KML, Geo&amp;JSON)…</source>
-        <translation type="unfinished"></translation>
+        <translation>Archivo del área (KML, Geo&amp;JSON)…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -1004,7 +1004,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
         <source>&amp;Draw no-fly area</source>
-        <translation type="unfinished"></translation>
+        <translation>&amp;Dibujar zona de exclusión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
@@ -1025,12 +1025,12 @@
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
         <source>No-fly areas from &amp;file…</source>
-        <translation type="unfinished"></translation>
+        <translation>Zonas de exclusión de un &amp;archivo…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
         <source>No-fly areas from &amp;layer…</source>
-        <translation type="unfinished"></translation>
+        <translation>Zonas de exclusión de una &amp;capa…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
