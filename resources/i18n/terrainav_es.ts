@@ -1154,11 +1154,6 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
-        <source>&amp;Remove this polygon</source>
-        <translation>&amp;Quitar este polígono</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>Add a &amp;corner here</source>
         <translation>Añadir un &amp;vértice aquí</translation>
     </message>
@@ -1166,6 +1161,11 @@
         <location filename="../../terrainav_plugin/area/tools.py"/>
         <source>Make it a &amp;polygon</source>
         <translation>Convertir en &amp;polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/tools.py"/>
+        <source>Re&amp;move this polygon</source>
+        <translation>Quitar este políg&amp;ono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>

@@ -466,7 +466,7 @@ class AreaTool(TemporaryTool):
             entries.append(
                 (
                     "remove_polygon",
-                    tr("&Remove this polygon"),
+                    tr("Re&move this polygon"),
                     lambda: self._change(lambda: without_polygon(area, inside[0]), tr("remove a polygon")),
                 )
             )

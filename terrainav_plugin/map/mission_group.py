@@ -94,15 +94,21 @@ class GroupsOnTop(QObject):
         # Layers are told of before they are in the layer tree.
         self._soon = single_shot(self._move, self)
         project.legendLayersAdded.connect(self._note)
+        # Layers of a project that is opened are where they were.
+        project.readProject.connect(self._forget)
 
     def close(self) -> None:
         """End for good."""
         self._soon.stop()
+        self._project.readProject.disconnect(self._forget)
         self._project.legendLayersAdded.disconnect(self._note)
 
     def _note(self, layers: list[QgsMapLayer]) -> None:
-        self._added.update(layer.id() for layer in layers)
+        self._added.update(layer.id() for layer in layers if not layer.customProperty(ROLE))
         self._soon.start()
+
+    def _forget(self, *_: object) -> None:
+        self._added = set()
 
     def _move(self) -> None:
         added, self._added = self._added, set()

@@ -240,7 +240,7 @@ def test_a_new_mission_leaves_nothing_on_the_map(desk, wait_until_drawn, screens
     empty = colours(desk)
     desk.enter_small_mission()
     desk.form.area_editing.set_no_fly((Polygon((RING,)),), "test")
-    desk.form.area_editing.set_takeoff("35.135, -89.865", "test")
+    desk.form.area_editing.set_takeoff("35.1405, -89.871", "test")
     desk.session.set_preview(True)
     desk.wait_previewed()
     desk.canvas.waitWhileRendering()

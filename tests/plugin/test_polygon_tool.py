@@ -16,8 +16,8 @@ from tests.plugin.test_area_tool import bands, degrees, pixel
 
 NONE = Qt.KeyboardModifier.NoModifier
 LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
-#: Places that are pointed at are kept to seven decimals.
-LAST_DIGIT_DEG = 0.6e-7
+#: Places that are pointed at are kept to seven decimals, twice where they are moved.
+LAST_DIGIT_DEG = 1.1e-7
 #: CRS, and an extent that shows the ground which corners are clicked on.
 PLACES = [
     pytest.param("EPSG:3857", (-10_012_000, 4_176_000, -9_994_000, 4_190_000), id="web mercator"),
