@@ -3919,11 +3919,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>{count} layers: choose one</source>
-        <translation>{count} capas: elija una</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>{count} more</source>
         <translation>{count} más</translation>
     </message>

@@ -378,7 +378,7 @@ class AddSourceDialog(QDialog):
             item.setData(Qt.ItemDataRole.UserRole, layer)
             item.setToolTip(shown_plain(", ".join((layer.name, *layer.sets, *layer.systems))))
             self.layers.addItem(item)
-        self.told.setText(tr("{count} layers: choose one").format(count=number_text(len(offered))))
+        self.told.setText(tr("{count} layers").format(count=number_text(len(offered))))
         if len(offered) == 1:
             self.layers.setCurrentRow(0)
 

@@ -195,7 +195,7 @@ def test_layers_of_a_wms_are_listed_with_their_systems_and_one_is_kept(dialog, q
         document = wms_document("1.3.0", f"{server.url}/wms?", all_layers)
         server.answer = lambda *_: (200, "text/xml", document)
         find(dialog, qtbot, f"{server.url}/wms")
-        assert "choose one" in dialog.told.text()
+        assert dialog.told.text() == "2 layers"
         listed = [dialog.layers.item(row).text() for row in range(dialog.layers.count())]
         assert listed == ["Ortho · EPSG:3857, EPSG:25832", "Plan · EPSG:3857, EPSG:25832"]
         assert not dialog.buttons.button(OK).isEnabled()

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import re
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
 from pyproj import Transformer
-from terrainav.core.errors import InvalidInput, SourceError
+from terrainav.core.errors import InvalidInput, SourceError, TerrAInavError
+from terrainav.core.imagery.http.transport import Response
 from terrainav.core.imagery.opening import SourceOptions, kind_of, named_source, open_source
 from terrainav.core.imagery.services.detecting import found_service, is_service_address
 from terrainav.core.imagery.source import Window
@@ -530,3 +532,66 @@ def test_names_and_addresses_are_told_apart():
     ):
         assert is_service_address(text) == is_service
     assert kind_of("ogcapi:https://h.example/").is_service
+
+
+# --- anything anywhere
+
+
+class Documents:
+    """A transport that answers with documents by their paths."""
+
+    def __init__(self, documents):
+        self.documents = documents
+
+    def get(self, url, headers=None, *, origin=""):
+        document = self.documents.get(urlsplit(url).path)
+        if document is None:
+            return Response(404, {}, b"")
+        return Response(200, {"content-type": "application/json"}, json.dumps(document).encode())
+
+    def close(self):
+        """Nothing is held."""
+
+
+def places(value, at=()):
+    """Each place within a JSON value."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, one in inner:
+        yield (*at, key)
+        yield from places(one, (*at, key))
+
+
+def with_other(document, place, value):
+    """Copy of a JSON value with another value at a place."""
+    made = json.loads(json.dumps(document))
+    inner = made
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    return made
+
+
+@pytest.mark.parametrize("value", [None, 10**40, "{key}\n", {"wkid": 4326}], ids=str)
+def test_any_value_in_any_place_gives_an_entry_or_one_line(value):
+    base, api = "/rest/services/A", "https://h.example"
+    quad = tileset(api, "/t", "WebMercatorQuad", MERCATOR_URI, limits=[("3", 0, 7, 0, 7)])
+    for kind, path, document in (
+        ("arcgis", f"{base}/MapServer", map_service()),
+        ("arcgis", f"{base}/ImageServer", image_service()),
+        ("ogcapi", "/t/WebMercatorQuad", quad),
+        ("ogcapi", "/c", {"collections": [collection(api, "a")]}),
+    ):
+        # Levels and links are many, and alike.
+        some = [
+            place for place in places(document) if all(key in (0, 1, 2) or key == str(key) for key in place)
+        ]
+        for place in some:
+            transport = Documents({path: with_other(document, place, value)})
+            try:
+                found = entry(f"{kind}:{api}{path}", transport=transport)
+                found.grid()
+                said = found.title + found.attribution
+            except TerrAInavError as wrong:
+                said = str(wrong)
+            assert said
+            assert "\n" not in said
