@@ -36,9 +36,9 @@ declare. An option is given to the command as `--name value`, in the environment
 `config.json` as `"name"`; the command line comes first. A mission file holds the same in its parts, as
 `resources/mission.schema.json` has it, and a program writes it flat: `Mission(area, agl_m=120.0, overlap_along=0.6)`.
 """
-_PRESETS = """`--preset NAME` gives these values wherever no other option does. With a camera, a sensor or an aspect ratio of
-your own, the preset `learning` keeps that shape, 256 px along the longer side; with a source of your own, it leaves
-the map types to you.
+_PRESETS = """`--preset NAME` gives these values wherever no other option does. With a camera, a sensor or an aspect
+ratio of your own, the preset `learning` keeps that shape, 256 px along the longer side; with a source of your own, it
+leaves the map types to you.
 """
 _PARTS = {
     "camera": "Camera",

@@ -11,7 +11,8 @@ from types import MappingProxyType
 from typing import Any
 
 from ..errors import InvalidInput, Message
-from .parts import AUTO, ROADMAP, SATELLITE
+from ..map_types import ROADMAP, SATELLITE
+from .parts import AUTO
 
 #: Overlaps at which structure from motion finds every point in several images, also of the rows beside.
 _MAPPING_OVERLAPS = (0.75, 0.65)
@@ -52,8 +53,7 @@ PRESETS: tuple[Preset, ...] = (
         "mapping",
         Message("For mapping"),
         Message(
-            "Overlap {0:g}/{1:g} %, and JPEG images that carry what drone photogrammetry software reads: position, "
-            "attitude and camera, as EXIF and XMP",
+            "Overlap {0:g}/{1:g} %, JPEG with the pose in EXIF and XMP, as drone photogrammetry software reads it",
             *(100.0 * overlap for overlap in _MAPPING_OVERLAPS),
         ),
         overlap_along=_MAPPING_OVERLAPS[0],
@@ -67,7 +67,7 @@ PRESETS: tuple[Preset, ...] = (
         "navigation",
         Message("For navigation"),
         Message(
-            "Overlap {0:g} %, images in true perspective as the camera sees them, lossless GeoTIFF with each pose",
+            "Overlap {0:g} %, true perspective as the camera sees it, lossless GeoTIFF with the pose",
             100.0 * _NAVIGATION_OVERLAP,
         ),
         overlap_along=_NAVIGATION_OVERLAP,
@@ -81,8 +81,7 @@ PRESETS: tuple[Preset, ...] = (
         "learning",
         Message("For machine learning"),
         Message(
-            "No overlap, square images resized to {0} × {0} px, lossless PNG; satellite and roadmap where the source "
-            "has both",
+            "No overlap, square images of {0} × {0} px, lossless PNG; satellite and roadmap where the source has both",
             _LEARNING_PX,
         ),
         overlap_along=0.0,

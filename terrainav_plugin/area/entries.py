@@ -12,16 +12,16 @@ from qgis.PyQt.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QLineEdit,
     QPushButton,
     QToolButton,
     QWidget,
 )
 
 from ..form.state import BOX_FIELDS, FormState
+from ..form.text import short_degrees
 from ..i18n import tr
 from ..paths import icon
-from ..widgets import FieldMarks, line_edit, named, row, tool_button
+from ..widgets import FieldMarks, ShortLine, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
 
@@ -41,7 +41,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     Attributes
     ----------
-    edges : dict of str to QLineEdit
+    edges : dict of str to ShortLine
     shape : str
         Of a polygon or points, as `FormState` has it.
     draw_box, edit : QPushButton
@@ -81,7 +81,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     def values(self) -> dict[str, str]:
         """Return what is entered, by field."""
-        return {**{name: edit.text() for name, edit in self.edges.items()}, "shape": self.shape}
+        return {**{name: edit.whole() for name, edit in self.edges.items()}, "shape": self.shape}
 
     def set_state(self, state: FormState) -> None:
         """Enter the fields of a state, telling nobody."""
@@ -92,9 +92,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         """Show edges, for one while they are dragged, telling nobody."""
         for name, edit in self.edges.items():
             with QSignalBlocker(edit):
-                edit.setText(getattr(state, name))
-                # Long numbers show their first digits.
-                edit.setCursorPosition(0)
+                edit.enter(getattr(state, name))
 
     def show_words(self, text: str, is_shape: bool, was_shape: bool = False) -> None:
         """Say what the area is; empty for none.
@@ -180,7 +178,7 @@ def _tool_button(name: str, image: str) -> QToolButton:
     return button
 
 
-def _edge(name: str) -> QLineEdit:
+def _edge(name: str) -> ShortLine:
     tips = {
         "north": tr("Northern edge: latitude in degrees, up to 90"),
         "west": tr(
@@ -193,7 +191,8 @@ def _edge(name: str) -> QLineEdit:
         "Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of "
         "lat lon agl [yaw]. An edge typed makes a polygon or points a box."
     )
-    edit = line_edit(name, f"{tips[name]}\n{paste}", tr("degrees"))
+    edit = named(ShortLine(short_degrees), name, f"{tips[name]}\n{paste}")
+    edit.setPlaceholderText(tr("degrees"))
     edit.setMinimumWidth(_EDGE_PX)
     edit.setMaxLength(_LONGEST_PASTE)
     return edit

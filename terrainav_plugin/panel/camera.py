@@ -14,10 +14,10 @@ from qgis.PyQt.QtWidgets import QInputDialog, QMenu, QToolButton
 from ...core.errors import InvalidInput, OutputError
 from ..form.camera import camera_of, given_by, with_height
 from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
-from ..form.text import aspect_text, parse_aspect
+from ..form.text import aspect_text, parse_aspect, short_aspect
 from ..i18n import number_text, tr, translate
 from ..plain import shown_plain
-from ..widgets import FieldMarks, combo, line_edit, row, spin, tool_button
+from ..widgets import FieldMarks, ShortLine, combo, named, row, spin, tool_button
 from .choices import CameraChoice
 from .entries import Entries
 
@@ -53,7 +53,8 @@ class CameraEntries(Entries):
         self._trouble = ""
         self._add_chooser()
         self._add_field_of_view()
-        self.aspect = line_edit("aspect", tr("Image width to height, without unit: 4:3, 4000x3000 or 1.333"))
+        tip = tr("Image width to height, without unit: 4:3, 4000x3000 or 1.333")
+        self.aspect = named(ShortLine(short_aspect), "aspect", tip)
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
         self.add_declared("image_px")
         self._fill_chooser()

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
 
 #: Lines of text that are always to be seen.
-_LEAST_LINES = 6
+_LEAST_LINES = 3
 _FOLDED_KEY = "TerrAInav/folded/details"
 _ENLARGE = "enlarge"
 #: A source whose pixels are coarser than the camera's by no more than this share is as fine as the camera.

@@ -15,7 +15,7 @@ from ..form.state import DECLARED, FormState
 from ..i18n import number_text, tr
 from ..plain import plain_label
 from ..units import gsd_text, length_text
-from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, spin, tick
+from ..widgets import FieldMarks, FieldMessage, combo, folder_entry, named, row, short_number, spin, tick
 from .elevation import HeightsLine
 from .entries import (
     Entries,
@@ -27,6 +27,7 @@ from .entries import (
     declared_tick,
     declared_widget,
 )
+from .start import StartEntry
 
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
@@ -62,7 +63,8 @@ class FlightEntries(Entries):
     def enter(self, state: FormState) -> None:
         """Enter the fields of a state; shows the ground sample distance that follows from a height."""
         self.camera_gsd.setSuffix(" " + (tr("in") if state.agl_unit == "ft" else tr("cm")))
-        super().enter(replace(state, camera_gsd=shown_gsd(state)))
+        gsd = shown_gsd(state)
+        super().enter(replace(state, camera_gsd=gsd if state.height_by == "gsd" else short_number(gsd)))
         # Last, as every entry above counts as typed.
         self.height_by = state.height_by
         self.show_low(state)
@@ -142,9 +144,7 @@ class AttitudeSection(Section):
         super().__init__("attitude", tr("Attitude, ground and time"), marks)
         for name in ("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"):
             self.add_declared(name)
-        start = declared_line("start")
-        start.setPlaceholderText("2024-06-21T10:30:00Z")
-        self.add_declared("start", start)
+        self.add_declared("start", StartEntry(tip_of(DECLARED["start"])))
 
 
 class PixelsSection(Section):

@@ -166,6 +166,8 @@ def test_tab_key_goes_as_the_eye_reads(desk):
             break
         visited.append(widget)
         QTest.keyClick(widget, Qt.Key.Key_Tab)
+    # Layouts settle, now that groups are open.
+    QTest.qWait(50)
     entries = [w for group in inside for w in group.entries.values() if w.isVisibleTo(form) and w.isEnabled()]
     found = [w for w in visited if any(w is entry for entry in entries)]
     assert set(map(id, found)) == {id(w) for w in entries if w.focusPolicy() & Qt.FocusPolicy.TabFocus}

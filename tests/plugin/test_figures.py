@@ -80,9 +80,7 @@ def test_what_matters_comes_first_and_the_rest_is_behind_the_fold():
     assert [label for label, _ in shown.figures] == [
         *("Images", "Coverage", "Overlap", "Ground per px", "Flight", "Download", "Time")
     ]
-    assert {"Picture", "Tiles", "On disk", "Methods", "Error", "Terrain", "Cost"} <= dict(
-        shown.details
-    ).keys()
+    assert {"Image", "Tiles", "On disk", "Methods", "Error", "Terrain", "Cost"} <= dict(shown.details).keys()
     for table, lines in ((shown.figures_html(), shown.figures), (shown.details_html(), shown.details)):
         assert all(html.escape(label) in table and html.escape(value) in table for label, value in lines)
 
