@@ -5,14 +5,17 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ..fields import declared_fields
-from ..mission.options import Option
+from ..fields import Field, declared_fields
+from ..mission.options import OPTIONS, Option
 from ..mission.parts import Flight
-from ..poses.settings import LineFlight, Sensors
+from ..poses.settings import Corridor, LineFlight, Orbit, Scan, Sensors
 
 #: Formats in metres of a local frame, and all of them; as `poses.trajectories` has them, which needs numpy.
 LOCAL = ("tum", "kitti", "euroc")
 FORMATS = (*LOCAL, "gpx", "ulog", "dataflash")
+#: Options of a camera, and what its images share, as a mission has them.
+CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio")
+OVERLAP = "overlap"
 BODIES, WORLDS = ("camera", "frd", "flu", "urf"), ("enu", "ned", "rdf")
 
 
@@ -20,12 +23,15 @@ def add_poses(commands: Any, parser_class: Any) -> None:
     """Add the parser of ``terrainav poses`` and of its actions."""
     whole = commands.add_parser(
         "poses",
-        help="make tables of poses from trajectories, logs, lines or at random, and noisy priors of poses",
+        help="make tables of poses from trajectories, logs, lines, around structures or at random, and noisy priors",
     )
     actions = whole.add_subparsers(dest="action", metavar="ACTION", required=True, parser_class=parser_class)
     _add_read(actions)
     _add_random(actions)
     _add_line(actions)
+    _add_corridor(actions)
+    _add_orbit(actions)
+    _add_scans(actions)
     _add_priors(actions)
 
 
@@ -106,18 +112,11 @@ def _add_random(actions: Any) -> None:
 
 def _add_line(actions: Any) -> None:
     flying = actions.add_parser("line", help="make a table of a line that is flown at a speed")
-    flying.add_argument("file", metavar="LINE", help="GeoJSON file of LineStrings, flown one after the other")
+    flying.add_argument("file", metavar="LINE", help=_LINES)
     _add_output(flying)
     every = flying.add_mutually_exclusive_group(required=True)
     for field in declared_fields(LineFlight):
-        option = Option.of(field)
-        group, name = every if field.optional else flying, f"--{option.name.replace('_', '-')}"
-        if option.flag:
-            group.add_argument(name, action="store_true", help=option.told)
-        else:
-            group.add_argument(
-                name, type=float, required=field.needed, default=option.default, metavar="X", help=option.told
-            )
+        _add_field(every if field.optional else flying, field)
     flying.add_argument(
         "--agl", type=float, metavar="M", help="height above ground; without it, the line's third coordinates"
     )
@@ -127,6 +126,76 @@ def _add_line(actions: Any) -> None:
         metavar="TIME",
         help="time of the first pose, in UTC as 2024-06-21T10:30:00Z (%(default)s)",
     )
+
+
+#: What a file of lines is.
+_LINES = "GeoJSON file of LineStrings, flown one after the other"
+
+
+def _add_field(group: Any, field: Field) -> None:
+    """Option of a declared field."""
+    option = Option.of(field)
+    name = f"--{option.name.replace('_', '-')}"
+    if option.flag:
+        group.add_argument(name, action="store_true", help=option.told)
+        return
+    group.add_argument(
+        name, type=field.kind, required=field.needed, default=option.default, metavar="X", help=option.told
+    )
+
+
+def _add_corridor(actions: Any) -> None:
+    corridor = actions.add_parser(
+        "corridor", help="make a table of rows along a line that show all of a strip"
+    )
+    corridor.add_argument("file", metavar="LINE", help=_LINES)
+    _add_output(corridor)
+    corridor.add_argument(
+        "--agl", type=float, required=True, metavar="M", help="height above ground in metres"
+    )
+    for field in declared_fields(Corridor):
+        _add_field(corridor, field)
+    _add_camera(corridor)
+
+
+def _add_orbit(actions: Any) -> None:
+    orbit = actions.add_parser(
+        "orbit", help="make a table of circles around a place that the camera looks at"
+    )
+    orbit.add_argument("centre", nargs=2, type=float, metavar=("LAT", "LON"), help="centre in degrees")
+    _add_output(orbit)
+    for field in declared_fields(Orbit):
+        _add_field(orbit, field)
+
+
+def _add_scans(actions: Any) -> None:
+    facade = actions.add_parser("facade", help="make a table of flights along walls that the camera looks at")
+    facade.add_argument("file", metavar="LINE", help="GeoJSON file of LineStrings: the feet of the walls")
+    facade.add_argument(
+        "--left",
+        action="store_true",
+        help="the camera stands to the left of the lines; without this, to the right",
+    )
+    structure = actions.add_parser(
+        "structure", help="make a table of flights around structures, which it looks at"
+    )
+    structure.add_argument("file", metavar="AREA", help="GeoJSON file of a polygon: the structure's outline")
+    for command in (facade, structure):
+        _add_output(command)
+        for field in declared_fields(Scan):
+            _add_field(command, field)
+        _add_camera(command)
+
+
+def _add_camera(command: argparse.ArgumentParser) -> None:
+    """Add the options of a camera and of its overlaps."""
+    group = command.add_argument_group("camera", "as those of plan and capture")
+    for option in (one for one in OPTIONS if one.name in (*CAMERA, OVERLAP)):
+        low, high = option.count or (1, 1)
+        many: Any = None if option.count is None else high if low == high else "+"
+        name = "--" + option.name.replace("_", "-")
+        metavar = option.metavar if many != "+" else None
+        group.add_argument(name, nargs=many, metavar=metavar, help=option.told)
 
 
 def _add_priors(actions: Any) -> None:

@@ -1,4 +1,4 @@
-"""``terrainav poses``: tables of poses from trajectories, from logs and at random, and noisy priors."""
+"""``terrainav poses``: tables of poses from trajectories, logs and patterns and at random, and noisy priors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from .exits import DONE
 from .pose_options import LOCAL
 
 if TYPE_CHECKING:
+    from ..geodesy.camera import Camera
     from ..mission.area import Box, Points, Polygon
+    from ..poses.settings import Scan
     from ..poses.track import Track
 
 _ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
@@ -23,7 +25,17 @@ _ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "datafla
 
 def run_poses(arguments: argparse.Namespace) -> int:
     """Run the action of ``terrainav poses``."""
-    return {"read": _read, "random": _random, "line": _line, "priors": _priors}[arguments.action](arguments)
+    actions = {
+        "read": _read,
+        "random": _random,
+        "line": _line,
+        "corridor": _corridor,
+        "orbit": _orbit,
+        "facade": _facade,
+        "structure": _structure,
+        "priors": _priors,
+    }
+    return actions[arguments.action](arguments)
 
 
 def _read(arguments: argparse.Namespace) -> int:
@@ -131,6 +143,75 @@ def _line(arguments: argparse.Namespace) -> int:
             f"tighter ones between short legs: {flown.tight:,}, flown at down to {flown.slowest_m_per_s:.1f} m/s"
         )
     return DONE
+
+
+def _corridor(arguments: argparse.Namespace) -> int:
+    from ..poses.line import read_lines
+    from ..poses.patterns import corridor
+    from ..poses.settings import Corridor
+
+    wanted = Corridor(arguments.width, arguments.offset)
+    camera, overlaps = _camera(arguments)
+    lines = read_lines(arguments.file, arguments.agl)
+    _write(corridor(lines, camera, arguments.agl, overlaps, wanted), arguments.output)
+    return DONE
+
+
+def _orbit(arguments: argparse.Namespace) -> int:
+    from ..poses.patterns import orbit
+    from ..poses.settings import Orbit
+
+    wanted = Orbit(
+        arguments.radius,
+        arguments.lowest,
+        arguments.highest,
+        arguments.circles,
+        arguments.images,
+        arguments.target,
+    )
+    lat_deg, lon_deg = arguments.centre
+    _write(orbit(lat_deg, lon_deg, wanted), arguments.output)
+    return DONE
+
+
+def _facade(arguments: argparse.Namespace) -> int:
+    from ..poses.line import read_lines
+    from ..poses.patterns import facade
+
+    wanted = _scan(arguments)
+    lines = read_lines(arguments.file, wanted.lowest_m)
+    _write(facade(lines, *_camera(arguments), wanted, left=arguments.left), arguments.output)
+    return DONE
+
+
+def _structure(arguments: argparse.Namespace) -> int:
+    from ..mission.coords import load_polygon
+    from ..poses.patterns import structure
+
+    wanted = _scan(arguments)
+    _write(structure([load_polygon(arguments.file)], *_camera(arguments), wanted), arguments.output)
+    return DONE
+
+
+def _scan(arguments: argparse.Namespace) -> Scan:
+    from ..poses.settings import Scan
+
+    return Scan(arguments.distance, arguments.lowest, arguments.highest, arguments.tilt)
+
+
+def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]:
+    """Camera of the command's options, and its overlaps along and across rows."""
+    from ..mission.options import OPTIONS
+    from ..mission.settings import camera_from
+    from .pose_options import CAMERA, OVERLAP
+
+    values = {}
+    for option in OPTIONS:
+        if option.name in (*CAMERA, OVERLAP):
+            given = getattr(arguments, option.name)
+            values[option.name] = option.default if given is None else option.read(given, "option")
+    along, *across = values[OVERLAP]
+    return camera_from(values)[0], (along, across[0] if across else along)
 
 
 def _area(text: str) -> Box | Polygon:

@@ -165,7 +165,7 @@ def mission_from(values: Mapping[str, Any]) -> Mission:
         No area, two of them, or any value outside its domain.
     """
     area, agl_m = _area(values)
-    camera, own_px = _camera(values)
+    camera, own_px = camera_from(values)
     overlap = values["overlap"]
     fields = {one.name: values[one.name_of_option] for one in flat_fields() if one.name_of_option in values}
     if fields["image_px"] is None:
@@ -207,8 +207,8 @@ def _area(values: Mapping[str, Any]) -> tuple[Area, float]:
     return area, agl_m
 
 
-def _camera(values: Mapping[str, Any]) -> tuple[Camera, int]:
-    """Camera, and the pixels along the longer side of its image."""
+def camera_from(values: Mapping[str, Any]) -> tuple[Camera, int]:
+    """Camera of the options that say one, and the pixels along the longer side of its image; raises InvalidInput."""
     _check_one_camera(values)
     if values["camera"] is not None:
         preset = camera_named(values["camera"])

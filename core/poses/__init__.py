@@ -7,7 +7,8 @@ In reading order:
 - `logs`: flight logs of PX4 and ArduPilot
 - `gpx`: tracks of GNSS receivers
 - `random_poses`: random poses inside an area, from stated distributions
-- `settings`: how a line is flown, and how wrong sensors are
+- `settings`: how lines and patterns are flown, and how wrong sensors are
 - `line`: the poses along a line that is flown
+- `patterns`: corridors along lines, orbits around places, scans of walls and of structures
 - `priors`: what a GNSS receiver, a compass and a barometer would have measured of the poses of a dataset
 """

@@ -1,4 +1,4 @@
-"""How a line is flown, and how wrong sensors are: what forms and the command show before numpy is needed."""
+"""How lines and patterns are flown, and how wrong sensors are: what forms and the command show without numpy."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ..errors import InvalidInput
 from ..fields import Part, declared
+from ..mission.parts import HIGHEST_AGL_M
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,163 @@ class LineFlight(Part):
         super().__post_init__()
         if (self.every_s is None) == (self.every_m is None):
             raise InvalidInput("interval: must be either in seconds or in metres")
+
+
+@dataclass(frozen=True)
+class Corridor(Part):
+    """Rows along a line, as far to both sides as the strip is wide; the top of the images points along the way."""
+
+    width_m: float = declared(
+        title="width",
+        help="width of the strip along the line; 0 is one row above the line",
+        label="&Width",
+        unit="m",
+        least=0.0,
+        most=100_000.0,
+        suggested=60.0,
+    )
+    offset_m: float = declared(
+        0.0,
+        title="offset",
+        help="how far to the right of the line the middle of the strip lies",
+        label="&Offset to the right",
+        unit="m",
+        least=-100_000.0,
+        most=100_000.0,
+    )
+
+
+@dataclass(frozen=True)
+class Orbit(Part):
+    """Circles around a place, from which the camera looks at it.
+
+    Raises
+    ------
+    InvalidInput
+        Values outside their domain, or a highest circle below the lowest.
+    """
+
+    radius_m: float = declared(
+        title="radius",
+        help="distance of the captures from the centre",
+        label="&Radius",
+        unit="m",
+        above=0.0,
+        most=100_000.0,
+        suggested=40.0,
+    )
+    lowest_m: float = declared(
+        title="lowest height",
+        help="height above ground of the lowest circle",
+        label="&Lowest height",
+        unit="m",
+        above=0.0,
+        most=HIGHEST_AGL_M,
+        suggested=30.0,
+    )
+    highest_m: float | None = declared(
+        None,
+        title="highest height",
+        help="height above ground of the highest circle; left out, there is one",
+        label="&Highest height",
+        unit="m",
+        above=0.0,
+        most=HIGHEST_AGL_M,
+    )
+    circles: int = declared(
+        1,
+        title="circles",
+        help="circles from the lowest height to the highest, as far from each other",
+        label="&Circles",
+        least=1,
+        most=1000,
+    )
+    images: int = declared(
+        36,
+        title="images a circle",
+        help="images of each circle",
+        label="&Images a circle",
+        least=1,
+        most=36_000,
+    )
+    target_m: float = declared(
+        0.0,
+        title="height of the target",
+        help="height above ground, at the centre, of what the middle of the images shows",
+        label="Height of the &target",
+        unit="m",
+        least=0.0,
+        most=HIGHEST_AGL_M,
+    )
+
+    def __post_init__(self) -> None:
+        """Check every field, and the heights against each other."""
+        super().__post_init__()
+        _check_heights(self.lowest_m, self.highest_m)
+        if self.circles > 1 and self.highest_m is None:
+            raise InvalidInput(
+                "{0} circles at one height: must be 1", self.circles, remedy="give the highest height as well"
+            )
+
+
+@dataclass(frozen=True)
+class Scan(Part):
+    """Flights along the walls of a structure, one above the other, from which the camera looks at them.
+
+    Raises
+    ------
+    InvalidInput
+        Values outside their domain, or a highest flight below the lowest.
+    """
+
+    distance_m: float = declared(
+        title="distance",
+        help="distance of the captures from the wall",
+        label="&Distance",
+        unit="m",
+        above=0.0,
+        most=10_000.0,
+        suggested=20.0,
+    )
+    lowest_m: float = declared(
+        title="lowest height",
+        help="height above ground of the lowest flight",
+        label="&Lowest height",
+        unit="m",
+        above=0.0,
+        most=HIGHEST_AGL_M,
+        suggested=10.0,
+    )
+    highest_m: float | None = declared(
+        None,
+        title="highest height",
+        help="height above ground of the highest flight; left out, there is one",
+        label="&Highest height",
+        unit="m",
+        above=0.0,
+        most=HIGHEST_AGL_M,
+    )
+    tilt_deg: float = declared(
+        90.0,
+        title="tilt",
+        help="tilt of the camera: 90 looks level at the wall, less looks down at it",
+        label="&Tilt",
+        unit="deg",
+        least=30.0,
+        most=120.0,
+    )
+
+    def __post_init__(self) -> None:
+        """Check every field, and the heights against each other."""
+        super().__post_init__()
+        _check_heights(self.lowest_m, self.highest_m)
+
+
+def _check_heights(lowest_m: float, highest_m: float | None) -> None:
+    if highest_m is not None and highest_m < lowest_m:
+        raise InvalidInput(
+            "highest height {0:g} m: is below the lowest, {1:g} m", highest_m, lowest_m, field="highest_m"
+        )
 
 
 #: Beyond these a sensor says nothing of a pose.

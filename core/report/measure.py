@@ -197,7 +197,7 @@ def measure(
     say(Message("camera frames"))
     by_tiles = plan.grid.centre_decimals is None
     pictures, meshes, kernels = _pictures(bench, by_tiles=by_tiles)
-    stages["picture"] = pictures
+    stages["image"] = pictures
     if meshes:
         stages["pixels"] = meshes
     say(Message("resampling"))
@@ -359,7 +359,7 @@ def _left_out(bench: Bench, stages: dict[str, tuple[Measured, ...]]) -> list[Sav
     """What the plan left out, with what the same thing takes here beside what was chosen."""
     plan, found = bench.plan, []
     pictures = len(plan) * len(plan.mission.imagery.map_types)
-    compared = {"resampling": ("picture", "camera"), Message("rays for every pixel"): ("pixels", "rays")}
+    compared = {"resampling": ("image", "camera"), Message("rays for every pixel"): ("pixels", "rays")}
     for what, why in plan.accuracy.left_out:
         if what == "wind":
             found.append(Saving(what, why, _seconds_of_flight(plan, bench.effort), True, 0))

@@ -39,7 +39,7 @@ class Look(NamedTuple):
 
 _STAGES = {
     "footprint": Look(BLUE, "o", "footprint: where the corners are"),
-    "picture": Look(VERMILION, "s", "image: map frame or camera frame"),
+    "image": Look(VERMILION, "s", "image: map frame or camera frame"),
     "pixels": Look(GREEN, "^", "camera frame: mesh or rays"),
 }
 _KERNELS = {
@@ -116,7 +116,7 @@ def work_precision(
                     [x], [y], "o", markersize=17, markerfacecolor="none", markeredgecolor=BLACK, zorder=4
                 )
         drawn += [(x, y) for x, y, _ in points]
-        lines.append((look.colour, points, stage != "picture"))
+        lines.append((look.colour, points, stage != "image"))
     axes.axvline(budget_px, color=BLACK, linestyle="--", linewidth=1.3, zorder=1)
     axes.annotate(
         f"budget {budget_px:g} px",

@@ -21,7 +21,7 @@ _GLUE = "\u00a0"
 #: Sizes between which numbers are written without a power of ten.
 _PLAIN_FROM, _PLAIN_TO = 1e-4, 100.0
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-STAGES = {"footprint": "footprint", "picture": "image", "pixels": "camera frame's pixels"}
+STAGES = {"footprint": "footprint", "image": "image", "pixels": "camera frame's pixels"}
 FRAME_NAMES = {"map": "map frame", "camera": "camera frame"}
 Cell = Union[str, float, int, None]
 #: Cells of what was not measured: three figures.

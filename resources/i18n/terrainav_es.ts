@@ -640,6 +640,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>&amp;Corridor along a line…</source>
+        <translation>C&amp;orredor a lo largo de una línea…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>&amp;Draw box</source>
         <translation>&amp;Dibujar recuadro</translation>
@@ -676,6 +681,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Circles from which the camera looks at a point</source>
+        <translation>Círculos desde los que la cámara mira a un punto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Click a point on the map: the mission is one image, straight above it</source>
         <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
     </message>
@@ -686,8 +696,28 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>F&amp;açade along a line…</source>
+        <translation>F&amp;achada a lo largo de una línea…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Flights along a wall, one above the other; the camera looks at it</source>
+        <translation>Vuelos a lo largo de un muro, uno encima de otro; la cámara lo mira</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Flights around a building, one above the other; the camera looks at its walls</source>
+        <translation>Vuelos alrededor de un edificio, uno encima de otro; la cámara mira a sus muros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>From the clipboard: north_west_south_east_agl, lat_lon_agl, lines of lat lon agl [yaw], or a table whose first line names its columns; heights in the unit chosen</source>
         <translation>Del portapapeles: norte_oeste_sur_este_agl, lat_lon_agl, líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en la unidad elegida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Images at random places of the area, with random heights, directions and tilts</source>
+        <translation>Imágenes en lugares aleatorios del área, con alturas, direcciones e inclinaciones aleatorias</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -703,6 +733,11 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Make it a &amp;box</source>
         <translation>Convertir en &amp;recuadro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>O&amp;rbit around a point…</source>
+        <translation>Ór&amp;bita alrededor de un punto…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -726,8 +761,23 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Ra&amp;ndom poses in the area…</source>
+        <translation>Poses aleator&amp;ias en el área…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Rows along a line that show all of a strip</source>
+        <translation>Pasadas a lo largo de una línea que muestran toda una franja</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Selected pol&amp;ygon…</source>
         <translation>Polí&amp;gono seleccionado…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Str&amp;ucture around a polygon…</source>
+        <translation>Estructura: &amp;vuelo alrededor de un polígono…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -743,6 +793,116 @@
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>The box of what the map shows now</source>
         <translation>El recuadro de lo que muestra ahora el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Height above ground, from and to</source>
+        <translation>&amp;Altura sobre el suelo, desde y hasta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Images</source>
+        <translation>&amp;Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Tilt up to</source>
+        <translation>&amp;Inclinación hasta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Camera and overlaps ({along} %, {across} %) are those of the panel.</source>
+        <translation>La cámara y los solapes ({along} %, {across} %) son los del panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Camera, height ({height}) and overlaps ({along} %, {across} %) are those of the panel.</source>
+        <translation>La cámara, la altura ({height}) y los solapes ({along} %, {across} %) son los del panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Centre of the circles; starts as the middle of the map</source>
+        <translation>Centro de los círculos; al principio, el centro del mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Centre, l&amp;atitude and longitude</source>
+        <translation>Centro, l&amp;atitud y longitud</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Corridor along a line</source>
+        <translation>Corredor a lo largo de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Façade along a line</source>
+        <translation>Fachada a lo largo de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>From the l&amp;eft</source>
+        <translation>Desde la izqui&amp;erda</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Greatest tilt; the least is 0</source>
+        <translation>Inclinación máxima; la mínima es 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Its only feature is taken.</source>
+        <translation>Se toma su único objeto.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Nothing is selected in it: all {n} features are taken.</source>
+        <translation>No hay nada seleccionado en ella: se toman todos los objetos ({n}).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Number of images</source>
+        <translation>Número de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Orbit around a point</source>
+        <translation>Órbita alrededor de un punto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Places evenly inside the area, in any direction, at heights and tilts evenly between two values.</source>
+        <translation>Lugares repartidos por igual en el área, en cualquier dirección, con alturas e inclinaciones repartidas por igual entre dos valores.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Random poses in the area</source>
+        <translation>Poses aleatorias en el área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Selected features are taken: {n}.</source>
+        <translation>Se toman los objetos seleccionados: {n}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Structure around a polygon</source>
+        <translation>Estructura alrededor de un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>The camera stands to the left of the lines, in their direction; otherwise to their right</source>
+        <translation>La cámara está a la izquierda de las líneas, en su sentido; si no, a su derecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>no area to draw poses in: draw a box or a polygon first</source>
+        <translation>no hay un área para las poses: dibuje antes un rectángulo o un polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>the camera is not complete: fix its fields in the panel first</source>
+        <translation>la cámara no está completa: corrija antes sus campos en el panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/tools.py"/>
@@ -9736,6 +9896,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
     </message>
@@ -10151,6 +10312,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}, que lee estos archivos, no está instalado</translation>
     </message>
     <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>distance {0:g} m: leaves no place that is so far from every wall</source>
+        <translation>distancia {0:g} m: no deja ningún lugar tan alejado de todos los muros</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>line of corners at one place: needs two or more</source>
+        <translation>línea con vértices en un solo lugar: necesita dos o más</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>line of {0:,.0f} km: a pattern reaches up to {1:g} km</source>
+        <translation>línea de {0:,.0f} km: un patrón alcanza hasta {1:g} km</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>take a shorter distance</source>
+        <translation>tome una distancia menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>take shorter lines</source>
+        <translation>tome líneas más cortas</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>{0:,.0f} poses: must be from 1 to {1:,}</source>
+        <translation>{0:,.0f} poses: deben ser de 1 a {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>{0}: there is none</source>
+        <translation>{0}: no hay ninguno</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/priors.py"/>
         <source>folder {0}: its table has no poses of a camera</source>
         <translation>carpeta {0}: su tabla no tiene poses de una cámara</translation>
@@ -10218,13 +10414,63 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Circles</source>
+        <translation>&amp;Círculos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Distance</source>
+        <translation>&amp;Distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Highest height</source>
+        <translation>Altura &amp;máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Images a circle</source>
+        <translation>&amp;Imágenes por círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Lowest height</source>
+        <translation>A&amp;ltura mínima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Offset to the right</source>
+        <translation>&amp;Desplazamiento a la derecha</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Radius</source>
+        <translation>&amp;Radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>&amp;Speed</source>
         <translation>V&amp;elocidad</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Tilt</source>
+        <translation>&amp;Inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Width</source>
+        <translation>&amp;Ancho</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>Camera rolls with the aircr&amp;aft</source>
         <translation>La cámara alabea con la aero&amp;nave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Height of the &amp;target</source>
+        <translation>Altura del &amp;objetivo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -10243,6 +10489,91 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>circles</source>
+        <translation>círculos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>circles from the lowest height to the highest, as far from each other</source>
+        <translation>círculos desde la altura mínima hasta la máxima, a igual distancia entre ellos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>distance</source>
+        <translation>distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>distance of the captures from the centre</source>
+        <translation>distancia de las capturas al centro</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>distance of the captures from the wall</source>
+        <translation>distancia de las capturas al muro</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>give the highest height as well</source>
+        <translation>indique también la altura máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the highest circle; left out, there is one</source>
+        <translation>altura sobre el suelo del círculo más alto; si no se indica, hay uno solo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the highest flight; left out, there is one</source>
+        <translation>altura sobre el suelo del vuelo más alto; si no se indica, hay uno solo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the lowest circle</source>
+        <translation>altura sobre el suelo del círculo más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground of the lowest flight</source>
+        <translation>altura sobre el suelo del vuelo más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height above ground, at the centre, of what the middle of the images shows</source>
+        <translation>altura sobre el suelo, en el centro, de lo que muestra el medio de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height of the target</source>
+        <translation>altura del objetivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>highest height</source>
+        <translation>altura máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>highest height {0:g} m: is below the lowest, {1:g} m</source>
+        <translation>altura máxima {0:g} m: está por debajo de la mínima, {1:g} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>how far to the right of the line the middle of the strip lies</source>
+        <translation>a qué distancia a la derecha de la línea está el medio de la franja</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>images a circle</source>
+        <translation>imágenes por círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>images of each circle</source>
+        <translation>imágenes de cada círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>interval in metres</source>
         <translation>intervalo en metros</translation>
     </message>
@@ -10258,8 +10589,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>lowest height</source>
+        <translation>altura mínima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>mean length of outages {0} s: must be above 0</source>
         <translation>duración media de las interrupciones {0} s: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>offset</source>
+        <translation>desplazamiento</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>radius</source>
+        <translation>radio</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -10283,6 +10629,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>tilt of the camera: 90 looks level at the wall, less looks down at it</source>
+        <translation>inclinación de la cámara: 90 mira al muro en horizontal, menos lo mira desde arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>time from one exposure to the next</source>
         <translation>tiempo de una exposición a la siguiente</translation>
     </message>
@@ -10290,6 +10641,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>way flown from one exposure to the next</source>
         <translation>camino volado de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>width</source>
+        <translation>ancho</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>width of the strip along the line; 0 is one row above the line</source>
+        <translation>ancho de la franja a lo largo de la línea; 0 es una pasada sobre la línea</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>{0} circles at one height: must be 1</source>
+        <translation>{0} círculos a una sola altura: debe ser 1</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>

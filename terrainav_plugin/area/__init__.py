@@ -5,6 +5,7 @@ entries     four edges around a button, as on a map, and what the area is
 history     undo and redo of changes to the area
 editing     what happens between the entries and the form that they are part of
 dialogs     questions about the layer that an area is taken from
+patterns    corridors, orbits, scans and random poses, which become points
 layers      areas from the features of layers and from files
 outline     an area on a canvas of any CRS, and what becomes of it when dragged
 bands       an area drawn over the canvas, and what is said at the pointer

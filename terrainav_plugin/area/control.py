@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from qgis.core import QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
 from qgis.gui import QgisInterface, QgsDockWidget
 from qgis.PyQt.QtCore import QObject
-from qgis.PyQt.QtWidgets import QApplication, QFileDialog
+from qgis.PyQt.QtWidgets import QApplication, QDialog, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.mission.area import Area, Box, Points
@@ -33,6 +34,7 @@ from .layers import (
     text_file,
 )
 from .menu import Way
+from .patterns import PATTERNS, pattern_dialog
 from .tools import AreaTool, BoxTool, PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.
@@ -110,6 +112,7 @@ class AreaControl(QObject):
             Way.POLYGON: self._take_polygon,
             Way.POINTS: self._ask_for_points,
             Way.LINE: self._ask_for_line,
+            **{way: partial(self._ask_for_pattern, way) for way in PATTERNS},
             Way.FILE: self._ask_for_file,
             Way.PASTE: self.paste,
             Way.TO_BOX: self._editing.make_box,
@@ -237,6 +240,23 @@ class AreaControl(QObject):
 
         self._open(dialog, take)
 
+    def _ask_for_pattern(self, way: str) -> None:
+        try:
+            dialog = pattern_dialog(way, self._iface, self._editing.state(), self._project)
+        except InvalidInput as wrong:
+            self._refuse(translate(wrong))
+            return
+
+        def take() -> None:
+            try:
+                reading = dialog.reading(self._project)
+            except (TerrAInavError, QgsCsException) as wrong:
+                self._refuse(translate(wrong))
+                return
+            self.read(dialog.windowTitle(), lambda: reading)
+
+        self._open(dialog, take)
+
     def _ask_for_file(self) -> None:
         path, _ = QFileDialog.getOpenFileName(
             self._iface.mainWindow(),
@@ -249,7 +269,7 @@ class AreaControl(QObject):
             self.read(tr("text file"), lambda: text_file(path, unit))
 
     @staticmethod
-    def _open(dialog: LayerDialog, take: Callable[[], None]) -> None:
+    def _open(dialog: QDialog, take: Callable[[], None]) -> None:
         dialog.accepted.connect(take)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()

@@ -19,6 +19,8 @@ class Way:
 
     DRAW, SINGLE = "draw", "single"
     CANVAS, LAYER, POLYGON, POINTS, LINE = "canvas", "layer", "polygon", "points", "line"
+    CORRIDOR, FACADE, STRUCTURE, ORBIT = "corridor", "facade", "structure", "orbit"
+    RANDOM = "random"
     FILE, PASTE, TO_BOX = "file", "paste", "box"
 
 
@@ -100,6 +102,38 @@ class AreaMenu(QPushButton):
                     "/mIconLineLayer.svg",
                     tr("L&ine of a layer…"),
                     tr("A line flown at a speed, with an image each so many seconds or metres"),
+                ),
+            ),
+            (
+                (
+                    Way.CORRIDOR,
+                    "/mActionOffsetCurve.svg",
+                    tr("&Corridor along a line…"),
+                    tr("Rows along a line that show all of a strip"),
+                ),
+                (
+                    Way.ORBIT,
+                    "/mActionAddRing.svg",
+                    tr("O&rbit around a point…"),
+                    tr("Circles from which the camera looks at a point"),
+                ),
+                (
+                    Way.FACADE,
+                    "/mActionOffsetPointSymbols.svg",
+                    tr("F&açade along a line…"),
+                    tr("Flights along a wall, one above the other; the camera looks at it"),
+                ),
+                (
+                    Way.STRUCTURE,
+                    "/mActionFillRing.svg",
+                    tr("Str&ucture around a polygon…"),
+                    tr("Flights around a building, one above the other; the camera looks at its walls"),
+                ),
+                (
+                    Way.RANDOM,
+                    "/algorithms/mAlgorithmRandomPointsWithinPolygon.svg",
+                    tr("Ra&ndom poses in the area…"),
+                    tr("Images at random places of the area, with random heights, directions and tilts"),
                 ),
             ),
             (

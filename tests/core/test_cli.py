@@ -78,7 +78,7 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert again == figures
     accuracy = figures["accuracy"]
     assert accuracy["footprint"]["chosen"]["name"] == "exact"
-    assert accuracy["picture"]["chosen"]["name"] == "map"
+    assert accuracy["image"]["chosen"]["name"] == "map"
     assert 0.0 < accuracy["bound_px"] <= accuracy["budget_px"] == 0.1
 
 

@@ -262,7 +262,7 @@ def test_a_source_by_centre_has_no_camera_frames_and_its_title_is_escaped(tmp_pa
     read(text)
     assert "Grey &lt;b&gt;&amp; co&lt;/b&gt;" in text
     methods = rows(tmp_path, "methods.csv")
-    assert {row["stage"] for row in methods} == {"footprint", "picture"}
+    assert {row["stage"] for row in methods} == {"footprint", "image"}
     camera = next(row for row in methods if row["method"] == "camera")
     assert "by their centre" in camera["outside"]
     assert not (tmp_path / "resampling.csv").exists()
@@ -276,9 +276,9 @@ def test_a_budget_that_was_exceeded_and_a_bound_that_was_broken_are_said():
     assert kept
     assert "more than the budget of 0.1 px: that was accepted" in sentence
     assert 0.1 < found.error_px <= worked_out.accuracy.bound_px
-    on_map = found.stages["picture"][0]
+    on_map = found.stages["image"][0]
     broken = replace(on_map, error_px=2.0 * on_map.method.bound_px)
-    wrong = replace(found, stages={**found.stages, "picture": (broken, *found.stages["picture"][1:])})
+    wrong = replace(found, stages={**found.stages, "image": (broken, *found.stages["image"][1:])})
     kept, sentence = verdict(worked_out, wrong)
     assert not kept
     # The sums alone may look as if all were well: the method is named with the two figures that say otherwise.
@@ -293,7 +293,7 @@ def test_traced_pixels_are_within_their_bound_which_counts_their_place_on_the_ma
     turned = Mission(Points(((lat, lon, agl),)), agl, yaw_deg=30.0)
     worked_out = plan(turned, WORLD.grid)
     found = measure(worked_out, WORLD, quick=True)
-    camera = next(one for one in found.stages["picture"] if one.method.name == "camera")
+    camera = next(one for one in found.stages["image"] if one.method.name == "camera")
     assert camera.chosen
     # Between positions in float64 and their bound lie no orders of magnitude.
     assert 0.02 * camera.method.bound_px < camera.error_px <= camera.method.bound_px
@@ -311,7 +311,7 @@ def test_large_pictures_are_timed_on_a_part(monkeypatch, frame):
     assert 1_800 < found.timed_px[0] * found.timed_px[1] <= 2_100
     assert found.within
     # Bytes are those of whole pictures: some two a pixel of this landscape as a GeoTIFF.
-    assert all(1.0 < (one.size_bytes or 0) / (wide * high) < 8.0 for one in found.stages["picture"])
+    assert all(1.0 < (one.size_bytes or 0) / (wide * high) < 8.0 for one in found.stages["image"])
 
 
 def test_text_is_escaped_wherever_it_stands():

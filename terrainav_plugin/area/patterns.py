@@ -1,0 +1,314 @@
+"""Corridors, orbits, scans and random poses: what they ask for, and the points that they become."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from qgis.core import (
+    QgsFeatureRequest,
+    QgsMapLayer,
+    QgsProject,
+    QgsVectorLayer,
+    QgsVectorLayerFeatureSource,
+)
+from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
+
+from ...core.errors import InvalidInput
+from ...core.fields import Field, declared_fields, field_named
+from ...core.mission.area import Box, Polygon
+from ...core.mission.parts import Attitude, Flight
+from ...core.poses.settings import Corridor, Orbit, Scan
+from ..compat import LINE_LAYERS, POLYGON_LAYERS
+from ..form.area import entered_area
+from ..form.camera import camera_of
+from ..form.fields import label_of, tip_of
+from ..i18n import number_text, tr
+from ..map.canvas import lon_lat_of
+from ..plain import plain_label
+from ..units import length_text
+from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
+from .dialogs import LayerDialog
+from .layers import Found, Reading, lines_of, polygon_of
+from .menu import Way
+
+if TYPE_CHECKING:
+    from qgis.gui import QgisInterface, QgsMapCanvas
+
+    from ...core.geodesy.camera import Camera
+    from ...core.mission.area import Area
+    from ..form.state import FormState
+
+#: Heights and counts that random poses start with.
+_RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
+#: Digits of degrees that are shown: a centimetre.
+_DEGREES = 7
+
+
+#: Ways of the menu that ask for a pattern.
+PATTERNS = (Way.CORRIDOR, Way.FACADE, Way.STRUCTURE, Way.ORBIT, Way.RANDOM)
+
+
+def pattern_dialog(way: str, iface: QgisInterface, state: FormState, project: QgsProject) -> Any:
+    """Dialog of one of `PATTERNS`; its ``reading`` is what is to be read once it is accepted."""
+    window = iface.mainWindow()
+    if way == Way.ORBIT:
+        return OrbitDialog(window, iface.mapCanvas(), project)
+    if way == Way.RANDOM:
+        return RandomDialog(window, state)
+    kinds = {Way.CORRIDOR: CorridorDialog, Way.FACADE: FacadeDialog, Way.STRUCTURE: StructureDialog}
+    return kinds[way](window, iface.activeLayer(), state)
+
+
+class _Entries:
+    """Entries for the fields of a declared part, each as it is declared."""
+
+    def __init__(self, part: type, form: QFormLayout) -> None:
+        self._part = part
+        self.boxes: dict[str, NumberBox] = {}
+        for field in declared_fields(part):
+            box = _number(field)
+            # There is one height until a higher one is entered.
+            start = field_named(part, "lowest_m") if field.name == "highest_m" else field
+            box.setValue(start.starts_with or 0.0)
+            self.boxes[field.name] = box
+            form.addRow(label_of(field), box)
+
+    def value(self) -> Any:
+        """Return the part; raises InvalidInput."""
+        kinds = {field.name: field.kind for field in declared_fields(self._part)}
+        return self._part(**{name: kinds[name](box.value()) for name, box in self.boxes.items()})
+
+
+class _PatternDialog(LayerDialog):
+    """Asks for a layer and a pattern; camera, height and overlaps are those of the panel."""
+
+    PART: type = Corridor
+
+    def __init__(
+        self, parent: QWidget, title: str, active: QgsMapLayer | None, kind: object, state: FormState
+    ) -> None:
+        self._state = state
+        super().__init__(parent, title, active, kind)
+
+    def wanted(self) -> Any:
+        """Return the pattern; raises InvalidInput."""
+        return self.entries.value()
+
+    def _add_entries(self) -> None:
+        self.entries = _Entries(self.PART, self.form)
+
+    def _words(self, layer: QgsVectorLayer) -> str:
+        selected, count = layer.selectedFeatureCount(), layer.featureCount()
+        if selected:
+            which = tr("Selected features are taken: {n}.").format(n=number_text(selected))
+        elif count == 1:
+            which = tr("Its only feature is taken.")
+        else:
+            which = tr("Nothing is selected in it: all {n} features are taken.").format(n=number_text(count))
+        return f"{which} {self._of_panel()}"
+
+    def _of_panel(self) -> str:
+        """What is taken from the panel."""
+        return tr("Camera and overlaps ({along} %, {across} %) are those of the panel.").format(
+            **_percents(self._state)
+        )
+
+
+class CorridorDialog(_PatternDialog):
+    """Asks for a layer of lines, and how wide the strip along them is."""
+
+    def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
+        super().__init__(parent, tr("Corridor along a line"), active, LINE_LAYERS, state)
+
+    def reading(self, project: QgsProject) -> Reading:
+        """Return the reader of its rows; raises InvalidInput."""
+        from ...core.poses.patterns import corridor
+
+        wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
+        agl_m = self._state.agl_m
+        return _of_lines(
+            self.chosen(), project, agl_m, lambda lines: corridor(lines, camera, agl_m, overlaps, wanted)
+        )
+
+    def _of_panel(self) -> str:
+        return tr(
+            "Camera, height ({height}) and overlaps ({along} %, {across} %) are those of the panel."
+        ).format(height=length_text(self._state.agl_m, self._state.agl_unit), **_percents(self._state))
+
+
+class FacadeDialog(_PatternDialog):
+    """Asks for a layer of lines, the feet of walls, and how they are scanned."""
+
+    PART = Scan
+
+    def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
+        super().__init__(parent, tr("Façade along a line"), active, LINE_LAYERS, state)
+
+    def reading(self, project: QgsProject) -> Reading:
+        """Return the reader of its flights; raises InvalidInput."""
+        from ...core.poses.patterns import facade
+
+        wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
+        left = self.left.isChecked()
+        return _of_lines(
+            self.chosen(),
+            project,
+            wanted.lowest_m,
+            lambda lines: facade(lines, camera, overlaps, wanted, left=left),
+        )
+
+    def _add_entries(self) -> None:
+        super()._add_entries()
+        tip = tr("The camera stands to the left of the lines, in their direction; otherwise to their right")
+        self.left = tick("left", tr("From the l&eft"), tip)
+        self.form.addRow(self.left)
+
+
+class StructureDialog(_PatternDialog):
+    """Asks for a layer of polygons, the outlines of structures, and how they are scanned."""
+
+    PART = Scan
+
+    def __init__(self, parent: QWidget, active: QgsMapLayer | None, state: FormState) -> None:
+        super().__init__(parent, tr("Structure around a polygon"), active, POLYGON_LAYERS, state)
+
+    def reading(self, project: QgsProject) -> Reading:
+        """Return the reader of its flights; raises InvalidInput."""
+        from ...core.poses.patterns import structure
+
+        layer = self.chosen()
+        wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
+        source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
+        context, request = project.transformContext(), _taken(layer)
+
+        def read(_cancelled: Callable[[], bool]) -> Found:
+            outlines = [polygon_of([one], crs, context) for one in source.getFeatures(request)]
+            return Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m)
+
+        return read
+
+
+class OrbitDialog(QDialog):
+    """Asks for a centre, which starts as the middle of the map, and for circles around it."""
+
+    def __init__(self, parent: QWidget, canvas: QgsMapCanvas, project: QgsProject) -> None:
+        super().__init__(parent)
+        self.setObjectName("orbit_dialog")
+        self.setWindowTitle(tr("Orbit around a point"))
+        self.form = QFormLayout(self)
+        lon_deg, lat_deg = lon_lat_of(canvas.center(), canvas.mapSettings().destinationCrs(), project)
+        tip = tr("Centre of the circles; starts as the middle of the map")
+        self.lat = spin("centre_lat", -90.0, 90.0, _DEGREES, " °", tip)
+        self.lon = spin("centre_lon", -180.0, 180.0, _DEGREES, " °", tip)
+        self.lat.setValue(lat_deg)
+        self.lon.setValue(lon_deg)
+        self.form.addRow(tr("Centre, l&atitude and longitude"), row(self.lat, self.lon))
+        self.entries = _Entries(Orbit, self.form)
+        self.form.addRow(ok_and_cancel(self))
+
+    def reading(self, _project: QgsProject) -> Reading:
+        """Return the reader of its circles; raises InvalidInput."""
+        from ...core.poses.patterns import orbit
+
+        wanted, centre = self.entries.value(), (self.lat.value(), self.lon.value())
+        return lambda _cancelled: Found(orbit(*centre, wanted), wanted.lowest_m)
+
+
+class RandomDialog(QDialog):
+    """Asks for distributions of poses inside the area that is entered."""
+
+    def __init__(self, parent: QWidget, state: FormState) -> None:
+        super().__init__(parent)
+        self.setObjectName("random_dialog")
+        self.setWindowTitle(tr("Random poses in the area"))
+        self._area: Area | None = entered_area(state)
+        self._seed = state.seed
+        form = QFormLayout(self)
+        words = named(plain_label(), "words")
+        words.setWordWrap(True)
+        words.setText(
+            tr(
+                "Places evenly inside the area, in any direction, at heights and tilts evenly between two values."
+            )
+        )
+        form.addRow(words)
+        self.count = spin("count", 1, _MOST_RANDOM, 0, "", tr("Number of images"))
+        self.count.setValue(_RANDOM_COUNT)
+        form.addRow(tr("&Images"), self.count)
+        agl, tilt = field_named(Flight, "agl_m"), field_named(Attitude, "tilt_deg")
+        self.low, self.high = (_number(agl, name) for name in ("lowest", "highest"))
+        self.tilt = spin(
+            "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Greatest tilt; the least is 0")
+        )
+        for box, value in ((self.low, _RANDOM_LOW_M), (self.high, _RANDOM_HIGH_M), (self.tilt, 0.0)):
+            box.setValue(value)
+        form.addRow(tr("&Height above ground, from and to"), row(self.low, self.high))
+        form.addRow(tr("&Tilt up to"), self.tilt)
+        form.addRow(ok_and_cancel(self))
+
+    def reading(self, _project: QgsProject) -> Reading:
+        """Return the reader of the poses; raises InvalidInput."""
+        from ...core.poses.random_poses import Distribution, PoseDistributions, random_poses
+
+        area, count, seed = self._area, int(self.count.value()), self._seed
+        if not isinstance(area, (Box, Polygon)):
+            raise InvalidInput(tr("no area to draw poses in: draw a box or a polygon first"))
+        uniform = partial(Distribution, "uniform")
+        poses = PoseDistributions(
+            uniform(self.low.value(), self.high.value()),
+            uniform(-180.0, 180.0),
+            uniform(0.0, self.tilt.value()),
+            Distribution("fixed", 0.0),
+        )
+        return lambda _cancelled: _found(random_poses(area, count, poses, seed))
+
+
+def _found(points: Any) -> Found:
+    return Found(points, points.poses[0][2])
+
+
+def _of_lines(
+    layer: QgsVectorLayer, project: QgsProject, agl_m: float, made: Callable[[Iterable[Any]], Any]
+) -> Reading:
+    """Reader of what is made of a layer's lines."""
+    source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
+    context, request = project.transformContext(), _taken(layer)
+
+    def read(cancelled: Callable[[], bool]) -> Found:
+        return Found(made(lines_of(source.getFeatures(request), crs, context, agl_m, cancelled)), agl_m)
+
+    return read
+
+
+def _taken(layer: QgsVectorLayer) -> QgsFeatureRequest:
+    """Features of a layer that are selected, or all where none is."""
+    request = QgsFeatureRequest()
+    return request.setFilterFids(layer.selectedFeatureIds()) if layer.selectedFeatureCount() else request
+
+
+def _number(field: Field, name: str = "") -> NumberBox:
+    """Entry for a declared number."""
+    unit = field.unit
+    decimals = 0 if field.kind is int else unit.decimals
+    least = field.least if field.least is not None else 10.0**-decimals
+    return spin(name or field.name, least, field.most or 1e9, decimals, unit.suffix, tip_of(field))
+
+
+def _camera(state: FormState) -> Camera:
+    camera = camera_of(state)
+    if camera is None:
+        raise InvalidInput(tr("the camera is not complete: fix its fields in the panel first"))
+    return camera
+
+
+def _overlaps(state: FormState) -> tuple[float, float]:
+    return state.overlap_along, state.overlap_across
+
+
+def _percents(state: FormState) -> dict[str, str]:
+    return {
+        name: number_text(100.0 * overlap, ".3g")
+        for name, overlap in zip(("along", "across"), _overlaps(state))
+    }

@@ -1,0 +1,110 @@
+"""Patterns of the menu *Area from*: their dialogs, and the points that the mission becomes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from qgis.core import QgsFeature, QgsGeometry, QgsProject, QgsVectorLayer
+from qgis.PyQt.QtWidgets import QDialog, QDialogButtonBox
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.mission.area import Points, Polygon
+from terrainav.core.poses.patterns import corridor, facade, orbit, structure
+from terrainav.core.poses.settings import Corridor, Orbit, Scan
+from terrainav.terrainav_plugin.form.area import entered_area
+
+LINE = [(7.4, 46.9), (7.41, 46.9), (7.41, 46.905)]
+RING = [(7.4, 46.9), (7.401, 46.9), (7.401, 46.901), (7.4, 46.901), (7.4, 46.9)]
+
+
+@pytest.fixture
+def layers(desk):
+    for kind, words in (("LineString", LINE), ("Polygon", RING)):
+        layer = QgsVectorLayer(f"{kind}?crs=EPSG:4326", kind, "memory")
+        corners = ", ".join(f"{lon} {lat}" for lon, lat in words)
+        feature = QgsFeature()
+        feature.setGeometry(
+            QgsGeometry.fromWkt(
+                f"LineString ({corners})" if kind == "LineString" else f"Polygon (({corners}))"
+            )
+        )
+        layer.dataProvider().addFeatures([feature])
+        layer.updateExtents()
+        QgsProject.instance().addMapLayer(layer)
+    state = desk.session.state()
+    desk.form.set_state(replace(state, agl=100.0, overlap_along=0.7, overlap_across=0.6))
+
+
+def dialog_of(desk, way):
+    desk.form.area.area_from.actions_by_name[way].trigger()
+    window = desk.iface.mainWindow()
+    desk.wait(lambda: any(one.isVisible() for one in window.findChildren(QDialog)))
+    return next(one for one in window.findChildren(QDialog) if one.isVisible())
+
+
+def entered_after(desk, dialog):
+    """Area that there is once the dialog is accepted."""
+    before = entered_area(desk.session.state())
+    buttons = dialog.findChild(QDialogButtonBox)
+    desk.click(buttons.button(QDialogButtonBox.StandardButton.Ok))
+    desk.wait(lambda: entered_area(desk.session.state()) != before)
+    return entered_area(desk.session.state())
+
+
+def test_line_becomes_a_corridor(desk, layers, screenshot):
+    dialog = dialog_of(desk, "corridor")
+    dialog.entries.boxes["width_m"].setValue(150.0)
+    screenshot("pattern-corridor", dialog)
+    assert "(100 m) and overlaps (70 %, 60 %)" in dialog.words.text()
+    line = np.array([(lat, lon) for lon, lat in LINE])
+    expected = corridor([line], Camera(), 100.0, (0.7, 0.6), Corridor(150.0))
+    assert entered_after(desk, dialog) == expected
+
+
+def test_line_becomes_a_facade(desk, layers, screenshot):
+    dialog = dialog_of(desk, "facade")
+    dialog.entries.boxes["highest_m"].setValue(40.0)
+    dialog.left.setChecked(True)
+    screenshot("pattern-facade", dialog)
+    line = np.array([(lat, lon) for lon, lat in LINE])
+    expected = facade([line], Camera(), (0.7, 0.6), Scan(20.0, 10.0, 40.0), left=True)
+    assert entered_after(desk, dialog) == expected
+
+
+def test_polygon_becomes_a_scan_of_a_structure(desk, layers):
+    dialog = dialog_of(desk, "structure")
+    expected = structure([Polygon((tuple(RING),))], Camera(), (0.7, 0.6), Scan(20.0, 10.0, 10.0))
+    found = entered_after(desk, dialog)
+    assert isinstance(found, Points)
+    np.testing.assert_allclose(found.poses, expected.poses, atol=1e-8)
+    np.testing.assert_allclose(found.yaws_deg, expected.yaws_deg, atol=1e-4)
+
+
+def test_orbit_is_around_the_middle_of_the_map(desk, layers, screenshot):
+    desk.look_at("EPSG:4326", (7.39, 46.89, 7.41, 46.91))
+    dialog = dialog_of(desk, "orbit")
+    assert (dialog.lat.value(), dialog.lon.value()) == pytest.approx((46.9, 7.4), abs=1e-6)
+    screenshot("pattern-orbit", dialog)
+    centre = dialog.lat.value(), dialog.lon.value()
+    assert entered_after(desk, dialog) == orbit(*centre, Orbit(40.0, 30.0, 30.0))
+
+
+def test_random_poses_are_inside_the_area(desk, layers, screenshot):
+    desk.enter_box("46.91", "7.40", "46.90", "7.42")
+    dialog = dialog_of(desk, "random")
+    dialog.count.setValue(40)
+    dialog.tilt.setValue(15.0)
+    screenshot("pattern-random", dialog)
+    found = entered_after(desk, dialog)
+    lat, lon, agl = np.array(found.poses).T
+    assert len(lat) == 40
+    assert ((lat > 46.90) & (lat < 46.91) & (lon > 7.40) & (lon < 7.42)).all()
+    assert ((agl >= 80.0) & (agl <= 150.0)).all()
+    assert 0.0 <= min(found.tilts_deg) < max(found.tilts_deg) <= 15.0
+
+
+def test_what_is_missing_is_said(desk, layers):
+    dialog = dialog_of(desk, "random")
+    desk.click(dialog.findChild(QDialogButtonBox).button(QDialogButtonBox.StandardButton.Ok))
+    desk.wait(lambda: any("o area to draw poses in" in text for text in desk.messages()))
