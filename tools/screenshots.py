@@ -390,7 +390,7 @@ def overlap(stage: Stage) -> None:
 
 def turned(stage: Stage) -> None:
     """A camera that looks ahead, in turned and crossed rows."""
-    stage.begin(FIRST, tilt_deg=30.0, grid_angle_deg=30.0, agl=250.0)
+    stage.begin(FIRST, tilt_deg=30.0, row_azimuth_deg=120.0, agl=250.0)
     stage.preview()
     stage.shoot("turned.jpg", top=stage.form.flight)
 

@@ -42,7 +42,7 @@ _FEWEST = 4
 
 @dataclass(frozen=True)
 class Georeference:
-    """The edges of a north-up picture and its size.
+    """The edges of a map frame, its size, and where its top points.
 
     Parameters
     ----------
@@ -53,6 +53,8 @@ class Georeference:
         Size of the picture as written; the pixels need not be square.
     crs : str
         ``EPSG:code`` of a projected CRS, or its WKT.
+    quarter_turns : int
+        Clockwise, from the CRS's north to where the picture's top points.
     """
 
     west_m: float
@@ -62,6 +64,7 @@ class Georeference:
     width_px: int
     height_px: int
     crs: str = WebMercator.crs
+    quarter_turns: int = 0
 
     def __post_init__(self) -> None:
         edges = (self.west_m, self.south_m, self.east_m, self.north_m)
@@ -74,20 +77,32 @@ class Georeference:
 
     @property
     def pixel_size_m(self) -> tuple[float, float]:
-        """Width and height of a pixel in the CRS's unit, both positive."""
-        return (self.east_m - self.west_m) / self.width_px, (self.north_m - self.south_m) / self.height_px
+        """Eastward and northward size of a pixel in the CRS's unit, both positive."""
+        columns, rows = self.width_px, self.height_px
+        if self.quarter_turns % 2:
+            columns, rows = rows, columns
+        return (self.east_m - self.west_m) / columns, (self.north_m - self.south_m) / rows
 
     @property
     def geotransform(self) -> tuple[float, float, float, float, float, float]:
-        """GDAL's six numbers: west, pixel width, 0, north, 0, minus pixel height."""
+        """GDAL's six numbers: easting of the upper left corner, its steps along a row and down a column, and northing.
+
+        North-up these are west, pixel width, 0, north, 0, minus pixel height.
+        """
         width_m, height_m = self.pixel_size_m
+        if self.quarter_turns % 4 == 1:
+            return (self.east_m, 0.0, -width_m, self.north_m, -height_m, 0.0)
+        if self.quarter_turns % 4 == 2:
+            return (self.east_m, -width_m, 0.0, self.south_m, 0.0, height_m)
+        if self.quarter_turns % 4 == 3:
+            return (self.west_m, 0.0, width_m, self.south_m, height_m, 0.0)
         return (self.west_m, width_m, 0.0, self.north_m, 0.0, -height_m)
 
     def world_file(self) -> str:
         """Text of an ESRI world file: the last two of its six lines are the centre of the upper-left pixel."""
-        width_m, height_m = self.pixel_size_m
-        lines = (width_m, 0.0, 0.0, -height_m, self.west_m + width_m / 2.0, self.north_m - height_m / 2.0)
-        return "".join(f"{value!r}\n" for value in lines)
+        x, across_x, down_x, y, across_y, down_y = self.geotransform
+        middle = x + (across_x + down_x) / 2.0, y + (across_y + down_y) / 2.0
+        return "".join(f"{value!r}\n" for value in (across_x, across_y, down_x, down_y, *middle))
 
     def aux_xml(self, metadata: Mapping[str, str]) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
@@ -98,7 +113,10 @@ class Georeference:
         )
 
     def tags(self) -> list[Tag]:
-        """GeoTIFF's tags (OGC 19-008): the size of a pixel, where the upper left corner lies, and the CRS."""
+        """GeoTIFF's tags (OGC 19-008): the size of a pixel, where the upper left corner lies, and the CRS.
+
+        Of a turned picture it is the whole matrix from columns and rows to positions.
+        """
         width_m, height_m = self.pixel_size_m
         citation = "" if self.crs.startswith("EPSG:") else _citation(self.crs)
         # Kind of CRS, areas, and the code: a CRS without one is of a kind of its own, which its citation defines.
@@ -107,9 +125,16 @@ class Georeference:
             if citation
             else [(1024, 1), (1025, 1), (3072, int(self.crs[5:]))]
         )
-        return [
+        place = [
             Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
             Tag(33922, Kind.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
+        ]
+        if self.quarter_turns % 4:
+            x, across_x, down_x, y, across_y, down_y = self.geotransform
+            matrix = [across_x, down_x, 0.0, x, across_y, down_y, 0.0, y, *(0.0,) * 7, 1.0]
+            place = [Tag(34264, Kind.DOUBLE, matrix)]  # ModelTransformation
+        return [
+            *place,
             Tag(34735, Kind.SHORT, _geo_keys(keys, citation)),
             *([Tag(34737, Kind.ASCII, citation)] if citation else []),
         ]

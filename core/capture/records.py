@@ -22,7 +22,7 @@ from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures
 from ..picture.products import BANDS, products
-from ..picture.shot import Shot, Walls, draw, shot_of, walls_of
+from ..picture.shot import MapShot, Shot, Walls, draw, shot_of, walls_of
 from .georeference import ControlPoints, Georeference
 from .journal import Outcome
 from .metadata import Description, degrees, figure
@@ -43,7 +43,7 @@ class PictureJob:
     image_format : str
         tif, jpg or png.
     img_size : tuple (width, height, channels) or None
-    shot : Window or Shot
+    shot : MapShot or Shot
         A map frame's window, or what a camera frame is made from.
     masked : bool
         Whether the picture has a channel for what it does not show.
@@ -61,7 +61,7 @@ class PictureJob:
     folder: Path
     image_format: str
     img_size: tuple[int, int, int] | None
-    shot: Window | Shot
+    shot: MapShot | Shot
     masked: bool
     place: Place
     description: Description
@@ -158,7 +158,8 @@ def job_of(
     place: Place
     if plan.size_px is None:
         west, south, east, north = (float(edges[index]) for edges in plan.edges)
-        place = Georeference(west, south, east, north, width, height, plan.grid.plane.crs)
+        turns = int(plan.quarter_turns[index])
+        place = Georeference(west, south, east, north, width, height, plan.grid.plane.crs, turns)
     else:
         place = ControlPoints.of(plan, index, width, height)
     pose: dict[str, Any] = {n: float(values[index]) for n, values in zip(plan.poses._fields, plan.poses)}

@@ -81,7 +81,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
         NamedImagery.of(arguments.reference),
         tile_widths_m=tuple(arguments.tiles or ()),
         tile_overlap=arguments.tile_overlap,
-        margin_m=arguments.margin,
+        margin_m=arguments.reference_margin,
         positive_iou=arguments.positive,
         semi_positive_iou=arguments.semi_positive,
         split=arguments.split,

@@ -21,6 +21,7 @@ from .stopping import collected
 
 if TYPE_CHECKING:
     from ..capture.runner import CaptureResult, Failure, Progress, Repeat
+    from ..geodesy.mercator import PixelGrid
     from ..imagery.cache.tile_cache import TileCache
     from ..imagery.opening import NamedSource
     from ..imagery.source import Source
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from ..mission.mission import Mission
     from ..mission.parts import Imagery
     from ..mission.plan import Plan
+    from ..mission.relief import Heights
     from ..pairs.capturing import PairResult
     from ..pairs.planning import PairSettings
 
@@ -107,12 +109,10 @@ def _as_written(mission: Mission) -> bool:
     return mission.output.image_format == "tif"
 
 
-def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:
-    """Work a mission out, over its relief where it has one."""
-    from ..mission.plan import plan
-
+def _heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
+    """Heights of a mission's relief, where it has one."""
     if not mission.terrain.elevation:
-        return plan(mission, source.grid)
+        return None
     from ..imagery.opening import SourceOptions
     from ..picture.heights import heights_of
 
@@ -123,7 +123,28 @@ def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSou
         cache=opened_cache(values),
         named_by_user=values[NAMED],
     )
-    return plan(mission, source.grid, heights_of(mission, options))
+    return heights_of(mission, options)
+
+
+def _planned(mission: Mission, values: dict[str, Any], source: Source | NamedSource) -> Plan:
+    """Work a mission out, over its relief where it has one."""
+    from ..mission.plan import plan
+
+    return plan(mission, source.grid, _heights(mission, values))
+
+
+def _aligned(
+    mission: Mission, arguments: argparse.Namespace, values: dict[str, Any], grid: PixelGrid
+) -> Mission:
+    """Mission whose rows are aligned as asked for; says what that gains."""
+    if arguments.align is None:
+        return mission
+    from ..mission.alignment import aligned
+
+    one = next(iter(mission.by_imagery.values()), mission)
+    found = aligned(one, grid, _heights(one, values), arguments.align)
+    print(printable(found.text()), file=sys.stderr)
+    return mission.with_(row_azimuth_deg=found.azimuth_deg)
 
 
 def _opened(mission: Mission, values: dict[str, Any], *, as_stored: bool) -> closing[Source]:
@@ -215,6 +236,8 @@ def run_plan(arguments: argparse.Namespace) -> int:
         name: _source_of(one, values, as_stored=_as_written(one))
         for name, one in (each or {"": mission}).items()
     }
+    mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
+    each = mission.by_imagery
     plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
     for path in arguments.output:
         if path.endswith(".json"):
@@ -293,6 +316,8 @@ def run_capture(arguments: argparse.Namespace) -> int:
             name: opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
             for name, one in each.items()
         }
+        mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
+        each = mission.by_imagery or {"": mission}
         result = _run(mission, each, sources, values, arguments, lambda: bool(signals))
     _print_result(result, arguments.json)
     if result.cancelled:

@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS
+from ..mission.parts import ALIGNMENTS
 from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
 from .exits import BAD_INPUT
 from .pose_options import add_poses
@@ -83,10 +84,12 @@ def _add_flying(commands: Any) -> None:
         default=[],
         help="write .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .plan (QGroundControl) or mission .json",
     )
+    _add_alignment(planning)
     planning.add_argument("--json", action="store_true", help="print the figures as JSON")
 
     capturing = commands.add_parser("capture", help="capture a mission into a folder (--data-dir)")
     _add_mission_options(capturing)
+    _add_alignment(capturing)
     capturing.add_argument("--resume", action="store_true", help="go on with an interrupted capture")
     capturing.add_argument(
         "--only-failed", action="store_true", help="capture what has failed before, and nothing else"
@@ -101,6 +104,14 @@ def _add_flying(commands: Any) -> None:
     _add_mission_options(reporting)
     reporting.add_argument("--output", metavar="DIR", required=True, help="folder of the page and its images")
     add_consent(reporting)
+
+
+def _add_alignment(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--align",
+        choices=ALIGNMENTS,
+        help="turn the rows along the longest side of the area, or so that the flight is shortest; says what it gains",
+    )
 
 
 def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] = ()) -> None:
@@ -200,6 +211,7 @@ def _add_benchmark_make(actions: Any) -> None:
     )
     asked.add_argument(
         "--margin",
+        dest="reference_margin",
         type=float,
         metavar="M",
         help="reference around the ground of the queries (default: the width of the widest tile)",
@@ -235,7 +247,8 @@ def _add_benchmark_make(actions: Any) -> None:
     asked.add_argument(
         "--gap", type=float, default=0.0, metavar="M", help="least distance between ground of two parts (0)"
     )
-    _add_mission_options(making, but=("preset", "source", "map_type", "date", "imagery", "frame"))
+    but = ("preset", "source", "map_type", "date", "imagery", "frame", "margin")
+    _add_mission_options(making, but=but)
     making.add_argument("--resume", action="store_true", help="go on with an interrupted run")
     making.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
     add_consent(making)

@@ -22,7 +22,9 @@ _HEADER, _ENTRY_BYTES = b"II*\0", 12
 _TYPES = {1: (1, "B"), 2: (1, ""), 3: (2, "H"), 4: (4, "I"), 12: (8, "d")}
 _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _PHOTOMETRIC = 256, 257, 258, 259, 262
 _OFFSETS, _SAMPLES, _ROWS, _LENGTHS, _PLANES, _PREDICTOR = 273, 277, 278, 279, 284, 317
-_EXTRA, _FORMAT, _PIXEL_SCALE, _METADATA, _NO_DATA = 338, 339, 33550, 42112, 42113
+_EXTRA, _FORMAT, _METADATA, _NO_DATA = 338, 339, 42112, 42113
+#: Size of a pixel on the map, and the matrix of a turned map frame.
+_PLACES = frozenset((33550, 34264))
 _DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
 _KINDS = {1: "u", 2: "i", 3: "f"}
 _COLOURS = 3
@@ -155,7 +157,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
         Bands(names, data_type, shown),
         "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
         _ranges(said),
-        _PIXEL_SCALE in tags,
+        not _PLACES.isdisjoint(tags),
         tuple(Strip(*strip) for strip in zip(tags[_OFFSETS], tags[_LENGTHS])),
         max(tags.get(_ROWS, (height,))[0], 1),
         channels,

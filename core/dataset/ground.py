@@ -34,8 +34,8 @@ Flags = NDArray[np.bool_]
 #: A window's middle and ``Lat``, ``Lon`` are the same place: they may differ by this, in px, which digits of a degree
 #: that were written short make up.
 _SAME_PX = 1.0
-#: TIFF tag of GeoTIFF: the size of a pixel on the map, which only a map frame has.
-_PIXEL_SCALE_TAG = 33550
+#: TIFF tags of GeoTIFF that only map frames have: the size of a pixel on the map, or the matrix of a turned one.
+_PLACE_TAGS = frozenset((33550, 34264))
 _WORLD_FILES = (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
 _CORNERS = ("nw", "ne", "se", "sw")
 #: Points along each edge of a camera frame at which its ground is worked out.
@@ -232,14 +232,15 @@ def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, mi
 def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     """Whether images are camera frames.
 
-    A turned camera's are, whatever lies beside them. One that looks straight down may have made either kind: of the
-    two, only map frames have a place on the map of their own, which a GeoTIFF says itself, and of others the world file
-    that a capture leaves beside each.
+    A turned camera's are, whatever lies beside them. One that looks straight down, with its top to the map's north or a
+    quarter turn from it, may have made either kind: of the two, only map frames have a place on the map of their own,
+    which a GeoTIFF says itself, and of others the world file that a capture leaves beside each.
     """
     table = images.table
     # Map frames in a CRS of their own point to its north.
     angles = (*(() if any(table.crs) else (table.yaw_deg,)), table.tilt_deg, table.roll_deg)
-    turned = [np.nan_to_num(angle[rows]) != 0.0 for angle in angles]
+    turned = [np.mod(np.nan_to_num(angle[rows]), 90.0) != 0.0 for angle in angles[:-2]]
+    turned += [np.nan_to_num(angle[rows]) != 0.0 for angle in angles[-2:]]
     if np.any(turned):
         return True
     path = images.path(int(rows[0]))
@@ -249,7 +250,7 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
             return not stored.is_placed
         try:
             with Image.open(path) as image:
-                return _PIXEL_SCALE_TAG not in getattr(image, "tag_v2", {})
+                return _PLACE_TAGS.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     captured = any((dataset / name).is_file() for name in (MISSION_FILE, PLAN_FILE))

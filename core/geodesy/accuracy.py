@@ -38,6 +38,9 @@ _NOISE_OF_RAYS = 2.0**-46
 RESOLVED_M = 4e-8
 
 
+_QUARTER_DEG = 90.0
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """What bounds depend on: a camera, its image, and poses.
@@ -126,6 +129,9 @@ def map_frame_px(scene: Scene) -> Floats:
     radius, bend = scene.radius_m, scene.lat_tangent
     width_m, height_m = (2.0 * scene.poses.agl_m * tangent for tangent in scene.camera.half_tangents)
     width_px, height_px = scene.width_px, scene.height_px
+    across = np.rint(scene.poses.yaw_deg / _QUARTER_DEG) % 2.0 == 1.0
+    width_m, height_m = np.where(across, height_m, width_m), np.where(across, width_m, height_m)
+    width_px, height_px = np.where(across, height_px, width_px), np.where(across, width_px, height_px)
     converging = (
         1.05 * bend / radius * (width_px * height_m / 4.0 + (width_px * width_m + height_px * height_m) / 8.0)
     )
@@ -141,10 +147,10 @@ def map_noise_px(scene: Scene) -> Floats:
 
 
 def _attitude_px(scene: Scene) -> Floats:
-    """How far a level, north-up picture is from the turned one at most, (n,); for small angles."""
-    yaw, tilt, roll = (
-        np.abs(np.radians(np.mod(angle + 180.0, 360.0) - 180.0)) for angle in scene.poses.attitude
-    )
+    """How far a level picture at a quarter turn from north is from the turned one at most, (n,); for small angles."""
+    off_yaw, *off_level = (np.mod(angle + 180.0, 360.0) - 180.0 for angle in scene.poses.attitude)
+    off_yaw = off_yaw - _QUARTER_DEG * np.rint(off_yaw / _QUARTER_DEG)
+    yaw, tilt, roll = (np.abs(np.radians(angle)) for angle in (off_yaw, *off_level))
     across = scene.focal_px * (1.0 + scene.diagonal_tangent**2)
     turned: Floats = scene.half_diagonal_px * yaw + across * (tilt + roll)
     return turned

@@ -23,6 +23,7 @@ Numbers = NDArray[np.int64]
 _CENTRE_STEP_PX = 2.0**-20
 
 
+_QUARTER_DEG = 90.0
 #: How much larger a quadratic surface may be than at nine points of a square, and poses looked at in one go.
 _BETWEEN_NINE, _BATCH = 1.25**2, 1 << 16
 
@@ -65,17 +66,58 @@ class Windows(NamedTuple):
         return left, top, left + self.width_px, top + self.height_px
 
 
+def quarter_turns(poses: Poses, own: ProjectedPlane | None = None) -> Numbers:
+    """Clockwise quarter turns from the north of a map nearest to where the tops of images point, 0 to 3, (n,).
+
+    Parameters
+    ----------
+    own : ProjectedPlane or None
+        The plane whose north counts; None for the Web-Mercator map.
+    """
+    if own is None and not any(poses.yaw_deg.strides):
+        # One yaw for all takes no memory.
+        turns = np.mod(np.rint(poses.yaw_deg[:1] / _QUARTER_DEG), 4.0).astype(np.int64)
+        return np.broadcast_to(turns, poses.yaw_deg.shape)
+    yaw = poses.yaw_deg if own is None else poses.yaw_deg + own.north_deg(poses.lat_deg, poses.lon_deg)
+    turned: Numbers = np.mod(np.rint(yaw / _QUARTER_DEG), 4.0).astype(np.int64)
+    return turned
+
+
+def swapped(turns: Numbers, width: Floats | float, height: Floats | float) -> tuple[Floats, Floats]:
+    """Sizes along x and y of a map, of images of widths and heights turned by quarter turns, (n,); and the way back."""
+    across = turns % 2 == 1
+    return np.where(across, height, width), np.where(across, width, height)
+
+
+def in_image(turns: Numbers, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Columns and rows of images turned by quarter turns, as shares of their sizes, (n, ...).
+
+    Parameters
+    ----------
+    turns : array (n,)
+    x, y : array (n, ...)
+        Shares of the map's rectangle from its upper left corner.
+    """
+    which = turns.reshape(turns.shape + (1,) * (np.ndim(x) - 1)) if np.ndim(x) else turns
+    return np.choose(which, (x, y, 1.0 - x, 1.0 - y)), np.choose(which, (y, 1.0 - x, 1.0 - y, x))
+
+
+def on_map(turns: Numbers, column: Floats, row: Floats) -> tuple[Floats, Floats]:
+    """Shares of the map's rectangle at which images show something, (n, ...); the inverse of `in_image`."""
+    return in_image((4 - turns) % 4, column, row)
+
+
 def map_frame_edges(
     camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, own: ProjectedPlane | None = None
 ) -> FrameEdges:
-    """Map-frame edges of north-up nadir cameras, through the exact midpoints of the image edges.
+    """Map-frame edges of nadir cameras, through the exact midpoints of the image edges.
 
     Parameters
     ----------
     poses : Poses
-        (n,); their attitude is taken as level and north-up.
+        (n,); their attitude is taken as level, and their yaw as the nearest quarter turn from the map's north.
     own : ProjectedPlane or None
-        The plane of the frames, to whose north the cameras' tops point; None for the Web-Mercator map.
+        The plane of the frames; None for the Web-Mercator map.
 
     Raises
     ------
@@ -85,9 +127,14 @@ def map_frame_edges(
     """
     lat_deg, agl_m = poses.lat_deg, poses.agl_m
     yaw_deg = 0.0 if own is None else -own.north_deg(lat_deg, poses.lon_deg)
-    seen = trace(
-        lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(EDGE_MIDPOINTS, yaw_deg), ground
-    )
+    points: Floats = np.array(EDGE_MIDPOINTS)
+    turned = quarter_turns(poses, own) % 2 == 1
+    if turned.any():
+        # The width of the image lies from north to south there.
+        tan_x, tan_y = camera.half_tangents
+        across = points * np.array([tan_y / tan_x, tan_x / tan_y])
+        points = np.where(turned[:, np.newaxis, np.newaxis], across, points)
+    seen = trace(lat_deg[:, np.newaxis], agl_m[:, np.newaxis], camera.rays_enu(points, yaw_deg), ground)
     if not seen.hit.all():
         at = int(np.flatnonzero(~seen.hit.all(axis=1))[0])
         raise InvalidInput(
@@ -138,9 +185,12 @@ def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
     u, v = own.forward(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
     edges = map_frame_edges(scene.camera, poses, scene.ground, own)
     width, height = edges.size
-    off_x = (u - edges.west_u[:, np.newaxis]) / width[:, np.newaxis] - (x + 1.0) / 2.0
-    off_y = (v - edges.top_v[:, np.newaxis]) / height[:, np.newaxis] - (1.0 - y) / 2.0
-    width_px, height_px = (np.broadcast_to(size, count) for size in (scene.width_px, scene.height_px))
+    turns = quarter_turns(poses, own)
+    column, row = (np.broadcast_to(part, (count, len(x))) for part in ((x + 1.0) / 2.0, (1.0 - y) / 2.0))
+    share_x, share_y = on_map(turns, column, row)
+    off_x = (u - edges.west_u[:, np.newaxis]) / width[:, np.newaxis] - share_x
+    off_y = (v - edges.top_v[:, np.newaxis]) / height[:, np.newaxis] - share_y
+    width_px, height_px = swapped(turns, scene.width_px, scene.height_px)
     found = np.hypot(off_x * width_px[:, np.newaxis], off_y * height_px[:, np.newaxis]).max(axis=1)
     size_m = 2.0 * poses.agl_m * max(scene.camera.half_tangents)
     third = scene.half_diagonal_px * (size_m / scene.radius_m) ** 2 * (1.0 + bend**2)
@@ -196,7 +246,7 @@ def runs_on(grid: PixelGrid, poses: Poses) -> tuple[NDArray[np.intp], NDArray[np
 def map_windows(
     camera: Camera, poses: Poses, grid: PixelGrid, zoom: int, ground: Ellipsoid = WGS84
 ) -> Windows:
-    """Map frames of north-up nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
+    """Map frames of nadir cameras on a source's pixel grid; raises InvalidInput as `map_frame_edges` does."""
     first, run = runs_on(grid, poses)
     return windows_of(
         map_frame_edges(camera, poses.take(first), ground, grid.own), run, poses.lon_deg, grid, zoom

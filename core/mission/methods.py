@@ -12,7 +12,7 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy import accuracy
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
-from ..geodesy.frames import own_frame_px, runs_on
+from ..geodesy.frames import own_frame_px, quarter_turns, runs_on, swapped
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.planes import ProjectedPlane
 from .area import ANGLES, Points
@@ -38,6 +38,9 @@ COARSEST_MESH_PX = 1.0
 _ROUNDING = 1e-12
 #: A mesh has to be so many times coarser than the noise of its cells' corners: below, most pixels need a ray anyway.
 _ABOVE_NOISE = 2.0
+
+#: On a source's own grid images of rows at such azimuths may be map frames.
+_QUARTER_DEG = 90.0
 
 #: Stages of a plan.
 _FOOTPRINT, _PICTURE, _PIXELS = Message("footprint"), Message("image"), Message("pixels")
@@ -322,7 +325,7 @@ def _no_map_frame(mission: Mission, grid: PixelGrid, relief: ReliefBelow | None)
             relief.lowest_m,
             relief.highest_m,
         )
-    if is_rotated(mission):
+    if is_rotated(mission) and (grid.own is None or mission.flight.row_azimuth_deg % _QUARTER_DEG):
         return _ROTATED
     if mission.wind is not None and mission.wind.sigma_m_per_s > 0.0:
         return _WIND
@@ -349,9 +352,12 @@ def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
             mission.camera, float(flown.size_px[0]), float(flown.size_px[1]), poses, ground_of(mission)
         )
     # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
-    width, height = (
-        np.asarray(size[first], np.float64) + 1.0
-        for size in (flown.windows.width_px, flown.windows.height_px)
+    width, height = swapped(
+        quarter_turns(poses, grid.own),
+        *(
+            np.asarray(size[first], np.float64) + 1.0
+            for size in (flown.windows.width_px, flown.windows.height_px)
+        ),
     )
     return Scene(mission.camera, width, height, poses, ground_of(mission))
 

@@ -15,10 +15,12 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon
-from .earlier import of_schema_1
+from .earlier import of_schema_1, with_row_azimuth
 from .imageries import NamedImagery
 from .parts import (
+    EASTWARD_DEG,
     FLAT_PARTS,
+    NORTH,
     PAPER,
     PAPER_MAX_PX,
     Accuracy,
@@ -144,6 +146,12 @@ class Mission:
             del plain["imagery"]["crs"]
         for name in ("source", "date", "map_types") if self.imagery.imageries else ("imageries",):
             del plain["imagery"][name]
+        if self.flight.row_azimuth_deg == EASTWARD_DEG:
+            del plain["flight"]["row_azimuth_deg"]
+        if self.flight.facing == NORTH:
+            del plain["flight"]["facing"]
+        if not self.flight.margin_m:
+            del plain["flight"]["margin_m"]
         if not self.output.products:
             del plain["output"]["products"]
         if self.terrain == Terrain():
@@ -181,6 +189,8 @@ class Mission:
         values: dict[str, Any] = {}
         for name, part in FLAT_PARTS.items():
             given = _object(name, {} if data.get(name) is None else data[name])
+            if name == "flight":
+                given = with_row_azimuth(given)
             _check_names(given, f"{name}.", [one.name for one in declared_fields(part)])
             values.update((one, value) for one, value in given.items() if value is not None)
         if data.get("area") is None:

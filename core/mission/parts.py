@@ -18,6 +18,12 @@ if TYPE_CHECKING:
 
 #: Rows to and fro, or each from its beginning.
 SERPENTINE, ONE_WAY = "serpentine", "one-way"
+#: Where the top of images points: north, or along each row's flight.
+NORTH, TRACK = "north", "track"
+#: Ways to align rows with their area.
+ALIGNMENTS = LONGEST_SIDE, SHORTEST = ("longest-side", "shortest")
+#: Azimuth of rows along parallels.
+EASTWARD_DEG = 90.0
 #: Rows that leave nothing out, or the published UTM grid.
 COVER, PAPER = "cover", "paper"
 #: The cheapest that fits the error budget.
@@ -30,6 +36,8 @@ PAPER_MAX_PX = 640
 HIGHEST_AGL_M = 1e9
 #: Ground lies between these, metres: the shore of the Dead Sea and Everest, with room for geoid and lakes' beds.
 LOWEST_GROUND_M, HIGHEST_GROUND_M = -12_000.0, 9_000.0
+#: Widest margin about an area, metres.
+WIDEST_MARGIN_M = 100_000.0
 #: What the heights of captures are above.
 GROUND, TAKEOFF, ELLIPSOID = "ground", "takeoff", "ellipsoid"
 #: What becomes of holes in the first source of heights.
@@ -40,6 +48,7 @@ _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 _CRS = r"(EPSG:[0-9]{1,7}|[A-Z]+[A-Z0-9_]*\[.*\])?"
 _LONGEST_CRS = 20_000
 _CHANNELS = (1, 3)
+_WHOLE_TURN_DEG = 360.0
 _NUMBER = r"-?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]+)?"
 #: How values become 8 bits: by one of two words, or between two values.
 _STRETCH = f"none|percentile|{_NUMBER} {_NUMBER}"
@@ -66,6 +75,20 @@ def utc_time(text: str) -> datetime:
 
 def _check_start(text: str) -> None:
     utc_time(text)
+
+
+def _check_facing(text: str) -> None:
+    if text in (NORTH, TRACK):
+        return
+    if re.fullmatch(_NUMBER, text) and abs(float(text)) <= _WHOLE_TURN_DEG:
+        return
+    raise InvalidInput(
+        "camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360",
+        text,
+        NORTH,
+        TRACK,
+        field="facing",
+    )
 
 
 def _check_source(text: str) -> None:
@@ -169,8 +192,8 @@ class Attitude(Part):
     yaw_deg: float = declared(
         0.0,
         title="yaw",
-        help="direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid "
-        "angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws",
+        help="direction of the image's top edge, clockwise from north; counted from across the rows where these are "
+        "turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws",
         unit="deg",
         least=-360.0,
         most=360.0,
@@ -243,13 +266,22 @@ class Flight(Part):
         help="cover: rows that leave nothing out; paper: the grid in UTM as published",
         choices={COVER: "Cover (no gaps)", PAPER: "Paper (UTM grid)"},
     )
-    grid_angle_deg: float = declared(
-        0.0,
-        title="grid angle",
-        help="how far the rows of an area, and the images with them, are turned clockwise from east; points have none",
+    row_azimuth_deg: float = declared(
+        EASTWARD_DEG,
+        title="row azimuth",
+        help="direction of an area's rows, clockwise from north: 90 flies them east; points have none",
         unit="deg",
-        least=-180.0,
-        most=180.0,
+        least=0.0,
+        most=360.0,
+    )
+    facing: str = declared(
+        NORTH,
+        title="camera faces",
+        help="where the top of the images points, from which the yaw counts: north, turned with the rows where these "
+        "are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images",
+        option="facing",
+        check=_check_facing,
+        schema={"pattern": f"^({NORTH}|{TRACK}|{_NUMBER})$"},
     )
     crosshatch: bool = declared(
         False,
@@ -261,6 +293,14 @@ class Flight(Part):
         title="order of rows",
         help="serpentine: every other row is flown back; one-way: every row is flown from its beginning",
         choices={SERPENTINE: "Serpentine (to and fro)", ONE_WAY: "One way"},
+    )
+    margin_m: float = declared(
+        0.0,
+        title="margin",
+        help="so much ground beyond an area is covered as well, on all sides; points have none",
+        unit="m",
+        least=0.0,
+        most=WIDEST_MARGIN_M,
     )
     airspeed_m_per_s: float = declared(
         15.0,
@@ -280,6 +320,23 @@ class Flight(Part):
         check=_check_start,
         schema={"pattern": f"^{_UTC}$"},
     )
+
+    def __post_init__(self) -> None:
+        """Check every field; an azimuth that cameras face is kept as text."""
+        given: Any = self.facing
+        if isinstance(given, (int, float)) and not isinstance(given, bool):
+            object.__setattr__(self, "facing", f"{given:.15g}")
+        super().__post_init__()
+
+    @property
+    def faced_deg(self) -> float | None:
+        """Azimuth that the yaw counts from; None where that is the track of each row."""
+        return None if self.facing == TRACK else 0.0 if self.facing == NORTH else float(self.facing)
+
+    @property
+    def turns_about(self) -> bool:
+        """Whether every other row sees the other way."""
+        return self.facing == TRACK and self.order == SERPENTINE
 
 
 @dataclass(frozen=True)
@@ -462,9 +519,9 @@ class Accuracy(Part):
     frame: str = declared(
         AUTO,
         title="kind of image",
-        help="map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the "
-        "image as the camera sees it; auto: a map frame where its error fits the budget",
-        choices={AUTO: "Automatic", "map": "Map frame (north-up)", "camera": "Camera frame (as seen)"},
+        help="map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight "
+        "down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget",
+        choices={AUTO: "Automatic", "map": "Map frame (not resampled)", "camera": "Camera frame (as seen)"},
         advanced=True,
     )
     mesh: str = declared(

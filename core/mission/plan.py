@@ -23,7 +23,7 @@ from ..geodesy.footprint import (
     outline,
     poles_seen,
 )
-from ..geodesy.frames import Windows, runs_on, window_centres
+from ..geodesy.frames import Windows, quarter_turns, runs_on, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, wrap_lon_deg
 from ..geodesy.planes import TurnedPlane
 from ..geodesy.relief_view import Tracing
@@ -78,7 +78,7 @@ class Plan:
     poses : Poses
         As they are flown, (n,); longitudes are continuous across the antimeridian.
     windows : Windows
-        In the global pixel grid at ``zoom``: what each map frame shows, and the north-up rectangle inside what each
+        In the global pixel grid at ``zoom``, north-up: what each map frame shows, and a rectangle inside what each
         camera frame shows.
     corners : Corners
         Ground corners that the camera sees, (n, 4).
@@ -151,15 +151,41 @@ class Plan:
         """Heights of the poses over the WGS 84 ellipsoid, (n,)."""
         return self.ground_m + self.agl_m
 
+    @cached_property
+    def quarter_turns(self) -> Numbers:
+        """Clockwise quarter turns from the map's north of the tops of map frames, 0 to 3, (n,); 0 of camera frames.
+
+        A map frame is its window of the source's pixels, turned by so many without resampling.
+        """
+        if self.size_px is not None:
+            return np.broadcast_to(np.int64(0), len(self))
+        return quarter_turns(self.poses, self.grid.own)
+
+    @property
+    def is_north_up(self) -> bool:
+        """Whether all pictures are map frames whose tops point to the map's north."""
+        return self.size_px is None and not self.quarter_turns.any()
+
+    @cached_property
+    def _sizes_px(self) -> tuple[Numbers, Numbers]:
+        if self.size_px is not None:
+            width, height = self.size_px
+            return np.broadcast_to(width, len(self)), np.broadcast_to(height, len(self))
+        wide, high = self.windows.width_px, self.windows.height_px
+        if self.is_north_up:
+            return wide, high
+        across = self.quarter_turns % 2 == 1
+        return np.where(across, high, wide), np.where(across, wide, high)
+
     @property
     def width_px(self) -> Numbers:
         """Widths of the pictures, before any resizing, (n,)."""
-        return self.windows.width_px if self.size_px is None else np.broadcast_to(self.size_px[0], len(self))
+        return self._sizes_px[0]
 
     @property
     def height_px(self) -> Numbers:
         """Heights of the pictures, before any resizing, (n,)."""
-        return self.windows.height_px if self.size_px is None else np.broadcast_to(self.size_px[1], len(self))
+        return self._sizes_px[1]
 
     @cached_property
     def _runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -374,7 +400,8 @@ class Plan:
             raise InvalidInput("windows of the map in a plane about an area")
         west, south, east, north = (edge[at] for edge in self.edges)
         (x0, y0), (x1, y1) = plane.of_crs(west, south), plane.of_crs(east, north)
-        return Rectangles(x0, y0, x1, y1)
+        # The plane's axes may be turned by quarter turns.
+        return Rectangles(np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1))
 
     @cached_property
     def requests(self) -> int:

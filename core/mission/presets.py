@@ -12,7 +12,7 @@ from typing import Any
 
 from ..errors import InvalidInput, Message
 from ..map_types import ROADMAP, SATELLITE
-from .parts import AUTO
+from .parts import AUTO, NORTH, TRACK
 
 #: Overlaps at which structure from motion finds every point in several images, also of the rows beside.
 _MAPPING_OVERLAPS = (0.75, 0.65)
@@ -53,11 +53,13 @@ PRESETS: tuple[Preset, ...] = (
         "mapping",
         Message("For mapping"),
         Message(
-            "Overlap {0:g}/{1:g} %, JPEG with the pose in EXIF and XMP, as drone photogrammetry software reads it",
+            "Overlap {0:g}/{1:g} %, camera along the track, JPEG with the pose in EXIF and XMP, which drone "
+            "photogrammetry software reads",
             *(100.0 * overlap for overlap in _MAPPING_OVERLAPS),
         ),
         overlap_along=_MAPPING_OVERLAPS[0],
         overlap_across=_MAPPING_OVERLAPS[1],
+        facing=TRACK,
         frame=AUTO,
         image_format="jpg",
         img_size=None,
@@ -72,6 +74,7 @@ PRESETS: tuple[Preset, ...] = (
         ),
         overlap_along=_NAVIGATION_OVERLAP,
         overlap_across=_NAVIGATION_OVERLAP,
+        facing=NORTH,
         frame="camera",
         image_format="tif",
         img_size=None,
@@ -86,6 +89,7 @@ PRESETS: tuple[Preset, ...] = (
         ),
         overlap_along=0.0,
         overlap_across=0.0,
+        facing=NORTH,
         frame=AUTO,
         image_format="png",
         img_size=(_LEARNING_PX, _LEARNING_PX, 3),

@@ -116,6 +116,8 @@ class ReliefBelow:
         lat, lon = _ends(mission)
         #: Corners of the area, or its points; and what captures stand within, as far as it is known.
         self._ends = self._stand = lat, lon
+        if mission.flight.margin_m and not isinstance(mission.area, Points):
+            lat, lon = self._stand = _widened(lat, lon, mission.flight.margin_m)
         first = heights.ground.surface(*_widened(lat, lon, mission.flight.agl_m * self._reach))
         if not np.isfinite(first.heights_m).any():
             raise no_ground(float(lat[0]), float(lon[0]))

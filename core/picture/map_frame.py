@@ -1,4 +1,4 @@
-"""Map frames out of parts: put together on the source's pixel grid, whole or not at all."""
+"""Map frames out of parts: put together on the source's pixel grid, whole or not at all, and turned."""
 
 from __future__ import annotations
 
@@ -23,6 +23,19 @@ def window_of(plan: Plan, index: int) -> Window:
     """Window of one capture; its left and top are int where the source's grid is."""
     left, top, width, height = (values[index].item() for values in plan.windows)
     return Window(plan.zoom, left, top, width, height)
+
+
+def turned(picture: Pixels, quarter_turns: int) -> Pixels:
+    """Picture of a north-up window (h, w, ...) as a camera sees it whose top points so many quarter turns clockwise.
+
+    `north_up` is the way back. No pixel changes its value.
+    """
+    return np.ascontiguousarray(np.rot90(picture, quarter_turns)) if quarter_turns % 4 else picture
+
+
+def north_up(picture: Pixels, quarter_turns: int) -> Pixels:
+    """North-up picture of a window whose map frame (h, w, ...) is turned by quarter turns clockwise."""
+    return turned(picture, -quarter_turns)
 
 
 def assemble(

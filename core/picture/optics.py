@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84
+from ..geodesy.frames import in_image, swapped
 from ..geodesy.mercator import lat_to_v, lon_to_u
 from ..mission.cameras import shipped_cameras
 from ..mission.parts import utc_time
@@ -102,6 +103,18 @@ def optics_of(plan: Plan, at: NDArray[np.int64]) -> Optics:
 
 def _map_frames(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
     """Focal lengths and principal point of the camera that looks straight down and sees a map frame."""
+    focal_x, focal_y, x, y = _windows(plan, at)
+    if plan.is_north_up:
+        return focal_x, focal_y, x, y
+    turns = plan.quarter_turns[at]
+    wide, high = (np.asarray(size[at], np.float64) for size in plan.windows[2:])
+    column, row = in_image(turns, x / wide, y / high)
+    width, height = swapped(turns, wide, high)
+    return (*swapped(turns, focal_x, focal_y), column * width, row * height)
+
+
+def _windows(plan: Plan, at: NDArray[np.int64]) -> tuple[Floats, Floats, Floats, Floats]:
+    """The same along the axes of the map, from the upper left corner of the windows."""
     world_px = float(plan.grid.world_px(plan.zoom))
     lat, ground, own = plan.lat_deg[at], plan.ground, plan.grid.own
     if own is not None:

@@ -13,9 +13,9 @@ from ..geodesy.ellipsoid import sight_lines
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.relief_view import Sighting
 from ..geodesy.view import ImageRays
-from ..imagery.source import Window
 from ..mission.plan import Plan
-from .shot import Shot
+from .map_frame import turned
+from .shot import MapShot, Shot
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ _FACE = 255
 
 
 def products(
-    plan: Plan, index: int, size_px: tuple[int, int], shot: Window | Shot | None = None
+    plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None
 ) -> Iterator[tuple[str, NDArray[np.generic]]]:
     """Products that a mission asks for, of one capture's picture as it is written.
 
@@ -38,7 +38,7 @@ def products(
     ----------
     size_px : tuple of int
         Width and height of the picture.
-    shot : Window, Shot or None
+    shot : MapShot, Shot or None
         What the picture is made from, whose rays may be known.
 
     Yields
@@ -74,10 +74,11 @@ def sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
     lat, lon, agl = (float(values[0]) for values in pose[:3])
     if plan.size_px is None:
         left, top, wide, high = (float(values[index]) for values in plan.windows)
-        world = plan.grid.world_px(plan.zoom)
-        u = (left + (np.arange(width) + 0.5) * wide / width) / world
-        v = (top + (np.arange(height) + 0.5) * high / height) / world
-        ground_lat, ground_lon = plan.grid.plane.inverse(*np.meshgrid(u, v))
+        world, turns = plan.grid.world_px(plan.zoom), int(plan.quarter_turns[index])
+        columns, rows = (width, height) if turns % 2 == 0 else (height, width)
+        u = (left + (np.arange(columns) + 0.5) * wide / columns) / world
+        v = (top + (np.arange(rows) + 0.5) * high / rows) / world
+        ground_lat, ground_lon = (turned(at, turns) for at in plan.grid.plane.inverse(*np.meshgrid(u, v)))
         dlon, axis = wrap_lon_deg(ground_lon - lon), np.array([0.0, 0.0, -1.0])
     else:
         rays = ImageRays.of(Scene(camera, width, height, pose, plan.ground))

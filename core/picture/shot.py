@@ -16,7 +16,7 @@ from ..geodesy.view import View
 from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan
 from .camera_frame import camera_parts, render
-from .map_frame import assemble, window_of
+from .map_frame import assemble, turned, window_of
 
 Pixels = NDArray[Any]
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
@@ -51,6 +51,13 @@ class Shot:
         return self.plan.mission.accuracy.resampling
 
 
+class MapShot(NamedTuple):
+    """A map frame: its window, and the clockwise quarter turns from north of its top."""
+
+    window: Window
+    quarter_turns: int = 0
+
+
 class Picture(NamedTuple):
     """Pixels (h, w, bands), or one channel more with a mask, and shares of them.
 
@@ -63,10 +70,10 @@ class Picture(NamedTuple):
     facade_share: float = 0.0
 
 
-def shot_of(plan: Plan, index: int) -> Window | Shot:
+def shot_of(plan: Plan, index: int) -> MapShot | Shot:
     """What the picture of one capture is made from: a map frame's window, or a camera frame's view."""
     if plan.size_px is None:
-        return window_of(plan, index)
+        return MapShot(window_of(plan, index), int(plan.quarter_turns[index]))
     return Shot(plan, index)
 
 
@@ -92,7 +99,7 @@ def walls_of(plan: Plan, source: Source, map_type: str) -> Walls | None:
 
 
 def draw(
-    shot: Window | Shot,
+    shot: MapShot | Shot,
     parts: Sequence[Part],
     pixels: Mapping[Window, Pixels],
     *,
@@ -120,8 +127,8 @@ def draw(
     PartError
         Where the parts do not make a whole picture.
     """
-    if isinstance(shot, Window):
-        return Picture(assemble(shot, parts, pixels, bands))
+    if isinstance(shot, MapShot):
+        return Picture(turned(assemble(shot.window, parts, pixels, bands), shot.quarter_turns))
     view = shot.view
     picture = render(view, shot.lon_deg, parts, pixels, shot.kernel, bands)
     if walls is not None and shot.tracing is not None and view.facade_share:

@@ -19,13 +19,13 @@ from ..capture.records import job_of
 from ..capture.writers import JPEG_QUALITY, Place, encoded
 from ..errors import PartError
 from ..geodesy.accuracy import Scene
-from ..geodesy.frames import map_windows, runs_on
+from ..geodesy.frames import map_windows, quarter_turns, runs_on
 from ..geodesy.view import View, view
 from ..imagery.source import Part, Source, Window, tile_parts
 from ..mission.layout.framing import sampled_zooms
 from ..mission.plan import Plan
 from ..picture.camera_frame import camera_parts, render
-from ..picture.map_frame import assemble, resized, window_of
+from ..picture.map_frame import assemble, resized, turned, window_of
 from ..picture.resampling import KERNELS, sample
 from ..timing import Effort, Seconds, timed_together
 from ..world import WorldSource
@@ -178,17 +178,18 @@ class Bench:
     def _map_frame(self) -> Callable[[], Pixels]:
         """What makes the map frame of the capture."""
         plan = self.plan
+        pose = plan.poses.take(np.array([self.index]))
+        turns, (width, height) = int(quarter_turns(pose, plan.grid.own)[0]), self.size_px
         if plan.size_px is None:
             window = window_of(plan, self.index)
         else:
-            pose = plan.poses.take(np.array([self.index]))
             windows = map_windows(plan.mission.camera, pose, plan.grid, plan.zoom, plan.ground)
-            left, top, width, height = (part[0].item() for part in windows)
-            window = Window(plan.zoom, left, top, width, height)
+            window = Window(plan.zoom, *(part[0].item() for part in windows))
         if self.enlarged > 1.0 and plan.grid.centre_decimals is None:
-            window = _middle(window, self.size_px)
+            window = _middle(window, (height, width) if turns % 2 else (width, height))
         parts = self.tiles.source.parts(window)
-        return partial(assemble, window, parts, self.tiles.of(parts))
+        pixels = self.tiles.of(parts)
+        return lambda: turned(assemble(window, parts, pixels), turns)
 
     def own_picture(self) -> Pixels:
         """Picture of the capture by the plan's own methods, at the size that it is written in."""

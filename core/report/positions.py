@@ -13,7 +13,7 @@ from ..geodesy.accuracy import Scene
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import Footprint, outline
-from ..geodesy.frames import map_frame_edges, runs_on
+from ..geodesy.frames import in_image, map_frame_edges, quarter_turns, runs_on
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import Cells, ImageRays, mesh
@@ -112,7 +112,9 @@ def map_frame_error_px(plan: Plan) -> Error:
     along, down = (part.ravel() for part in np.meshgrid(*(np.linspace(0.0, 1.0, _FRAME_POINTS),) * 2))
     west, east, top, bottom = (edge[:, np.newaxis] for edge in edges)
     du, v = west + (east - west) * along, top + (bottom - top) * down
-    x, y = (np.broadcast_to(part, v.shape) for part in (2.0 * along - 1.0, 1.0 - 2.0 * down))
+    shares = (np.broadcast_to(part, v.shape) for part in (along, down))
+    column, row = in_image(quarter_turns(scene.poses, plan.grid.own), *shares)
+    x, y = 2.0 * column - 1.0, 1.0 - 2.0 * row
     return float(map_errors_px(scene, du, v, x, y, plan.grid.own).max())
 
 

@@ -75,7 +75,7 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
     """Label and value of what the mission asks for."""
     mission, camera = plan.mission, plan.mission.camera
     width, height = int(plan.width_px.max()), int(plan.height_px.max())
-    frames = "map frames: north-up rectangles of the source's own pixels"
+    frames = "map frames: rectangles of the source's own pixels"
     if plan.size_px is not None:
         frames = f"camera frames: what the camera sees, resampled ({mission.accuracy.resampling})"
     facts = [

@@ -8346,6 +8346,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/earlier.py"/>
+        <source>grid angle {0!r}: must be a number from -180 to 180</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
         <source>mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
         <translation>se pasa por alto la malla {0!r} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
     </message>
@@ -8354,6 +8359,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission field {0!r}: not one of {1}</source>
         <translation>campo de misión {0!r}: no es ninguno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/earlier.py"/>
+        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: give one of the two</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8904,16 +8914,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0:g} deg</source>
-        <translation>ángulo de cuadrícula de {0:g} grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <source>grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
-        <translation>ángulo de cuadrícula de {0:g} grados: las pasadas giradas valen hasta {1:g} km del centro del área, y el área o sus imágenes llegan a {2:.4g} km</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
         <source>layout {0}: lies on the Web-Mercator map, and the source has pixels of its own in {1}</source>
         <translation>disposición {0}: está en el mapa Web Mercator, y la fuente tiene píxeles propios en {1}</translation>
     </message>
@@ -8926,6 +8926,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>points have no rows that could be turned</source>
         <translation>los puntos no tienen pasadas que se puedan girar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>row azimuth {0:g} deg</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <source>row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area or its images reach {2:.4g} km</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -9501,8 +9511,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>direction of the image's top edge, clockwise from north; counted from the grid's own north where a grid angle turns the rows, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
-        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde el norte propio de la cuadrícula donde un ángulo gira las filas, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
+        <source>direction of an area's rows, clockwise from north: 90 flies them east; points have none</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9533,11 +9548,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>go on beyond the budget</source>
         <translation>seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>grid angle</source>
-        <translation>ángulo de cuadrícula</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9603,11 +9613,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>how far the camera is rolled about its line of sight, right side down</source>
         <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how far the rows of an area, and the images with them, are turned clockwise from east; points have none</source>
-        <translation>cuánto se giran las pasadas de un área, y con ellas las imágenes, en sentido horario desde el este; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9818,6 +9823,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>roll</source>
         <translation>alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>row azimuth</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

@@ -144,6 +144,8 @@ class Endings(QObject):
             text = done_text(result)
             if run.plan.size_px is not None:
                 text += " " + tr("Camera frames make no mosaic: “View images” shows them one by one.")
+            elif not run.plan.is_north_up:
+                text += " " + tr("Turned images make no mosaic: “View images” shows them one by one.")
             if not is_open:
                 text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
             open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))

@@ -226,7 +226,7 @@ def row_text(run: Run, place: int = 0) -> str:
         return tr("Paused") if run.stage is Stage.PAUSED else tr("Starting…")
     if run.stage is Stage.PAUSED:
         return tr("Paused: {counts}").format(counts=_counts(run.progress))
-    return _counts(run.progress) + _pace(run.progress, making_mosaic=run.plan.size_px is None)
+    return _counts(run.progress) + _pace(run.progress, making_mosaic=run.plan.is_north_up)
 
 
 def done_text(result: CaptureResult) -> str:

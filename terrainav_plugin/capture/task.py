@@ -91,7 +91,7 @@ class CaptureTask(Task):
         self._key = key
         self._test_shot, self._only_failed = test_shot, only_failed
         self._snapshot = snapshot_for(plan.mission)
-        self._with_mosaic = not test_shot and plan.size_px is None
+        self._with_mosaic = not test_shot and plan.is_north_up
         self._connections = Settings().connections
         self._transport = transport_for(plan.mission.imagery.source)
         self._stopping = False

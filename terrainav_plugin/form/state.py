@@ -9,6 +9,7 @@ from typing import Any
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
+from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
 from ...core.mission.parts import FLAT_PARTS, Flight, Pixels
 from ...core.mission.wind import Wind
 from ...core.safe_json import parse_json
@@ -167,7 +168,7 @@ class FormState(_Asked):
             data = parse_json(text) if text else {}
         except InvalidInput:
             data = {}
-        data = _with_later_entries(data) if isinstance(data, dict) else {}
+        data = _with_row_azimuth(_with_later_entries(data)) if isinstance(data, dict) else {}
         state = cls()
         for entry in fields(cls):
             value = data.get(entry.name)
@@ -199,7 +200,7 @@ def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
     found = {
         name: value
         for name, value in more.items()
-        if name in ENTERED_AS_DECLARED or name in _ENTERED_OTHERWISE
+        if name in ENTERED_AS_DECLARED or name in _ENTERED_OTHERWISE or name == GRID_ANGLE
     }
     if "image_px" not in data:
         found["image_px"] = found.get("max_px", data.get("max_px"))
@@ -217,6 +218,14 @@ def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
     if isinstance(wind, dict):
         found["wind_seed"] = wind.get("seed")
     return {**data, **found}
+
+
+def _with_row_azimuth(data: dict[str, Any]) -> dict[str, Any]:
+    """Saved entries, of which rows were once turned by an angle from east; one that no version took is left out."""
+    try:
+        return with_row_azimuth(data)
+    except InvalidInput:
+        return data
 
 
 def with_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:

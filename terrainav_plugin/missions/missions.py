@@ -86,7 +86,7 @@ class DatasetTask(Task):
 
         try:
             steps = worked_out(self.mission, self._find_grid)
-            if steps.size_px is not None or len(steps) > MOST_PICTURES:
+            if not steps.is_north_up or len(steps) > MOST_PICTURES:
                 return []
             return build_mosaics(steps, self.folder, self.go_on)
         except TerrAInavError as wrong:

@@ -120,8 +120,8 @@ class FlightEntries(Entries):
     def _add_lines(self) -> None:
         self.layout_choice = declared_choice("layout")
         self.add_declared("layout", self.layout_choice)
-        two = {name: declared_widget(name) for name in ("grid_angle_deg", "crosshatch")}
-        self.add_two(label_of(DECLARED["grid_angle_deg"]), *two, two)
+        two = {name: declared_widget(name) for name in ("row_azimuth_deg", "crosshatch")}
+        self.add_two(label_of(DECLARED["row_azimuth_deg"]), *two, two)
         self.add_declared("order")
 
 

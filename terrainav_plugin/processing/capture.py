@@ -126,8 +126,8 @@ class _Capturing(WithImagery):
         """Mosaics of all map types, as far as there are some."""
         from ..dataset.mosaic import MOST_PICTURES, build_mosaics
 
-        # Camera frames are no pieces of the map.
-        if worked_out.size_px is not None or len(worked_out) > MOST_PICTURES:
+        # Camera frames and turned map frames are no pieces of the map.
+        if not worked_out.is_north_up or len(worked_out) > MOST_PICTURES:
             return []
         if result.cancelled or not self._with_mosaic:
             return []

@@ -389,3 +389,16 @@ def test_output_that_cannot_be_written_is_one_line(tmp_path, arguments):
         )
     assert (process.returncode, len(process.stderr.splitlines())) == (3, 1), process.stderr
     assert "No space left on device" in process.stderr
+
+
+def test_rows_are_aligned_and_the_gain_is_said(run, tmp_path):
+    field = [[-89.866, 35.1385], [-89.8585, 35.1425], [-89.8597, 35.1440], [-89.8672, 35.1400]]
+    text = json.dumps({"type": "Polygon", "coordinates": [[*field, field[0]]]})
+    (tmp_path / "field.geojson").write_text(text)
+    asked = ("plan", "--area", "field.geojson", "--agl", "250", "--align", "longest-side")
+    _, out, told = run(*asked, "--output", "mission.json", "--json")
+    assert "row azimuth 57°" in told
+    assert "% shorter than 90°" in told
+    azimuth = json.loads((tmp_path / "mission.json").read_text())["flight"]["row_azimuth_deg"]
+    assert f"row azimuth {azimuth:g}°" in told
+    assert json.loads(out)["images"] > 0

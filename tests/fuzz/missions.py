@@ -33,7 +33,7 @@ TRIANGLE = Polygon((((-89.90, 35.16), (-89.895, 35.16), (-89.895, 35.155)),))
 TILTED = Mission(
     TRIANGLE, 120.0, tilt_deg=20.0, wind=Wind(5.0, 90.0, 0.2), accept_error=True, img_size=(64, 48, 3)
 )
-TURNED = Mission(BOX.area, 120.0, grid_angle_deg=30.0, crosshatch=True, gsd_m_per_px=0.5, max_px=640)
+TURNED = Mission(BOX.area, 120.0, row_azimuth_deg=120.0, crosshatch=True, gsd_m_per_px=0.5, max_px=640)
 OVER_RELIEF = Mission(
     BOX.area,
     300.0,
@@ -242,7 +242,7 @@ def _extreme() -> st.SearchStrategy[dict[str, Any]]:
             "upsample": st.booleans(),
             "error_budget_px": number,
             "box_deg": number,
-            "grid_angle_deg": angle,
+            "row_azimuth_deg": angle,
             "crosshatch": st.booleans(),
             "layout": st.sampled_from(("cover", "paper")),
             "elevation": st.just(("12.5",)),

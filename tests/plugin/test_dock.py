@@ -70,7 +70,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
         ),
         ("image_px", {"image_px": 0}, "image's longer side 0 px: must be 1 or more"),
         ("camera_gsd", {"height_by": "gsd", "camera_gsd": 0.0}, "must be above 0"),
-        ("grid_angle_deg", {"grid_angle_deg": 181.0}, "grid angle 181.0 deg: must be from -180 to 180"),
+        ("row_azimuth_deg", {"row_azimuth_deg": 361.0}, "row azimuth 361.0 deg: must be from 0 to 360"),
         ("start", {"start": "tomorrow"}, "start 'tomorrow': must be UTC as 2024-06-21T10:30:00Z"),
         ("zoom", {"resolution": "zoom", "zoom": -1}, "zoom -1: must be 0 or more"),
         ("gsd_m_per_px", {"resolution": "gsd", "gsd_m_per_px": 0.0}, "ground sample distance 0.0 m"),

@@ -86,12 +86,12 @@ def test_lines_are_turned_crossed_and_flown_one_way(desk):
     desk.enter_small_mission()
     plain = desk.wait_planned().summary.images
     entries = desk.form.flight.entries
-    type_number(entries["grid_angle_deg"], "30")
+    type_number(entries["row_azimuth_deg"], "120")
     turned = desk.wait_planned()
-    assert turned.mission.flight.grid_angle_deg == 30.0
+    assert turned.mission.flight.row_azimuth_deg == 120.0
     # Rows are straight on the map, whose north turns a little along them.
     assert turned.plan.poses.yaw_deg == pytest.approx(30.0, abs=0.01)
-    type_number(entries["grid_angle_deg"], "0")
+    type_number(entries["row_azimuth_deg"], "90")
     entries["crosshatch"].setChecked(True)
     desk.choose(entries["order"], "one-way")
     crossed = desk.wait_planned()

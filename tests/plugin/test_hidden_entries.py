@@ -89,11 +89,11 @@ def test_folded_groups_are_asked_for_all_the_same(desk):
     desk.enter_small_mission()
     for box in desk.form.boxes:
         box.setCollapsed(True)
-    desk.form.flight.entries["grid_angle_deg"].setValue(37.0)
+    desk.form.flight.entries["row_azimuth_deg"].setValue(127.0)
     start = QDateTime(QDate(2024, 6, 21), QTime(10, 30), Qt.TimeSpec.UTC)
     desk.form.attitude.entries["start"].edit.setDateTime(start)
     mission = desk.wait_planned().mission
-    assert (mission.flight.grid_angle_deg, mission.flight.start) == (37.0, "2024-06-21T10:30:00Z")
+    assert (mission.flight.row_azimuth_deg, mission.flight.start) == (127.0, "2024-06-21T10:30:00Z")
     for box in desk.form.boxes:
         box.setCollapsed(box in desk.form.sections)
 

@@ -176,3 +176,12 @@ def test_unreadable_settings_give_the_defaults(text):
 def test_default_state_flies_the_default_camera():
     there = mission(GOOD)
     assert there.camera == Mission(area=there.area, agl_m=120.0).camera
+
+
+@pytest.mark.parametrize("saved", [{"grid_angle_deg": 37.0}, {"more": '{"grid_angle_deg": 37.0}'}])
+def test_rows_that_were_saved_by_an_angle_from_east_keep_their_direction(saved):
+    assert FormState.from_json(json.dumps(saved)).row_azimuth_deg == 127.0
+
+
+def test_a_saved_angle_that_no_version_took_is_left_out():
+    assert FormState.from_json('{"grid_angle_deg": "east", "agl": 50.0}') == replace(FormState(), agl=50.0)

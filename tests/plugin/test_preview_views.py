@@ -600,7 +600,7 @@ def test_ground_is_seen_below_hundreds_of_footprints(map_, screenshot, changes, 
 
 
 def test_second_pass_of_a_turned_grid_is_drawn_turned(map_, screenshot):
-    planned = map_.show(SMALL, crosshatch=True, grid_angle_deg=37.0)
+    planned = map_.show(SMALL, crosshatch=True, row_azimuth_deg=127.0)
     # Rows are straight over the whole area, whose meridians converge by hundredths of a degree.
     yaws = {round(feature["yaw"], 1) % 360.0 for feature in map_.layer("centres").getFeatures()}
     assert yaws == {37.0, 127.0}

@@ -439,7 +439,7 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
         Camera(60.0, 16 / 9),
         overlap_along=0.3,
         overlap_across=0.2,
-        grid_angle_deg=20.0,
+        row_azimuth_deg=110.0,
         crosshatch=True,
         order="one-way",
         map_types=("roadmap", "terrain"),

@@ -28,7 +28,7 @@ MISSIONS = {
     "map": Mission(BOX, 120.0, overlap_along=0.25),
     "photos": Mission(BOX, 120.0, image_format="jpg", ground_height_m=81.3, max_px=320),
     "turned": Mission(BOX, 120.0, image_format="jpg", max_px=320, **TURNED),
-    "grid": Mission(BOX, 150.0, image_format="png", grid_angle_deg=37.0, max_px=320),
+    "grid": Mission(BOX, 150.0, image_format="png", row_azimuth_deg=127.0, max_px=320),
     "wind": Mission(BOX, 120.0, wind=Wind(8.0, 250.0, 0.2), max_px=320, resampling="lanczos"),
     "paper": Mission(BOX, 120.0, layout="paper", image_format="png", camera=Camera(70.0, 1.5)),
     "horizon": Mission(

@@ -15,17 +15,26 @@ from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
-from ...geodesy.frames import FrameEdges, Windows, map_frame_edges, refuse_beyond_plane, runs_on, windows_of
+from ...geodesy.frames import (
+    FrameEdges,
+    Windows,
+    map_frame_edges,
+    quarter_turns,
+    refuse_beyond_plane,
+    runs_on,
+    swapped,
+    windows_of,
+)
 from ...geodesy.mercator import MAX_LAT_DEG, PixelGrid, fitting_zoom, lat_to_v, wrap_lon_deg
 from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
 from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..area import Points
 from ..mission import Mission
-from ..parts import GROUND
+from ..parts import GROUND, TRACK
 from ..relief import Flown, ReliefBelow
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, lay_out, point_angles_deg
+from .rows import Layout, bounds_with_margin, lay_out, point_angles_deg, row_yaws_deg
 
 Floats = NDArray[np.float64]
 #: Places and nominal poses to the poses that are flown.
@@ -105,8 +114,15 @@ def framed(
 
     def laid_out(pixel: float) -> Layout:
         def frames(lat_deg: Floats, agl_m: Floats) -> FrameEdges:
-            attitude = (mission.attitude.yaw_deg, mission.attitude.tilt_deg, mission.attitude.roll_deg)
-            return framing.edges(Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, *attitude), pixel)
+            leans = (mission.attitude.tilt_deg, mission.attitude.roll_deg)
+            return _common_edges(
+                [
+                    framing.edges(
+                        Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans), pixel
+                    )
+                    for yaw in row_yaws_deg(mission)
+                ]
+            )
 
         layout = lay_out(mission, frames, pixel, relief)
         if relief is None or relief.reaches(layout.lat_deg, layout.lon_deg):
@@ -131,8 +147,10 @@ def framed(
                 grid.own.forward(layout.lat_deg, layout.lon_deg)[0]
             )
             refuse_beyond_plane(grid.own, nominal_poses(mission, layout), reached)
-            if not (isinstance(mission.area, Points) and mission.area.yaws_deg):
-                # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true.
+            own_yaws = isinstance(mission.area, Points) and mission.area.yaws_deg
+            if not (own_yaws or mission.flight.facing == TRACK):
+                # The mission's yaw counts from the grid's north, as its rows do; that of a point is its own, and true,
+                # and so is that of its track.
                 layout = layout._replace(yaw_deg=wrap_lon_deg(layout.yaw_deg - north_deg))
     zoom = zoom_of(layout)
     if not passes and not isinstance(mission.area, Points):
@@ -158,6 +176,14 @@ def framed(
     return Framed(layout, poses, zoom, windows, framing.size_px(layout), passes, flown)
 
 
+def _common_edges(ways: list[FrameEdges]) -> FrameEdges:
+    """What frames of one camera have in common that rows flown to and fro see in turn, (n,)."""
+    if len(ways) == 1:
+        return ways[0]
+    west, east, top, bottom = (np.stack(edges) for edges in zip(*ways))
+    return FrameEdges(west.max(axis=0), east.min(axis=0), top.max(axis=0), bottom.min(axis=0))
+
+
 def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout: Layout) -> int:
     """Zoom of a mission's pictures."""
     if relief is None or mission.terrain.height_above == GROUND:
@@ -171,6 +197,8 @@ def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
     if relief is None:
         return mission
     box = mission.area.bounds
+    if not isinstance(mission.area, Points):
+        box = bounds_with_margin(mission, mission.area)
     least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, _SOME))
     return mission.with_(agl_m=float(least.min()))
 
@@ -324,11 +352,13 @@ class MapFraming:
             return _zoom_for_gsd(mission.pixels.gsd_m_per_px, grid, layout, _highest(mission, grid))
         camera_px_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * layout.agl_m
         zoom = _nearest_zoom(mission, grid, layout, camera_px_m)
-        poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
+        level = np.broadcast_to(np.float64(0.0), layout.lat_deg.shape)
+        poses = Poses(layout.lat_deg, layout.lon_deg, layout.agl_m, layout.yaw_deg, level, level)
         first, run = runs_on(grid, poses)
         edges = self.edges(poses.take(first), 0.0)
         if mission.output.img_size is not None:
-            zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, edges, grid)), grid.min_zoom)
+            sizes = swapped(quarter_turns(poses.take(first), grid.own), *edges.size)
+            zoom = max(min(zoom, _zoom_for_size(mission.output.img_size, sizes, grid)), grid.min_zoom)
         return self._fitting(zoom, edges, run, layout.lon_deg)
 
     def _fitting(self, zoom: int, edges: FrameEdges, run: NDArray[np.intp], lon_deg: Floats) -> int:
@@ -429,9 +459,9 @@ class CameraFraming:
         return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
 
 
-def _zoom_for_size(size: tuple[int, int, int], edges: FrameEdges, grid: PixelGrid) -> int:
-    """Return the lowest zoom at which no picture has to be enlarged to a size."""
-    width, height = (float(np.min(side)) for side in edges.size)
+def _zoom_for_size(size: tuple[int, int, int], sizes: tuple[Floats, Floats], grid: PixelGrid) -> int:
+    """Return the lowest zoom at which no picture, of widths and heights in world fractions, is enlarged to a size."""
+    width, height = (float(np.min(side)) for side in sizes)
     times = max(size[0] / width, size[1] / height) / grid.world_px(0)
     # The exponent that just fits the inverse, taken down, is this one taken up.
     return -fitting_zoom(times, 256.0)

@@ -13,10 +13,11 @@ from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
-from ...geodesy.projections import NOISE_M, LocalPlane
+from ...geodesy.projections import NOISE_M, LocalPlane, along_geodesics
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import Box, Points, Polygon, crossed_and_held, ground_m2, in_band, sides_of, touching
 from ..mission import Mission
+from ..parts import EASTWARD_DEG, NORTH, TRACK
 from .coverage import (
     Coverage,
     Overlap,
@@ -29,10 +30,19 @@ from .coverage import (
     twice_area,
     within,
 )
-from .rows import Layout, in_order, refuse_beyond_mercator, refuse_no_step, refuse_too_many
+from .rows import (
+    Layout,
+    bounds_with_margin,
+    in_order,
+    is_flown_back,
+    refuse_beyond_mercator,
+    refuse_no_step,
+    refuse_too_many,
+)
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
 
 #: How far from its middle a plane is used, metres: it enlarges by 0.6 % there, and as many images more are flown.
 _REACH_M = 1e6
@@ -48,6 +58,8 @@ _BEND_SHARE, _MOST_HALVINGS = 1e-4, 12
 #: Shares of a piece at which it is looked how far it leaves its chord: one that bends both ways does not in its middle.
 _LOOKED_AT = (0.25, 0.5, 0.75)
 _ACROSS_DEG = 90.0
+#: Directions in which a margin is measured on a plane, and what it may be more between them.
+_MARGIN_STEP_DEG, _MARGIN_ROOM = 15.0, 1.001
 #: Pieces of a rectangle's width and height, about pixels of a picture, to which images' own ones are rounded inward:
 #: those of a million in wind, of which no two sides are level, are too many to be counted as they are.
 _PIECES = 512
@@ -68,11 +80,25 @@ class Pass(NamedTuple):
         The rectangle of ground, from the place of the camera, that every image of the pass shows.
     first : int
         Index of its first capture.
+    back : Sides or None
+        The same of rows that are flown back, where their images see the other way.
+    first_row : int
+        Number of its first row.
     """
 
     plane: RowsPlane
     sides: Sides
     first: int
+    back: Sides | None = None
+    first_row: int = 0
+
+    def sides_of(self, row: Numbers) -> Sides:
+        """Rectangles of captures by the numbers of their rows (n,): one for all, or one for each."""
+        return (
+            self.sides
+            if self.back is None
+            else _alternating(self.sides, self.back, (row - self.first_row) % 2 == 1)
+        )
 
 
 class Shape(NamedTuple):
@@ -88,8 +114,14 @@ class Shape(NamedTuple):
 
 def is_rotated(mission: Mission) -> bool:
     """Whether the rows of a mission are turned, or crossed."""
-    return not isinstance(mission.area, Points) and (
-        mission.flight.grid_angle_deg != 0.0 or mission.flight.crosshatch
+    if isinstance(mission.area, Points):
+        return False
+    # Rows along parallels are alike but for their latitude: those that see aside to both sides are not.
+    sees_aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
+    return (
+        mission.flight.row_azimuth_deg != EASTWARD_DEG
+        or mission.flight.crosshatch
+        or (mission.flight.turns_about and sees_aside)
     )
 
 
@@ -120,8 +152,8 @@ def lay_out_rotated(
         )
     if mission.flight.layout != "cover":
         what = (
-            Message("grid angle {0:g} deg", mission.flight.grid_angle_deg)
-            if mission.flight.grid_angle_deg
+            Message("row azimuth {0:g} deg", mission.flight.row_azimuth_deg)
+            if mission.flight.row_azimuth_deg != EASTWARD_DEG
             else Message("crosshatch")
         )
         raise InvalidInput(
@@ -133,19 +165,18 @@ def lay_out_rotated(
         )
     box = area.bounds
     if own is None:
-        refuse_beyond_mercator(box)
+        refuse_beyond_mercator(bounds_with_margin(mission, area))
     middle = (box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0
-    angles = [mission.flight.grid_angle_deg, mission.flight.grid_angle_deg + _ACROSS_DEG][
-        : 1 + mission.flight.crosshatch
-    ]
+    turned_deg = mission.flight.row_azimuth_deg - EASTWARD_DEG
+    angles = [turned_deg, turned_deg + _ACROSS_DEG][: 1 + mission.flight.crosshatch]
     parts: list[Layout] = []
     passes: list[Pass] = []
     for angle in angles:
         plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
-        part, sides = _laid_out(mission, area, plane, ground, flown, room_m)
+        part, sides, back = _laid_out(mission, area, plane, ground, flown, room_m)
         parts.append(part._replace(row=part.row + rows))
-        passes.append(Pass(plane, sides, flown))
+        passes.append(Pass(plane, sides, flown, back, rows))
     if len(parts) == 1:
         return parts[0], tuple(passes)
     whole = Layout(*(np.concatenate(columns) for columns in zip(*parts)))
@@ -178,9 +209,14 @@ def _middle_on(own: ProjectedPlane, area: Box | Polygon) -> tuple[float, float]:
 
 def _laid_out(
     mission: Mission, area: Box | Polygon, plane: RowsPlane, ground: Ellipsoid, flown: int, room_m: float
-) -> tuple[Layout, Sides]:
-    """One pass, after so many captures, and the rectangle that its images have in common."""
-    sides = _common(mission, _shape(area, plane, _EXTENT_M), plane, ground)
+) -> tuple[Layout, Sides, Sides | None]:
+    """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
+    extent, out, back = _shape(area, plane, _EXTENT_M), False, None
+    # Images stand beyond the area by its margin, too.
+    extent = extent._replace(bend_m=extent.bend_m + _margin_on(mission, area, plane))
+    sides = _common(mission, extent, plane, ground, out)
+    if mission.flight.turns_about:
+        sides, back = _alike(sides, _common(mission, extent, plane, ground, not out))
     (width,), (height,) = sides.size_m
     steps = np.array(
         [width * (1.0 - mission.flight.overlap_along), height * (1.0 - mission.flight.overlap_across)]
@@ -191,7 +227,7 @@ def _laid_out(
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
     refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
-    margin = shape.bend_m + _MEETING_M + room_m
+    margin = shape.bend_m + _MEETING_M + room_m + _margin_on(mission, area, plane)
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin
@@ -214,29 +250,77 @@ def _laid_out(
     left = ((low + high) / 2.0)[row] + (column - (per_row[row] - 1) / 2.0) * step_x - width / 2.0
     bottom = (tops - height)[row]
     keep = touching(shape, left - margin, bottom - margin, left + width + margin, bottom + height + margin)
-    lat, lon = plane.inverse(left[keep] - sides.left_m, bottom[keep] - sides.bottom_m)
-    yaw = _yaws_deg(mission, plane, lat, lon)
+    is_back = is_flown_back(mission, row[keep])
+    own = sides if back is None else _alternating(sides, back, is_back)
+    lat, lon = plane.inverse(left[keep] - own.left_m, bottom[keep] - own.bottom_m)
+    yaw = _yaws_deg(mission, plane, lat, lon, is_back)
     agl = np.broadcast_to(np.float64(mission.flight.agl_m), lat.shape)
-    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides
+    return in_order(Layout(column[keep], row[keep], lat, lon, agl, yaw), mission.flight.order), sides, back
 
 
-def _yaws_deg(mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats) -> Floats:
-    """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence."""
-    return wrap_lon_deg(mission.attitude.yaw_deg - plane.north_deg(lat_deg, lon_deg))
+def _margin_on(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float:
+    """Most that a mission's margin measures on a plane, which enlarges most far from its middle."""
+    margin = mission.flight.margin_m
+    if not margin:
+        return 0.0
+    lon, lat = (np.concatenate(values)[:, np.newaxis] for values in zip(*rings_of(area)))
+    azimuths = np.arange(0.0, 360.0, _MARGIN_STEP_DEG)
+    to_lat, to_lon, _ = along_geodesics(*np.broadcast_arrays(lat, lon, azimuths, margin))
+    to_lon = lon + wrap_lon_deg(to_lon - lon)
+    ends = (plane.forward(*place) for place in ((lat, lon), (to_lat, to_lon)))
+    (x, y), (to_x, to_y) = ends
+    return float(np.hypot(to_x - x, to_y - y).max()) * _MARGIN_ROOM
 
 
-def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats) -> Poses:
+def _alternating(sides: Sides, back: Sides, is_back: Flags) -> Sides:
+    """Rectangles of captures (n,), of which some are of rows that are flown back."""
+    return Sides(*(np.where(is_back, there, here) for here, there in zip(sides, back)))
+
+
+def _alike(sides: Sides, back: Sides) -> tuple[Sides, Sides]:
+    """What rectangles of rows flown to and fro have in common when one is turned by half a turn, and that turned."""
+    left, bottom, right, top = (
+        pick(here, -there)
+        for pick, here, there in (
+            (np.maximum, sides.left_m, back.right_m),
+            (np.maximum, sides.bottom_m, back.top_m),
+            (np.minimum, sides.right_m, back.left_m),
+            (np.minimum, sides.top_m, back.bottom_m),
+        )
+    )
+    return Sides(left, bottom, right, top), Sides(-right, -top, -left, -bottom)
+
+
+def _yaws_deg(
+    mission: Mission, plane: RowsPlane, lat_deg: Floats, lon_deg: Floats, is_back: Flags | bool
+) -> Floats:
+    """Yaws of images that lie in the plane as the mission says: those of its middle, less its convergence.
+
+    A fixed azimuth is a true one, and on a source's own plane one from its grid north.
+    """
+    flight, yaw = mission.flight, mission.attitude.yaw_deg
+    relative: Floats | float = yaw
+    if flight.facing == TRACK:
+        relative = yaw + np.where(is_back, -EASTWARD_DEG, EASTWARD_DEG)
+    elif flight.facing != NORTH and isinstance(plane, LocalPlane):
+        return np.broadcast_to(wrap_lon_deg(np.array((flight.faced_deg or 0.0) + yaw)), lat_deg.shape)
+    elif flight.facing != NORTH:
+        relative = yaw + (flight.faced_deg or 0.0) - plane.angle_deg
+    return wrap_lon_deg(relative - plane.north_deg(lat_deg, lon_deg))
+
+
+def _posed(mission: Mission, plane: RowsPlane, x_m: Floats, y_m: Floats, is_back: bool) -> Poses:
     lat, lon = plane.inverse(x_m, y_m)
     tilt, roll = (
         np.full(lat.shape, angle) for angle in (mission.attitude.tilt_deg, mission.attitude.roll_deg)
     )
     agl = np.full(lat.shape, mission.flight.agl_m)
-    return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon), tilt, roll)
+    return Poses(lat, lon, agl, _yaws_deg(mission, plane, lat, lon, is_back), tilt, roll)
 
 
-def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid) -> Sides:
-    """Sides of the rectangle that images all over a shape show, from the camera's place."""
-    middle = _posed(mission, plane, np.zeros(1), np.zeros(1))
+def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid, is_back: bool) -> Sides:
+    """Sides of the rectangle that images all over a shape show, from the camera's place, of rows flown one way."""
+    middle = _posed(mission, plane, np.zeros(1), np.zeros(1), is_back)
     ring, _, whole = image_rings(mission.camera, middle, plane, ground)
     if not whole.all():
         if isinstance(plane, TurnedPlane):
@@ -273,16 +357,16 @@ def _common(mission: Mission, shape: Shape, plane: RowsPlane, ground: Ellipsoid)
     farthest = math.hypot(*(max(abs(low), abs(high)) for low, high in ends))
     if not farthest <= _REACH_M:
         raise InvalidInput(
-            "grid angle {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area "
+            "row azimuth {0:g} deg: turned rows hold to {1:g} km from the area's middle, and the area "
             "or its images reach {2:.4g} km",
-            mission.flight.grid_angle_deg,
+            mission.flight.row_azimuth_deg,
             _REACH_M / 1000.0,
             farthest / 1000.0,
-            field="grid_angle_deg",
+            field="row_azimuth_deg",
             remedy="take a smaller area or north-up rows",
         )
     x, y = (places.ravel() for places in np.meshgrid(*(np.linspace(*end, _PLACES) for end in ends)))
-    poses = _posed(mission, plane, x, y)
+    poses = _posed(mission, plane, x, y, is_back)
     rings, _, whole = image_rings(mission.camera, poses, plane, ground)
     common = common_sides(mission.camera, poses, plane, ground)
     # Between the places images differ from those there by what a curve leaves its chord: an eighth of its bend.
@@ -333,7 +417,7 @@ def rotated_rectangles(
     # A row is level but for the noise that the rectangles leave room for.
     new = np.append(True, row[1:] != row[:-1])
     y = y[new][np.cumsum(new) - 1]
-    left, bottom, right, top = part.sides
+    left, bottom, right, top = part.sides_of(row)
     return Rectangles(x + left, y + bottom, x + right, y + top)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -12,11 +13,12 @@ from numpy.typing import NDArray
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
-from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat
+from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ...geodesy.projections import utm_zone
 from ..area import Box, Points, Polygon, row_spans, touching
+from ..flight import legs
 from ..mission import Mission
-from ..parts import ONE_WAY
+from ..parts import EASTWARD_DEG, NORTH, ONE_WAY, TRACK
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -50,6 +52,10 @@ _MANY_ROWS, _SURELY, _ENOUGH = 1000, 0.95, 1.01
 _HEIGHTS, _STRETCHES = 5, 2_000_000
 #: Times the images that a mission may have beyond which they are not counted capture by capture.
 _FAR_TOO_MANY = 20.0
+#: Points this near to each other are one place, from which there is no way to go.
+_NO_LEG_M = 1e-6
+#: Angles of margins are so much larger than on a sphere of the Earth's least radius, for what the Earth is none.
+_MARGIN_SHARE = 1.01
 #: Guard of the paper's counts against the noise of UTM metres, as a share of a step.
 _COUNT_GUARD = 1e-9
 #: Degrees from a zone's central meridian within which the paper's UTM grid is still a grid.
@@ -115,7 +121,7 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
     area = mission.area
     if isinstance(area, Points):
         return _points(mission, area)
-    refuse_beyond_mercator(area.bounds)
+    refuse_beyond_mercator(bounds_with_margin(mission, area))
 
     aside = bool(mission.attitude.tilt_deg or mission.attitude.roll_deg)
 
@@ -182,11 +188,43 @@ def _points(mission: Mission, area: Points) -> Layout:
 
 
 def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
-    """Yaw, tilt or roll of each point, (n,): its own, or the mission's; that takes no memory."""
+    """Yaw, tilt or roll of each point, (n,): its own, or the mission's; what is the same for all takes no memory."""
     own = area.own_deg(name)
     if own:
         return np.array(own, np.float64)
-    return np.broadcast_to(np.float64(getattr(mission.attitude, f"{name}_deg")), (len(area.poses),))
+    angle = getattr(mission.attitude, f"{name}_deg")
+    if name == "yaw" and mission.flight.facing == TRACK:
+        return wrap_lon_deg(angle + _headings_deg(area))
+    if name == "yaw":
+        (angle,) = row_yaws_deg(mission)
+    return np.broadcast_to(np.float64(angle), (len(area.poses),))
+
+
+def _headings_deg(area: Points) -> Floats:
+    """Azimuth from each point to the next that is elsewhere, (n,); of the last ones that of the leg they end."""
+    lat, lon, _ = np.array(area.poses, np.float64).reshape(-1, 3).T
+    way = legs(lat, lon)
+    moving = np.flatnonzero(way.distance_m > _NO_LEG_M)
+    if not len(moving):
+        return np.zeros(len(lat))
+    ahead = np.searchsorted(moving, np.arange(len(lat)))
+    headings: Floats = way.azimuth_deg[moving[np.minimum(ahead, len(moving) - 1)]]
+    return headings
+
+
+def row_yaws_deg(mission: Mission) -> tuple[float, ...]:
+    """Yaws of rows along parallels: of those flown east, and where others see the other way of those flown west."""
+    yaw, faced = mission.attitude.yaw_deg, mission.flight.faced_deg
+    if mission.flight.facing == NORTH:
+        return (yaw,)
+    if faced is not None:
+        return (_wrapped(faced + yaw),)
+    ways = (EASTWARD_DEG, -EASTWARD_DEG)[: 1 + mission.flight.turns_about]
+    return tuple(_wrapped(way + yaw) for way in ways)
+
+
+def _wrapped(angle_deg: float) -> float:
+    return float(wrap_lon_deg(np.array(angle_deg)))
 
 
 # --- rows along parallels
@@ -195,9 +233,13 @@ def point_angles_deg(mission: Mission, area: Points, name: str) -> Floats:
 def _cover(
     mission: Mission, area: Box | Polygon, frames: RowFrames, pixel: float, along: _Along | None = None
 ) -> Layout:
-    rows_v, edges = _row_centres(mission, area.bounds, frames, pixel, refuse_early=along is None)
+    box = bounds_with_margin(mission, area)
+    rows_v, edges = _row_centres(mission, box, frames, pixel, refuse_early=along is None)
     rounding = _ROUNDING_PX * pixel
-    spans = row_spans(area, edges.top_v - rounding, edges.bottom_v + rounding)
+    top_v, bottom_v, beside_deg = _with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
+    spans = row_spans(area, top_v, bottom_v)
+    if mission.flight.margin_m:
+        spans = spans + beside_deg[:, np.newaxis] * np.array([-1.0, 1.0])
     used = ~np.isnan(spans[:, 0])
     lat, spans = v_to_lat(rows_v[used]), spans[used]
     edges = FrameEdges(*(edge[used] for edge in edges))
@@ -221,26 +263,67 @@ def _cover(
         u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
         edges = FrameEdges(*(edge[row] for edge in edges))
     layout = _level(mission, column, row, lat[row], u_to_lon(u))
-    return in_order(_over(area, layout, edges, rounding), mission.flight.order)
+    return in_order(_over(mission, area, layout, edges, rounding), mission.flight.order)
+
+
+def bounds_with_margin(mission: Mission, area: Box | Polygon) -> Box:
+    """Box around an area, that reaches so much farther north and south as its margin does."""
+    box = area.bounds
+    if not mission.flight.margin_m:
+        return box
+    beyond = math.degrees(_margin_angle(mission))
+    return replace(
+        box, north_deg=min(box.north_deg + beyond, 90.0), south_deg=max(box.south_deg - beyond, -90.0)
+    )
+
+
+def _margin_angle(mission: Mission) -> float:
+    """Angle that a mission's margin is at most, whichever way it goes, radians."""
+    return _MARGIN_SHARE * mission.flight.margin_m * WGS84.a_m / WGS84.b_m**2
+
+
+def _with_margin(mission: Mission, top_v: Floats, bottom_v: Floats) -> tuple[Floats, Floats, Floats]:
+    """Bands (n,) as high as what of an area has its margin in them, and how far that may reach beside it, degrees.
+
+    On a sphere the ground within the angle d of a point at latitude φ reaches asin(sin d / cos φ) east and west of it.
+    """
+    if not mission.flight.margin_m:
+        return top_v, bottom_v, np.zeros(len(top_v))
+    angle = _margin_angle(mission)
+    north, south = v_to_lat(top_v) + math.degrees(angle), v_to_lat(bottom_v) - math.degrees(angle)
+    farthest = np.minimum(np.maximum(np.abs(north), np.abs(south)), MAX_LAT_DEG)
+    beside = np.degrees(np.arcsin(np.minimum(math.sin(angle) / np.cos(np.radians(farthest)), 1.0)))
+    top, bottom = (lat_to_v(np.clip(lat, -MAX_LAT_DEG, MAX_LAT_DEG)) for lat in (north, south))
+    return np.minimum(top, top_v), np.maximum(bottom, bottom_v), beside
 
 
 def _level(mission: Mission, column: Numbers, row: Numbers, lat_deg: Floats, lon_deg: Floats) -> Layout:
-    """Captures of one height and yaw, those of the mission."""
-    agl, yaw = (
-        np.broadcast_to(np.float64(value), row.shape)
-        for value in (mission.flight.agl_m, mission.attitude.yaw_deg)
+    """Captures of the mission's height, of rows that are flown east or west."""
+    agl = np.broadcast_to(np.float64(mission.flight.agl_m), row.shape)
+    out, *back = row_yaws_deg(mission)
+    yaw = (
+        np.where(is_flown_back(mission, row), back[0], out)
+        if back
+        else np.broadcast_to(np.float64(out), row.shape)
     )
     return Layout(column, row, lat_deg, lon_deg, agl, yaw)
 
 
-def _over(area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float) -> Layout:
-    """Captures whose frames, grown by what rounding may add, share ground with the area."""
+def is_flown_back(mission: Mission, row: Numbers) -> NDArray[np.bool_]:
+    """Which captures are of rows that are flown against the rows' azimuth, (n,)."""
+    return np.asarray((row % 2 == 1) & (mission.flight.order != ONE_WAY))
+
+
+def _over(
+    mission: Mission, area: Box | Polygon, layout: Layout, edges: FrameEdges, rounding: float
+) -> Layout:
+    """Captures whose frames, grown by what rounding and the margin may add, share ground with the area."""
     if isinstance(area, Box):
         return layout
     u = lon_to_u(layout.lon_deg)
     west, east = u_to_lon(u + edges.west_u - rounding), u_to_lon(u + edges.east_u + rounding)
-    south, north = v_to_lat(edges.bottom_v + rounding), v_to_lat(edges.top_v - rounding)
-    keep = touching(area, west, south, east, north)
+    top_v, bottom_v, beside = _with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
+    keep = touching(area, west - beside, v_to_lat(bottom_v), east + beside, v_to_lat(top_v))
     return _picked(layout, keep)
 
 
@@ -608,6 +691,7 @@ def _picked(layout: Layout, which: NDArray[Any]) -> Layout:
 
 def in_order(layout: Layout, order: str) -> Layout:
     """Rows one after the other: to and fro, or each from its first column."""
+    # As `is_flown_back` says.
     column = layout.column if order == ONE_WAY else np.where(layout.row % 2, -layout.column, layout.column)
     return _picked(layout, np.lexsort((column, layout.row)))
 
@@ -617,6 +701,22 @@ def in_order(layout: Layout, order: str) -> Layout:
 
 def _paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> Layout:
     """Grid in UTM of the box's centre, the first image on the top-left corner (the paper's raster mission)."""
+    if mission.flight.margin_m:
+        raise InvalidInput(
+            "margin {0:g} m: the layout {1} has none",
+            mission.flight.margin_m,
+            mission.flight.layout,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
+        )
+    if mission.flight.facing != NORTH:
+        raise InvalidInput(
+            "camera faces {0}: the layout {1} is north-up",
+            mission.flight.facing,
+            mission.flight.layout,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
+        )
     box = area.bounds
     middle_lon = box.west_deg + box.span_deg / 2.0
     zone = utm_zone((box.north_deg + box.south_deg) / 2.0, middle_lon)
@@ -648,7 +748,8 @@ def _paper(mission: Mission, area: Box | Polygon, frames: RowFrames) -> Layout:
     lon = zone.central_meridian_deg + np.mod(lon - zone.central_meridian_deg + 180.0, 360.0) - 180.0 + turn
     layout = _level(mission, column, row, lat, lon)
     return in_order(
-        layout if isinstance(area, Box) else _over(area, layout, frames(lat), 0.0), mission.flight.order
+        layout if isinstance(area, Box) else _over(mission, area, layout, frames(lat), 0.0),
+        mission.flight.order,
     )
 
 

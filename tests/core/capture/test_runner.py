@@ -623,7 +623,7 @@ def test_a_job_is_a_plain_value_for_any_executor(tmp_path):
 
     worked_out, source = planned(), PatternSource()
     job = records.job_of(worked_out, 3, source, "satellite", tmp_path)
-    parts = source.parts(job.shot)
+    parts = source.parts(job.shot.window)
     pixels = {part.window: source.fetch("satellite", part.window) for part in parts}
     job, parts, pixels = pickle.loads(pickle.dumps((job, parts, pixels)))
     assert records.make_picture(job, parts, pixels).entropy > 0

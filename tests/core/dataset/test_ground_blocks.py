@@ -178,7 +178,7 @@ TURNED = [
     {"yaw_deg": 30.0, "tilt_deg": 20.0},
     {"yaw_deg": -75.0, "tilt_deg": 45.0, "roll_deg": 10.0, "ground_height_m": 300.0},
     {"frame": "camera", "overlap_along": 0.5, "overlap_across": 0.3},
-    {"grid_angle_deg": 37.0, "crosshatch": True, "overlap_along": 0.3},
+    {"row_azimuth_deg": 127.0, "crosshatch": True, "overlap_along": 0.3},
 ]
 
 

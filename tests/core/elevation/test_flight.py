@@ -255,10 +255,24 @@ def seen_by(made, lat, lon, height_m, margin=0.0, only=None):
         {},
         {"height_above": "takeoff"},
         {"height_above": "ellipsoid"},
-        {"grid_angle_deg": 30.0},
+        {"row_azimuth_deg": 120.0},
         {"climb_m_per_s": 2.0},
+        {"facing": "track"},
+        {"facing": "track", "tilt_deg": 12.0},
+        {"margin_m": 40.0},
+        {"margin_m": 40.0, "row_azimuth_deg": 30.0},
     ],
-    ids=["ground", "takeoff", "ellipsoid", "turned", "slow"],
+    ids=[
+        "ground",
+        "takeoff",
+        "ellipsoid",
+        "turned",
+        "slow",
+        "track",
+        "track, tilted",
+        "margin",
+        "margin, turned",
+    ],
 )
 def test_nothing_of_an_area_is_left_out_and_the_least_overlap_is_kept(dem, kind, values):
     agl = 190.0 if values.get("height_above") == "ellipsoid" else 90.0

@@ -164,13 +164,13 @@ def test_a_mission_file_of_version_0_1_is_read_as_it_was_meant():
         resampling="lanczos",
         wind=Wind(3.21, 123.5, 0.15, 99),
         airspeed_m_per_s=17.5,
-        grid_angle_deg=-12.5,
+        row_azimuth_deg=77.5,
         crosshatch=True,
         order="one-way",
         start="2024-06-21T10:30:00.25Z",
     )
-    # None of its fields went unread.
-    assert set(json.loads(OF_VERSION_0_1)) <= {*schema_1(mission.to_dict()), "footprint"}
+    # None of its fields went unread; rows were said by their angle from east.
+    assert set(json.loads(OF_VERSION_0_1)) <= {*schema_1(mission.to_dict()), "footprint", "grid_angle_deg"}
     assert mission.notes == ()
 
 
@@ -281,8 +281,8 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"frame": "round"}, "kind of image 'round': must be one of auto, map, camera"),
         ({"mesh": "mesh"}, "mesh 'mesh'"),
         ({"resampling": "cubic"}, "resampling 'cubic'"),
-        ({"grid_angle_deg": 181.0}, "grid angle 181.0 deg: must be from -180 to 180"),
-        ({"grid_angle_deg": math.nan}, "grid angle nan deg"),
+        ({"row_azimuth_deg": 361.0}, "row azimuth 361.0 deg: must be from 0 to 360"),
+        ({"row_azimuth_deg": math.nan}, "row azimuth nan deg"),
         ({"order": "zigzag"}, "order of rows 'zigzag': must be one of serpentine, one-way"),
         ({"airspeed_m_per_s": 0.0}, "airspeed 0.0 m/s: must be from 0.1 to 340"),
         ({"error_budget_px": math.inf}, "error budget inf px: must be a finite number"),
@@ -436,3 +436,33 @@ def test_a_file_of_coordinates_is_told_from_a_mission(tmp_path):
     (tmp_path / "places.txt").write_text("35.16 -89.90 120\n")
     with pytest.raises(InvalidInput, match=r"holds no mission.*given as coordinates"):
         Mission.load(tmp_path / "places.txt")
+
+
+@pytest.mark.parametrize(
+    ("angle", "azimuth"), [(0, 90.0), (37.0, 127.0), (-12.5, 77.5), (-180, 270.0), (180, 270.0)]
+)
+def test_rows_that_a_mission_file_turns_by_an_angle_from_east_keep_their_direction(angle, azimuth):
+    whole = {
+        "schema": 2,
+        "area": {"type": "box", "north_deg": 1, "west_deg": 0, "south_deg": 0, "east_deg": 1},
+    }
+    mission = Mission.from_dict({**whole, "flight": {"agl_m": 100, "grid_angle_deg": angle}})
+    assert mission.flight.row_azimuth_deg == azimuth
+    assert Mission.from_dict(mission.to_dict()) == mission
+    assert "grid_angle_deg" not in mission.to_json()
+    assert ("row_azimuth_deg" in mission.to_json()) == (azimuth != 90.0)
+
+
+@pytest.mark.parametrize(
+    ("flight", "says"),
+    [
+        ({"grid_angle_deg": 181}, "grid angle 181: must be a number from -180 to 180"),
+        ({"grid_angle_deg": "east"}, "grid angle 'east': must be a number"),
+        ({"grid_angle_deg": math.nan}, "grid angle nan"),
+        ({"grid_angle_deg": 1, "row_azimuth_deg": 91}, "give one of the two"),
+    ],
+)
+def test_an_angle_that_no_version_took_is_refused(flight, says):
+    box = {"type": "box", "north_deg": 1, "west_deg": 0, "south_deg": 0, "east_deg": 1}
+    with pytest.raises(InvalidInput, match=says):
+        Mission.from_dict({"schema": 2, "area": box, "flight": {"agl_m": 100, **flight}})

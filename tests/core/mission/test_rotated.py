@@ -129,24 +129,24 @@ def ideal_count(made):
 
 
 SCENES = {
-    "37": Mission(FIELD, 120.0, grid_angle_deg=37.0),
-    "90": Mission(FIELD, 120.0, grid_angle_deg=90.0),
-    "-90": Mission(FIELD, 120.0, grid_angle_deg=-90.0),
-    "180": Mission(FIELD, 120.0, grid_angle_deg=180.0),
-    "overlap": Mission(FIELD, 200.0, grid_angle_deg=-61.0, overlap_along=0.6, overlap_across=0.3),
+    "37": Mission(FIELD, 120.0, row_azimuth_deg=127.0),
+    "90": Mission(FIELD, 120.0, row_azimuth_deg=180.0),
+    "-90": Mission(FIELD, 120.0, row_azimuth_deg=0.0),
+    "180": Mission(FIELD, 120.0, row_azimuth_deg=270.0),
+    "overlap": Mission(FIELD, 200.0, row_azimuth_deg=29.0, overlap_along=0.6, overlap_across=0.3),
     "crosshatch": Mission(FIELD, 200.0, crosshatch=True),
-    "turned crosshatch": Mission(FIELD, 200.0, crosshatch=True, grid_angle_deg=12.0, overlap_along=0.2),
-    "concave": Mission(CONCAVE, 120.0, grid_angle_deg=25.0),
-    "concave crosshatch": Mission(CONCAVE, 120.0, grid_angle_deg=25.0, crosshatch=True),
-    "antimeridian": Mission(Box(-12.0, 179.98, -12.03, -179.98), 120.0, grid_angle_deg=30.0),
-    "latitude 60": Mission(Box(60.1, 10.0, 60.0, 10.2), 500.0, grid_angle_deg=70.0),
-    "latitude 80": Mission(Box(-80.0, 10.0, -80.3, 12.0), 2000.0, grid_angle_deg=45.0),
-    "tilt": Mission(FIELD, 120.0, grid_angle_deg=37.0, tilt_deg=35.0, roll_deg=-5.0),
-    "yaw across rows": Mission(FIELD, 120.0, grid_angle_deg=37.0, yaw_deg=30.0),
-    "wide": Mission(Box(42.0, 0.0, 40.0, 3.0), 12e3, grid_angle_deg=20.0),
-    "ground height": Mission(FIELD, 120.0, grid_angle_deg=37.0, ground_height_m=2000.0),
-    "a point": Mission(Box(35.0, -89.0, 35.0, -89.0), 120.0, grid_angle_deg=10.0),
-    "a line": Mission(Box(35.0, -89.02, 35.0, -89.0), 120.0, grid_angle_deg=10.0),
+    "turned crosshatch": Mission(FIELD, 200.0, crosshatch=True, row_azimuth_deg=102.0, overlap_along=0.2),
+    "concave": Mission(CONCAVE, 120.0, row_azimuth_deg=115.0),
+    "concave crosshatch": Mission(CONCAVE, 120.0, row_azimuth_deg=115.0, crosshatch=True),
+    "antimeridian": Mission(Box(-12.0, 179.98, -12.03, -179.98), 120.0, row_azimuth_deg=120.0),
+    "latitude 60": Mission(Box(60.1, 10.0, 60.0, 10.2), 500.0, row_azimuth_deg=160.0),
+    "latitude 80": Mission(Box(-80.0, 10.0, -80.3, 12.0), 2000.0, row_azimuth_deg=135.0),
+    "tilt": Mission(FIELD, 120.0, row_azimuth_deg=127.0, tilt_deg=35.0, roll_deg=-5.0),
+    "yaw across rows": Mission(FIELD, 120.0, row_azimuth_deg=127.0, yaw_deg=30.0),
+    "wide": Mission(Box(42.0, 0.0, 40.0, 3.0), 12e3, row_azimuth_deg=110.0),
+    "ground height": Mission(FIELD, 120.0, row_azimuth_deg=127.0, ground_height_m=2000.0),
+    "a point": Mission(Box(35.0, -89.0, 35.0, -89.0), 120.0, row_azimuth_deg=100.0),
+    "a line": Mission(Box(35.0, -89.02, 35.0, -89.0), 120.0, row_azimuth_deg=100.0),
 }
 
 
@@ -164,8 +164,8 @@ def test_every_place_of_the_area_is_in_a_picture_of_each_pass(mission):
 
 #: Areas whose sides are bent so much in the plane that their corners stand far from what lies between.
 ARCS = {
-    "an arc": Mission(Box(80.5, 0.0, 80.3, 90.0), 3000.0, grid_angle_deg=180.0),
-    "a thin arc": Mission(Box(80.5, 0.0, 80.4999, 90.0), 400.0, grid_angle_deg=180.0),
+    "an arc": Mission(Box(80.5, 0.0, 80.3, 90.0), 3000.0, row_azimuth_deg=270.0),
+    "a thin arc": Mission(Box(80.5, 0.0, 80.4999, 90.0), 400.0, row_azimuth_deg=270.0),
     "about a pole": Mission(Box(84.9, -70.0, 84.0, 70.0), 8e3, crosshatch=True, error_budget_px=1.0),
 }
 
@@ -188,7 +188,7 @@ def test_what_rows_count_on_is_in_their_pictures(mission):
 
 
 def test_sides_of_an_area_are_cut_alike_whatever_kind_of_numbers_its_corners_are():
-    whole = Mission(Box(80, 0, 79, 60), 20e3, grid_angle_deg=30.0, error_budget_px=1.0)
+    whole = Mission(Box(80, 0, 79, 60), 20e3, row_azimuth_deg=120.0, error_budget_px=1.0)
     real = whole.with_(area=Box(80.0, 0.0, 79.0, 60.0))
     assert len(plan(whole, GRID)) == len(plan(real, GRID)) < 1.7 * ideal_count(plan(real, GRID))
 
@@ -207,7 +207,7 @@ def test_hardly_more_pictures_are_flown_than_their_whole_ground_asks_for(name):
 
 
 def test_a_large_area_takes_what_its_ground_takes():
-    mission = Mission(Box(35.5, -89.9, 35.1, -89.4), 120.0, grid_angle_deg=37.0)
+    mission = Mission(Box(35.5, -89.9, 35.1, -89.4), 120.0, row_azimuth_deg=127.0)
     made = plan(mission, GRID)
     assert len(made) > 100_000
     assert len(made) < 1.02 * ideal_count(made)
@@ -231,7 +231,7 @@ def turned_field(angle_deg, length_m=4000.0, breadth_m=2500.0):
 def test_a_field_that_is_turned_with_its_rows_takes_as_many_pictures():
     north_up = plan(Mission(turned_field(0.0), 120.0, frame="camera"), GRID)
     for angle in (37.0, -100.0, 180.0):
-        made = plan(Mission(turned_field(angle), 120.0, grid_angle_deg=angle), GRID)
+        made = plan(Mission(turned_field(angle), 120.0, row_azimuth_deg=(90.0 + angle) % 360.0), GRID)
         assert made.rows == north_up.rows
         assert abs(len(made) - len(north_up)) <= made.rows
         assert made.flight_distance_m == pytest.approx(north_up.flight_distance_m, rel=0.02)
@@ -273,7 +273,7 @@ def test_crossed_rows_are_a_second_pass_with_its_pictures_turned():
     assert abs(np.median(made.poses.yaw_deg[second]) - 102.0) < 0.05
     assert made.row[second].min() == made.row[first].max() + 1
     one = plan(SCENES["turned crosshatch"].with_(crosshatch=False), GRID)
-    other = plan(SCENES["turned crosshatch"].with_(crosshatch=False, grid_angle_deg=102.0), GRID)
+    other = plan(SCENES["turned crosshatch"].with_(crosshatch=False, row_azimuth_deg=192.0), GRID)
     assert len(made) == len(one) + len(other)
     np.testing.assert_array_equal(made.lat_deg[first], one.lat_deg)
     np.testing.assert_array_equal(made.lat_deg[second], other.lat_deg)
@@ -314,8 +314,8 @@ def test_neighbours_share_at_least_what_is_said(name):
 
 @pytest.mark.parametrize("angle", [25.0, -75.0])
 def test_pictures_beside_a_concave_area_are_not_flown(angle):
-    made = plan(Mission(CONCAVE, 120.0, grid_angle_deg=angle), GRID)
-    whole = plan(Mission(CONCAVE.bounds, 120.0, grid_angle_deg=angle), GRID)
+    made = plan(Mission(CONCAVE, 120.0, row_azimuth_deg=(90.0 + angle) % 360.0), GRID)
+    whole = plan(Mission(CONCAVE.bounds, 120.0, row_azimuth_deg=(90.0 + angle) % 360.0), GRID)
     assert len(made) < 0.62 * len(whole)
     # Each picture shows ground of the area: a fine lattice of it has a point in every one.
     box = CONCAVE.bounds
@@ -365,7 +365,7 @@ def test_footprints_are_those_of_the_turned_pictures(name):
 
 def test_rows_that_are_not_turned_are_those_along_parallels():
     for mission in (Mission(FIELD, 120.0), Mission(CONCAVE, 120.0, tilt_deg=20.0, frame="camera")):
-        made = plan(mission.with_(grid_angle_deg=0.0, crosshatch=False), GRID)
+        made = plan(mission.with_(row_azimuth_deg=90.0, crosshatch=False), GRID)
         assert made.passes == ()
         for row in range(made.rows):
             assert np.ptp(made.lat_deg[made.row == row]) == 0.0
@@ -375,13 +375,13 @@ def test_rows_that_are_not_turned_are_those_along_parallels():
 def test_points_have_no_rows_to_turn():
     points = Points(((35.1, -89.8, 120.0), (35.1, -89.7, 120.0)))
     plain = plan(Mission(points, 120.0), GRID)
-    made = plan(Mission(points, 120.0, grid_angle_deg=37.0, crosshatch=True), GRID)
+    made = plan(Mission(points, 120.0, row_azimuth_deg=127.0, crosshatch=True), GRID)
     assert made.names == plain.names
     assert made.poses.yaw_deg.tolist() == [0.0, 0.0]
 
 
 def test_in_wind_what_is_covered_is_counted_on_the_pictures_that_are_flown():
-    mission = Mission(FIELD, 200.0, grid_angle_deg=37.0, wind=Wind(6.0, 250.0, 0.3))
+    mission = Mission(FIELD, 200.0, row_azimuth_deg=127.0, wind=Wind(6.0, 250.0, 0.3))
     made = plan(mission, GRID)
     said = made.coverage
     assert not said.complete
@@ -426,7 +426,7 @@ def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
         (
             SCENES["37"].with_(layout="paper"),
             GRID,
-            "grid angle 37 deg: the layout paper is north-up; use --layout cover",
+            "row azimuth 127 deg: the layout paper is north-up; use --layout cover",
         ),
         (SCENES["crosshatch"].with_(layout="paper"), GRID, "crosshatch: the layout paper is north-up"),
         (
@@ -434,7 +434,11 @@ def test_what_is_counted_in_wind_is_in_each_picture_and_on_a_lattice():
             GRID,
             "camera with tilt 75, roll 0 deg from 120 m: sees past the horizon",
         ),
-        (SCENES["37"].with_(area=Box(50, 0, 30, 30)), GRID, "grid angle 37 deg: turned rows hold to 1000 km"),
+        (
+            SCENES["37"].with_(area=Box(50, 0, 30, 30)),
+            GRID,
+            "row azimuth 127 deg: turned rows hold to 1000 km",
+        ),
         (SCENES["37"].with_(area=Box(85.2, 0, 85, 1)), GRID, "latitude 85.2"),
         (SCENES["37"].with_(max_images=100), GRID, "the limit is 100"),
         (SCENES["crosshatch"].with_(max_images=400), GRID, "the limit is 400"),
@@ -458,13 +462,13 @@ def test_what_cannot_be_turned_is_refused_in_one_line(mission, grid, says):
 @given(
     st.tuples(st.floats(-80, 80), st.floats(-180, 180), st.floats(0.001, 0.05), st.floats(0.001, 0.1)),
     st.floats(300, 3000),
-    st.floats(-180, 180).filter(lambda angle: angle != 0.0),
+    st.floats(0, 360).filter(lambda azimuth: azimuth != 90.0),
     st.booleans(),
     st.tuples(st.floats(0, 0.7), st.floats(0, 0.7)),
     st.tuples(st.floats(20, 120), st.floats(0.3, 3)),
     st.tuples(st.floats(-180, 180), st.floats(-25, 25), st.floats(-25, 25)),
 )
-def test_no_place_of_any_box_is_left_out(place, agl, angle, crosshatch, overlaps, lens, attitude):
+def test_no_place_of_any_box_is_left_out(place, agl, azimuth, crosshatch, overlaps, lens, attitude):
     lat, west, height, width = place
     east = west + width
     area = Box(lat + height, west, lat, east if east <= 180 else east - 360)
@@ -475,7 +479,7 @@ def test_no_place_of_any_box_is_left_out(place, agl, angle, crosshatch, overlaps
         Camera(*lens),
         overlap_along=overlaps[0],
         overlap_across=overlaps[1],
-        grid_angle_deg=angle,
+        row_azimuth_deg=azimuth,
         crosshatch=crosshatch,
         yaw_deg=yaw,
         tilt_deg=tilt,

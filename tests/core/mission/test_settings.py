@@ -294,14 +294,14 @@ def test_attitude_budget_and_wind():
 def test_the_flight():
     mission = make(
         coords="35.22_-90.07_35.06_-89.73_400",
-        grid_angle="37",
+        row_azimuth="127",
         crosshatch=True,
         order="one-way",
         airspeed="12",
         start="2024-06-21T10:30:00Z",
     )
-    assert (mission.flight.grid_angle_deg, mission.flight.crosshatch, mission.flight.order) == (
-        37.0,
+    assert (mission.flight.row_azimuth_deg, mission.flight.crosshatch, mission.flight.order) == (
+        127.0,
         True,
         "one-way",
     )

@@ -22,7 +22,7 @@ from tests.support.remedies import Case, remedy
 GRID = PixelGrid()
 AREA, SMALL = Box(35.16, -89.90, 35.15, -89.89), Box(35.002, -89.002, 35.0, -89.0)
 HIGH = {"frame": "map", "accept_error": True}
-TURNED = Mission(AREA, 120.0, grid_angle_deg=37.0)
+TURNED = Mission(AREA, 120.0, row_azimuth_deg=127.0)
 #: Where the advice is to take the figure that the message names.
 NAMED = "the figure named"
 
@@ -313,26 +313,26 @@ planned(
     "camera with tilt {}, roll {} deg from {} m: sees past the horizon, where turned rows have no "
     "frames; tilt it less, "
     "fly lower or fly north-up rows",
-    Mission(SMALL, 1e6, camera=Camera(60.0, 1.0), tilt_deg=40.0, grid_angle_deg=37.0),
+    Mission(SMALL, 1e6, camera=Camera(60.0, 1.0), tilt_deg=40.0, row_azimuth_deg=127.0),
     {
         "tilt it less": {"tilt_deg": 5.0},
         "fly lower": {"agl_m": 1e4},
-        "fly north-up rows": {"grid_angle_deg": 0.0},
+        "fly north-up rows": {"row_azimuth_deg": 90.0},
     },
 )
 planned(
     "layout/rotated.py",
     "camera from {} m: sees past the horizon, where turned rows have no frames; fly lower or fly north-up rows",
-    Mission(SMALL, 2e6, camera=Camera(100.0, 1.0), grid_angle_deg=37.0),
-    {"fly lower": {"agl_m": 1e5}, "fly north-up rows": {"grid_angle_deg": 0.0}},
+    Mission(SMALL, 2e6, camera=Camera(100.0, 1.0), row_azimuth_deg=127.0),
+    {"fly lower": {"agl_m": 1e5}, "fly north-up rows": {"row_azimuth_deg": 90.0}},
 )
 planned(
     "layout/rotated.py",
-    "grid angle {} deg: turned rows hold to {} km from the area's middle, and the area or its images "
+    "row azimuth {} deg: turned rows hold to {} km from the area's middle, and the area or its images "
     "reach {} km; take a "
     "smaller area or north-up rows",
-    Mission(Box(50, 0, 30, 30), 1e5, grid_angle_deg=37.0),
-    {"take a smaller area": {"area": Box(41, 10, 40, 11)}, "north-up rows": {"grid_angle_deg": 0.0}},
+    Mission(Box(50, 0, 30, 30), 1e5, row_azimuth_deg=127.0),
+    {"take a smaller area": {"area": Box(41, 10, 40, 11)}, "north-up rows": {"row_azimuth_deg": 90.0}},
 )
 
 

@@ -1,0 +1,223 @@
+"""Rows that suit their area: along its longest side, or so that the flight is shortest."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import Cancelled, InvalidInput, Message, OptionName
+from ..geodesy.mercator import PixelGrid
+from ..geodesy.projections import LocalPlane
+from .area import Box, Points, Polygon
+from .flight import legs
+from .layout.coverage import rings_of
+from .layout.framing import ground_of
+from .layout.rotated import is_rotated, lay_out_rotated
+from .mission import Mission
+from .parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
+from .plan import Plan, plan
+from .relief import Heights
+
+Floats = NDArray[np.float64]
+
+_HALF_TURN_DEG = 180.0
+#: Azimuths are found to this, degrees: a thousandth of a row's length to its side.
+_DIGITS = 2
+#: Sides of an area that bend by less than this are one, degrees.
+_STRAIGHT_DEG = 1.0
+#: Steps in which azimuths are tried, degrees, each about the best ones of the one before; how many of them.
+_STEPS_DEG, _BEST = (5.0, 1.25, 0.4, 0.1), 2
+#: Steps to either side of an azimuth that are tried.
+_BESIDE = 3
+#: Longest sides of the area whose azimuths are tried in any case.
+_SIDES = 6
+#: Share by which a flight has to be shorter than the one that is there to be worth another azimuth.
+_WORTH = 1e-3
+#: How far along the way a search is, 0 to 1; an answer of False ends it.
+GoOn = Callable[[float], bool]
+
+
+class Alignment(NamedTuple):
+    """An azimuth of rows, and the flight with it beside the one before; both in still air."""
+
+    mission: Mission
+    made: Plan
+    before: Plan
+
+    @property
+    def azimuth_deg(self) -> float:
+        """Azimuth of the rows that was found."""
+        return self.made.mission.flight.row_azimuth_deg
+
+    @property
+    def gain(self) -> float:
+        """Share of the flight before that is saved; negative where the flight is longer."""
+        before = self.before.flight_distance_m
+        return 1.0 - self.made.flight_distance_m / before if before > 0.0 else 0.0
+
+    def text(self) -> Message:
+        """What was found, and what it gains, in words."""
+        azimuth, before = self.azimuth_deg, self.before.mission.flight.row_azimuth_deg
+        figures = (azimuth, self.made.rows, self.made.flight_distance_m / 1000.0)
+        percent = abs(round(100.0 * self.gain))
+        if azimuth == before:
+            return Message("row azimuth {0:g}°: {1} rows, {2:.3g} km, as before", *figures)
+        if percent == 0:
+            return Message("row azimuth {0:g}°: {1} rows, {2:.3g} km, as long as {3:g}°", *figures, before)
+        if self.gain > 0.0:
+            return Message(
+                "row azimuth {0:g}°: {1} rows, {2:.3g} km, {3} % shorter than {4:g}°",
+                *figures,
+                percent,
+                before,
+            )
+        return Message(
+            "row azimuth {0:g}°: {1} rows, {2:.3g} km, {3} % longer than {4:g}°", *figures, percent, before
+        )
+
+
+def aligned(
+    mission: Mission,
+    grid: PixelGrid,
+    heights: Heights | None = None,
+    way: str = SHORTEST,
+    go_on: GoOn = lambda _share: True,
+) -> Alignment:
+    """Mission whose rows run along the longest side of its area, or so that its flight is shortest.
+
+    Flights are compared as they are planned, from the first capture to the last, without wind. The shortest is looked
+    for in ever finer steps about the best azimuths, those of the area's sides among them.
+
+    Parameters
+    ----------
+    heights : Heights or None
+        As `plan` takes them.
+    way : str
+        One of `parts.ALIGNMENTS`.
+    go_on : callable
+
+    Raises
+    ------
+    InvalidInput
+        Points, which have no rows; the layout ``paper``, whose rows run east; a mission that cannot be planned.
+    Cancelled
+        When ``go_on`` said so.
+    """
+    area = mission.area
+    if isinstance(area, Points):
+        raise InvalidInput("points have no rows that could be aligned")
+    if mission.flight.layout != COVER:
+        raise InvalidInput(
+            "rows to be aligned: the layout {0} is north-up",
+            mission.flight.layout,
+            field="layout",
+            remedy=Message("use {0} {1}", OptionName("layout"), COVER),
+        )
+    flights = _Flights(mission, grid, heights, area)
+    before = flights.plan(mission.flight.row_azimuth_deg)
+    found = flights.plan(longest_side_deg(area)) if way == LONGEST_SIDE else flights.shortest(before, go_on)
+    return Alignment(mission.with_(row_azimuth_deg=found.mission.flight.row_azimuth_deg), found, before)
+
+
+def longest_side_deg(area: Box | Polygon) -> float:
+    """Azimuth of the longest side of an area, in [0, 180) degrees; of a box as long as wide 90."""
+    return float(_sides_deg(area)[0])
+
+
+def _sides_deg(area: Box | Polygon) -> list[float]:
+    """Azimuths of the outer sides of an area, the longest first."""
+    box = area.bounds
+    plane = LocalPlane((box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0)
+    if isinstance(area, Box):
+        # A box's sides are the map's own.
+        x, y = plane.forward(
+            np.array([box.north_deg, box.south_deg, box.south_deg]),
+            np.array([plane.lon_deg, plane.lon_deg, plane.lon_deg]),
+        )
+        lon = np.array([box.west_deg, box.continuous_east_deg])
+        across = plane.forward(np.full(2, plane.lat_deg), lon)
+        high, wide = math.hypot(x[1] - x[0], y[1] - y[0]), math.hypot(*(end[1] - end[0] for end in across))
+        return [0.0, EASTWARD_DEG] if high > wide else [EASTWARD_DEG, 0.0]
+    lon, lat = rings_of(area)[0]
+    x, y = plane.forward(lat, lon)
+    side = np.stack([np.roll(x, -1) - x, np.roll(y, -1) - y], axis=1)
+    length = np.hypot(*side.T)
+    side, length = side[length > 0.0], length[length > 0.0]
+    if not len(side):
+        return [EASTWARD_DEG]
+    heading = np.degrees(np.arctan2(side[:, 0], side[:, 1]))
+    bends = np.abs(np.mod(heading - np.roll(heading, 1) + 180.0, 360.0) - 180.0) > _STRAIGHT_DEG
+    first = int(np.argmax(bends))
+    whole = np.cumsum(np.roll(bends, -first)) - 1
+    summed = np.zeros((max(int(whole[-1]), 0) + 1, 2))
+    np.add.at(summed, np.maximum(whole, 0), np.roll(side, -first, axis=0))
+    order = np.argsort(-np.hypot(*summed.T), kind="stable")
+    azimuths = np.degrees(np.arctan2(summed[order, 0], summed[order, 1]))
+    return [_rounded(azimuth) for azimuth in azimuths.tolist()]
+
+
+def _rounded(azimuth_deg: float) -> float:
+    """Azimuth in [0, 180) to the digits that are looked for."""
+    return round(azimuth_deg % _HALF_TURN_DEG, _DIGITS) % _HALF_TURN_DEG
+
+
+class _Flights:
+    """Flights of a mission at different azimuths, each planned once."""
+
+    def __init__(
+        self, mission: Mission, grid: PixelGrid, heights: Heights | None, area: Box | Polygon
+    ) -> None:
+        self._mission, self._grid, self._heights = mission.with_(wind=None), grid, heights
+        self._area = area
+        self._lengths_m: dict[float, float] = {}
+
+    def plan(self, azimuth_deg: float) -> Plan:
+        """Flight at an azimuth."""
+        made = plan(self._mission.with_(row_azimuth_deg=azimuth_deg), self._grid, self._heights)
+        self._lengths_m[azimuth_deg] = made.flight_distance_m
+        return made
+
+    def shortest(self, before: Plan, go_on: GoOn) -> Plan:
+        """The shortest flight; the one before where none is shorter."""
+        tried = [
+            *np.arange(0.0, _HALF_TURN_DEG, _STEPS_DEG[0]).tolist(),
+            *_sides_deg(self._area)[:_SIDES],
+        ]
+        for number, step in enumerate((*_STEPS_DEG[1:], 0.0)):
+            for at, azimuth in enumerate(tried):
+                if not go_on((number + at / len(tried)) / len(_STEPS_DEG)):
+                    raise Cancelled("alignment: stopped")
+                self._length_m(azimuth)
+            best = sorted(self._lengths_m, key=lambda one: (self._lengths_m[one], one))[:_BEST]
+            tried = [
+                _rounded(azimuth + beside * step)
+                for azimuth in best
+                for beside in range(-_BESIDE, _BESIDE + 1)
+            ]
+        azimuth = min(self._lengths_m, key=lambda one: (self._lengths_m[one], one))
+        if self._lengths_m[azimuth] > (1.0 - _WORTH) * before.flight_distance_m:
+            return before
+        return self.plan(azimuth)
+
+    def _laid_out_m(self, azimuth_deg: float) -> float:
+        """Length of the flight at an azimuth; of turned rows over level ground by their places alone."""
+        mission = self._mission.with_(row_azimuth_deg=azimuth_deg)
+        if self._heights is not None or self._grid.own is not None or not is_rotated(mission):
+            return self.plan(azimuth_deg).flight_distance_m
+        layout, _ = lay_out_rotated(mission, ground_of(mission))
+        return float(np.sum(legs(layout.lat_deg, layout.lon_deg).distance_m))
+
+    def _length_m(self, azimuth_deg: float) -> float:
+        """Length of the flight at an azimuth; infinite where it cannot be flown."""
+        found = self._lengths_m.get(azimuth_deg)
+        if found is None:
+            try:
+                found = self._laid_out_m(azimuth_deg)
+            except InvalidInput:
+                found = math.inf
+            self._lengths_m[azimuth_deg] = found
+        return found
