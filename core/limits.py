@@ -61,6 +61,8 @@ MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 
 #: Largest capabilities of a service; those of national services have some MB.
 MAX_CAPABILITIES_BYTES = 32 << 20
+#: Largest description of a service in JSON; those of servers with thousands of layers have some hundred kB.
+MAX_SERVICE_JSON_BYTES = 8 << 20
 #: Elements of a document in XML; the largest services have some 100,000.
 MAX_XML_ELEMENTS = 1_000_000
 #: How deep they may be within each other; those of services are up to 20 deep.

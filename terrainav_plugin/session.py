@@ -96,7 +96,7 @@ class Session(QObject):
         self.viewing = Viewing(self.project, iface, messages)
         self.cleaning = Cleaning(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
-        self.source_list = SourceList(self.project, form.imagery, messages, window)
+        self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.looked_at)
         self._previewing = self._zoom_to_preview = False
         self._join_panel()
         self._join_rooms()

@@ -57,7 +57,8 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
     given = {option.name: getattr(arguments, option.name) for option in OPTIONS}
     if arguments.mission_file is None:
         values = resolve(given, config=arguments.config)
-        return mission_from(values), {**values, NAMED: names_source(arguments)}
+        mission = mission_from({**values, "source": _name_of(values["source"])})
+        return mission, {**values, NAMED: names_source(arguments)}
     for name, value in given.items():
         if value is not None and name not in RUN_OPTIONS:
             raise InvalidInput(
@@ -66,6 +67,17 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
                 name.replace("_", "-"),
             )
     return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
+
+
+def _name_of(source: str) -> str:
+    """Name of a source that may be given by its title."""
+    from ..mission.parts import Imagery
+
+    if source == Imagery.source:
+        return source
+    from ..imagery.catalogue import name_of
+
+    return name_of(source)
 
 
 def named(

@@ -53,23 +53,29 @@ def _list_sources(arguments: argparse.Namespace) -> int:
             f"{entry.licence or 'licence not stated'}{dates}"
         )
     print(
-        "\nA URL template with {z} {x} {y}, wmts:URL, wms:URL and a file work as sources too; see "
-        "terrainav sources --help."
+        "\nName a source by its name or its title. A URL template with {z} {x} {y}, wmts:URL, wms:URL, arcgis:URL, "
+        "ogcapi:URL and a file work as sources too; see terrainav sources --help."
     )
     return DONE
 
 
 def _show_source(arguments: argparse.Namespace) -> int:
     from ..imagery.opening import SourceOptions, named_source
+    from ..imagery.services.detecting import LAYER_CHOICES, found_service, is_service_address
 
-    source = named_source(arguments.source, SourceOptions(crs=arguments.crs, named_by_user=True))
-    offered = source.layers()
+    options = SourceOptions(crs=arguments.crs, named_by_user=True)
+    source, offered = named_source(arguments.source, options), None
+    if is_service_address(arguments.source):
+        found = found_service(arguments.source, options)
+        source, offered = found.source, found.layers
     if offered is not None:
         if arguments.json:
             print(json.dumps([{"name": layer.name, "title": layer.title} for layer in offered], indent=1))
             return DONE
         if not offered:
             raise SourceError("{0}: offers no layers", arguments.source)
+        if source.text != arguments.source:
+            print(printable(f"{source.text}#{LAYER_CHOICES[found.kind]}=NAME, where NAME is one of"))
         for layer in offered:
             print(printable(f"{layer.name:{_COLUMN}s} {layer.title}"))
         return DONE
@@ -121,19 +127,20 @@ def _described(entry: CatalogueEntry, crs: str) -> list[tuple[str, str]]:
 
 def _add_source(arguments: argparse.Namespace) -> int:
     from ..imagery.catalogue import add, described
-    from ..imagery.opening import SourceOptions, kind_of, named_source
+    from ..imagery.opening import SourceOptions
     from ..imagery.placeholder import Placeholder
+    from ..imagery.services.detecting import found_service, is_service_address
     from ..imagery.systems import MAP, refused
 
     given = {name: getattr(arguments, name) for name in _STATED if getattr(arguments, name) is not None}
     if arguments.no_storing:
         given["cache_allowed"] = False
     placeholders = arguments.placeholder or ()
-    if kind_of(arguments.url).is_service:
+    if is_service_address(arguments.url):
         if arguments.default_date is not None:
             raise InvalidInput("--default-date: the dates of a service are those of its capabilities")
         asked = SourceOptions(tile_px=arguments.tile_size, crs=arguments.crs, named_by_user=True)
-        entry = named_source(arguments.url, asked).entry
+        entry = found_service(arguments.url, asked).source.entry
         files = list(Placeholder().with_files(placeholders).sha256)
         data = {**entry.to_data(), **given, **({"placeholder": {"sha256": files}} if files else {})}
     else:

@@ -17,11 +17,14 @@ from .exits import BAD_INPUT
 from .pose_options import add_poses
 
 _SERVICE_HELP = """
-A source is a name of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS), and
-{s} {r} {date} {map_type} {key} where it has them; a file (GeoTIFF, VRT, MBTiles, ...); or a layer of a service:
+A source is a name or title of the list; a URL template with {z} {x} {y} (or {-y}, {q}, {bbox-epsg-3857} for a WMS),
+and {s} {r} {date} {map_type} {key} where it has them; a file (GeoTIFF, VRT, MBTiles, ...); or a layer of a service:
   wmts:URL#layer=NAME[&style=...&tilematrixset=...&format=png|jpeg]
   wms:URL#layers=NAME[,NAME][&styles=...&format=png|jpeg&version=1.3.0|1.1.1]
-where URL is the address of the service or of its capabilities. `terrainav sources show wmts:URL` lists layers.
+  arcgis:URL[#layers=0,2&format=png32|jpg|...], or arcgis:URL#service=NAME/MapServer of a server
+  ogcapi:URL[#collection=NAME&tilematrixset=...&format=png|jpeg]
+where URL is the address of the service or of its capabilities. `terrainav sources show URL` finds out which kind of
+service it is, and lists layers.
 A key is written {key} in a URL, and kept in the environment as TERRAINAV_KEY.
 """
 #: Negative numbers that argparse takes for options.
@@ -267,9 +270,9 @@ def _add_sources(commands: Any) -> None:
     actions = _add_actions(listing)
 
     showing = actions.add_parser(
-        "show", help="everything about one, or the layers of a wmts: or wms: address"
+        "show", help="everything about one, or the layers of a service at an address"
     )
-    showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or wmts: or wms: address")
+    showing.add_argument("source", metavar="SOURCE", help="a name, URL template, or address of a service")
     crs_help = "coordinate reference system of a service's layer, where it has several"
     showing.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
     add_json(showing, argparse.SUPPRESS)
@@ -281,7 +284,7 @@ def _add_sources(commands: Any) -> None:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     adding.add_argument("name", metavar="NAME", help="lower-case letters, digits, hyphens and underscores")
-    adding.add_argument("url", metavar="URL", help="URL template, or wmts: or wms: address of a layer")
+    adding.add_argument("url", metavar="URL", help="URL template, or address of a service's layer")
     adding.add_argument("--crs", metavar="EPSG:CODE", default="", help=crs_help)
     for name, kind, metavar, text in (
         ("title", str, "TEXT", "what people see"),

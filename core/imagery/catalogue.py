@@ -13,12 +13,14 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
 from .entry import NAME, CatalogueEntry, shipped, shipped_data, shipped_entry, under_provider
-from .opening import EntrySource, NamedSource
+from .opening import EntrySource, NamedSource, kind_of
 from .placeholder import Placeholder
 from .source import Source
 from .template import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
+#: Kind of the sources that go by a name, as `opening` has it.
+_BY_NAME = "catalogue"
 #: Zooms of a template of which nothing is said.
 DEFAULT_MAX_ZOOM = 22
 
@@ -71,15 +73,42 @@ def sources() -> tuple[CatalogueEntry, ...]:
     return (*shipped(), *user_sources())
 
 
+def name_of(text: str) -> str:
+    """Name of the source that a text names by its title, in any case; any other text as it is.
+
+    Parameters
+    ----------
+    text : str
+        What a user gives for a source: a name, a title, an address, a file.
+
+    Raises
+    ------
+    InvalidInput
+        Several sources have this title.
+    """
+    if text.lower() in shipped_data() or kind_of(text).name != _BY_NAME:
+        return text
+    own = shelf()
+    if text.lower() in {*own.problems, *(entry.name for entry in own.entries)}:
+        return text
+    wanted = " ".join(text.split()).casefold()
+    titles = [(name, str(data["title"])) for name, data in shipped_data().items()]
+    titles += [(entry.name, entry.title) for entry in own.entries]
+    found = [name for name, title in titles if " ".join(title.split()).casefold() == wanted]
+    if len(found) > 1:
+        raise InvalidInput("source {0!r}: several have this title; name one of {1}", text, ", ".join(found))
+    return found[0] if found else text
+
+
 def entry_named(name: str) -> CatalogueEntry:
-    """Entry of a name, in any case.
+    """Entry of a name or a title, in any case.
 
     Raises
     ------
     InvalidInput
         Naming those that are close.
     """
-    wanted = name.lower()
+    wanted = name_of(name).lower()
     if wanted in shipped_data():
         return shipped_entry(wanted)
     # The user's file, which may be broken, is read only for what is not in the catalogue.
@@ -93,7 +122,7 @@ def entry_named(name: str) -> CatalogueEntry:
     hint = Message("did you mean {0}? ", " or ".join(close)) if close else ""
     raise InvalidInput(
         "source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with "
-        "{{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well",
+        "{{z}}, {{x}}, {{y}}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well",
         name,
         hint,
     )

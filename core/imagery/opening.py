@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
 _ADDRESS = re.compile(r"://|\{")
 _SERVICE = re.compile(r"wm(ts|s):.*://", re.IGNORECASE | re.DOTALL)
+_ARCGIS = re.compile(r"arcgis:.*://", re.IGNORECASE | re.DOTALL)
+_OGC_API = re.compile(r"ogcapi:.*://", re.IGNORECASE | re.DOTALL)
 #: What stands in templates of tiles, and not in paths of dated files.
 _TILE = re.compile(r"\{(z|zoom|x|-?y|q)\}")
 
@@ -111,8 +113,9 @@ def named_source(text: str, options: SourceOptions = SourceOptions()) -> NamedSo
     Parameters
     ----------
     text : str
-        A name of the catalogue or of the user's own sources; a URL template; ``wmts:URL`` or ``wms:URL`` (see
-        `services.ogc`); an MBTiles file; any other raster file, or a path of such files with {date} in it.
+        A name of the catalogue or of the user's own sources; a URL template; ``wmts:URL``, ``wms:URL``, ``arcgis:URL``
+        or ``ogcapi:URL`` (see `services`); an MBTiles file; any other raster file, or a path of such files with {date}
+        in it.
     options : SourceOptions
 
     Raises
@@ -238,6 +241,8 @@ KINDS = (
     Kind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),
     Kind("raster", FILE, ".raster.source", "RasterFile", endings=_RASTERS, recognised_by=_is_any_file),
     Kind("service", SERVICE, ".services.ogc", "ServiceLayer", recognised_by=_SERVICE.match),
+    Kind("arcgis", SERVICE, ".services.arcgis", "ArcGISService", recognised_by=_ARCGIS.match),
+    Kind("ogcapi", SERVICE, ".services.ogcapi", "OGCAPITiles", recognised_by=_OGC_API.match),
     Kind("template", ADDRESS, ".catalogue", "URLTemplate", recognised_by=_ADDRESS.search),
     Kind("catalogue", NAMED, ".catalogue", "CatalogueName", recognised_by=lambda _: True),
 )

@@ -16,6 +16,12 @@ from .presets import PRESET_NAMES
 KINDS = ("single", "list", "raster")
 
 
+def share(text: str) -> float:
+    """Share that a text states, as 0.6 or as 60%; raises ValueError."""
+    plain = text.strip()
+    return float(plain[:-1]) / 100.0 if plain.endswith("%") else float(plain)
+
+
 @dataclass(frozen=True)
 class Option:
     """One option: its name (with underscores), the type and number of its values, default and help.
@@ -104,7 +110,12 @@ class Option:
         return value
 
 
-_NAMES: dict[Callable[[str], Any], str] = {float: "number", int: "whole number", str: "text"}
+_NAMES: dict[Callable[[str], Any], str] = {
+    float: "number",
+    int: "whole number",
+    str: "text",
+    share: "share, such as 0.6 or 60%",
+}
 
 
 def _truth(value: Any, what: str) -> bool:
@@ -168,9 +179,10 @@ OPTIONS: tuple[Option, ...] = (
     *_fields(Attitude),
     Option(
         "overlap",
-        float,
+        share,
         (Flight.overlap_along,),
-        "share of an image the next one shows again, in [0, 1): for both directions, or along and across rows",
+        "share of an image the next one shows again, in [0, 1), or with a percent sign: for both directions, or "
+        "along and across rows",
         count=(1, 2),
         metavar=("ALONG", "ACROSS"),
     ),

@@ -346,8 +346,8 @@ class Imagery(Part):
     source: str = declared(
         "world",
         title="source",
-        help="where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, "
-        "wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)",
+        help="where the imagery comes from: a name or title (see terrainav sources), a URL template, "
+        "wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)",
         check=_check_source,
         schema={"minLength": 1},
     )

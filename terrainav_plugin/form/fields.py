@@ -13,8 +13,8 @@ def label_of(field: Field) -> str:
 
 
 def title_of(field: Field) -> str:
-    """Title without a key, and with the unit of numbers."""
-    unit = translate(field.unit.words)
+    """Title without a key, and with the unit of numbers as they are typed."""
+    unit = translate(field.unit.typed_words or field.unit.words)
     title = begun(translate(field.title))
     return f"{title} ({unit})" if unit else title
 

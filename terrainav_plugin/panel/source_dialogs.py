@@ -1,17 +1,21 @@
-"""Sources of one's own: by the URL of tiles, or a layer of a WMS or WMTS that QGIS has a connection to."""
+"""Sources of one's own: by an address, or a layer of a WMS or WMTS that QGIS has a connection to."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from contextlib import closing
 from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtGui import QImage, QPixmap
 from qgis.PyQt.QtWidgets import (
     QDialog,
     QDialogButtonBox,
+    QHBoxLayout,
     QLabel,
+    QLineEdit,
     QListWidget,
     QListWidgetItem,
     QVBoxLayout,
@@ -35,6 +39,7 @@ from ..widgets import (
     line_edit,
     named,
     ok_and_cancel,
+    push_button,
     spin,
     tick,
     whole_spin,
@@ -44,8 +49,10 @@ from .choices import limits_html
 
 if TYPE_CHECKING:
     from ...core.imagery.entry import CatalogueEntry
-    from ...core.imagery.opening import NamedSource
+    from ...core.imagery.opening import NamedSource, SourceOptions
     from ...core.imagery.services.capabilities import Offered
+    from ...core.imagery.services.detecting import FoundService
+    from ...core.imagery.trial import Trial
 
 #: Of a source of which nothing is said; a server may take more, and should be asked first.
 _CONNECTIONS, _REQUESTS_PER_S = 4, 10.0
@@ -55,6 +62,10 @@ _SERVICE_ROOM_PX = (520, 420)
 _ENTRIES = {"name": "name", "date": "default_date", "terms_url": "terms_url", "placeholder": "placeholders"}
 #: Choice of a layer in a service's name, by kind.
 _CHOICES = {"wms": "layers", "wmts": "layer"}
+#: Lines of the list of layers, and width of the tile that is shown of a source, px.
+_LAYERS_ROOM_PX, _TILE_ROOM_PX = 110, 128
+#: Systems that an entry of the list names.
+_SYSTEMS_NAMED = 3
 #: Longest part of a layer's name that its source is called by: room is left for a number.
 _NAME_LETTERS = 56
 
@@ -62,14 +73,29 @@ _NAME_LETTERS = 56
 class AddSourceDialog(QDialog):
     """Asks for a source, says what is wrong with it while it is typed, and keeps it.
 
+    One entry takes templates of tiles and addresses of services; a service is asked which kind it is and what it
+    offers, in the background.
+
+    Parameters
+    ----------
+    parent : QWidget or None
+    place : callable or None
+        Latitude and longitude that the map shows in its middle, for the tile that is shown; None for none.
+
     Attributes
     ----------
     added : str
         Name of the source that was kept; empty for none.
     """
 
-    def __init__(self, parent: QWidget | None = None) -> None:
+    def __init__(
+        self, parent: QWidget | None = None, place: Callable[[], tuple[float, float] | None] = lambda: None
+    ) -> None:
         super().__init__(parent)
+        self._place = place
+        self._task: _Asking | None = None
+        self._found: FoundService | None = None
+        self._entry: CatalogueEntry | None = None
         self.setObjectName("terrainav_add_source")
         self.setWindowTitle(tr("TerrAInav: add source"))
         self.setStyleSheet(STYLE_SHEET)
@@ -85,17 +111,43 @@ class AddSourceDialog(QDialog):
         """Keep the source; stay open where that is not possible."""
         from ...core.imagery.catalogue import add
 
+        name, key = self.name.text().strip(), self.key.text().strip()
         try:
-            add(self.name.text().strip(), self._data())
+            entry = add(name, self._data())
         except TerrAInavError as wrong:
             self.marks.show(_at_field(wrong))
             return
-        self.added = self.name.text().strip()
+        if key and entry.key_env is not None:
+            Settings().set_authcfg(name, store_key(entry.title, key))
+        self.added = name
         super().accept()
 
+    def done(self, result: int) -> None:
+        """End what is still being asked."""
+        self._stop()
+        super().done(result)
+
     def _make_fields(self) -> None:
-        tip = tr("Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key")
+        tip = tr(
+            "Address of the tiles with {z}, {x} and {y} or {-y}, or of a WMTS, WMS, ArcGIS REST service or OGC API; "
+            "{key} stands for an API key"
+        )
         self.url = line_edit("url", tip, "https://…/{z}/{x}/{y}.png")
+        self.find = push_button(
+            "find", tr("&Find layers"), tr("Ask the service what it is, and which layers it offers")
+        )
+        self.key = line_edit(
+            "key", tr("API key for {key} in the address; kept in QGIS's authentication database")
+        )
+        self.key.setEchoMode(QLineEdit.EchoMode.Password)
+        self.layers = named(QListWidget(), "layers", tr("Layers that the service offers"))
+        self.layers.setMaximumHeight(_LAYERS_ROOM_PX)
+        self.system = combo("system", (), tr("Coordinate reference system of the images"))
+        self.told = wrapped_label("told")
+        self.test = push_button("test", tr("&Test"), tr("Fetch one tile and show it"))
+        self.tile = named(QLabel(), "tile")
+        self.tile.setFixedSize(_TILE_ROOM_PX, _TILE_ROOM_PX)
+        self.about_tile = wrapped_label("about_tile")
         self.name = line_edit(
             "name", tr("Names it in missions and on the command line: lower-case letters and digits")
         )
@@ -131,8 +183,20 @@ class AddSourceDialog(QDialog):
 
     def _lay_out(self) -> None:
         form = growing_form()
+        self._form = form
+        row = QHBoxLayout()
+        row.addWidget(self.marks.field("url", self.url), 1)
+        row.addWidget(self.find, 0, Qt.AlignmentFlag.AlignTop)
+        form.addRow(tr("URL"), row)
+        self._rows = {
+            "key": (QLabel(tr("Key")), self.key),
+            "layers": (QLabel(tr("Layer")), self.layers),
+            "system": (QLabel(tr("Reference system")), self.system),
+        }
+        for label, widget in self._rows.values():
+            form.addRow(label, widget)
+        form.addRow("", self.told)
         for label, name in (
-            (tr("URL"), "url"),
             (tr("Name"), "name"),
             (tr("Title"), "title"),
             (tr("Attribution"), "attribution"),
@@ -145,8 +209,11 @@ class AddSourceDialog(QDialog):
             self.marks.field("default_date", self.default_date),
         )
         form.addRow(self._date_label, self._date_row)
-        form.addRow(tr("Highest zoom"), self.max_zoom)
-        form.addRow(tr("Tile size"), self.tile_px)
+        # A service states both itself.
+        self._rows["max_zoom"] = (QLabel(tr("Highest zoom")), self.max_zoom)
+        self._rows["tile_px"] = (QLabel(tr("Tile size")), self.tile_px)
+        for name in ("max_zoom", "tile_px"):
+            form.addRow(*self._rows[name])
         form.addRow(tr("Connections"), self.connections)
         form.addRow(tr("Requests"), self.rate)
         form.addRow(tr("Treat as missing"), self.marks.field("placeholders", self.placeholders))
@@ -154,13 +221,25 @@ class AddSourceDialog(QDialog):
         layout = QVBoxLayout(self)
         layout.addLayout(form)
         layout.addWidget(self.limits)
+        trial = QHBoxLayout()
+        trial.addWidget(self.test, 0, Qt.AlignmentFlag.AlignTop)
+        trial.addWidget(self.tile)
+        trial.addWidget(self.about_tile, 1)
+        layout.addLayout(trial)
         layout.addStretch(1)
         layout.addWidget(self.buttons)
         self.setMinimumWidth(_ROOM_PX)
 
     def _connect(self) -> None:
         self.name.textEdited.connect(self._take_name)
+        self.url.textChanged.connect(self._forget)
         self.url.textChanged.connect(self._suggest_name)
+        self.find.clicked.connect(lambda _checked: self._find())
+        self.url.returnPressed.connect(lambda: self._find() if self.find.isEnabled() else None)
+        self.layers.itemSelectionChanged.connect(self._layer_chosen)
+        self.system.currentIndexChanged.connect(lambda _index: self._describe())
+        self.test.clicked.connect(lambda _checked: self._try())
+        self.key.textChanged.connect(self._check)
         for signal in (
             self.url.textChanged,
             self.name.textChanged,
@@ -186,30 +265,239 @@ class AddSourceDialog(QDialog):
             return
         host = re.sub(r"^[^/]*//|[:/?].*$|\{s\}\.", "", self.url.text().strip().lower())
         self._named = False
-        self.name.setText(re.sub(r"[^a-z0-9]+", "-", host).strip("-")[:64])
+        suggested = re.sub(r"[^a-z0-9]+", "-", host).strip("-")[:64]
+        if self._entry is not None and suggested:
+            # Of a service's layers each is a source of its own.
+            suggested = _free_name(f"{suggested}-{self._entry.title}")
+        self.name.setText(suggested)
 
     def _data(self) -> dict[str, Any]:
         from ...core.imagery.catalogue import described
 
+        typed = {
+            "title": self.title.text().strip(),
+            "attribution": self.attribution.text().strip(),
+            "licence": self.licence.text().strip(),
+            "terms_url": self.terms_url.text().strip(),
+        }
+        paced = {
+            "max_connections": self.connections.value(),
+            "requests_per_s": self.rate.value(),
+            "cache_allowed": self.cached.isChecked(),
+        }
+        files = self.placeholders.text().split()
+        if self._entry is not None:
+            from ...core.imagery.placeholder import Placeholder
+
+            known = list(Placeholder().with_files(files).sha256)
+            own = {name: text for name, text in typed.items() if text}
+            marks = {"placeholder": {"sha256": known}} if known else {}
+            return {**self._entry.to_data(), **own, **paced, **marks}
         return described(
             self.url.text().strip(),
-            title=self.title.text().strip(),
-            attribution=self.attribution.text().strip(),
-            licence=self.licence.text().strip(),
-            terms_url=self.terms_url.text().strip(),
+            **typed,
+            **paced,
             max_zoom=self.max_zoom.value(),
             tile_px=self.tile_px.currentData(),
             default_date=self.default_date.text().strip(),
-            max_connections=self.connections.value(),
-            requests_per_s=self.rate.value(),
-            cache_allowed=self.cached.isChecked(),
-            placeholders=self.placeholders.text().split(),
+            placeholders=files,
+        )
+
+    # --- services
+
+    def _is_service(self) -> bool:
+        from ...core.imagery.services.detecting import is_service_address
+
+        return is_service_address(self.url.text().strip())
+
+    def _forget(self) -> None:
+        """Another address: what was found of the one before is gone."""
+        self._stop()
+        self._found = self._entry = None
+        for chooser in (self.layers, self.system):
+            chooser.blockSignals(True)
+            chooser.clear()
+            chooser.blockSignals(False)
+        self.told.clear()
+        self._show_tile(None)
+
+    def _stop(self) -> None:
+        if self._task is not None:
+            self._task.abandon()
+            self._task.close()
+            self._task = None
+
+    def _ask(
+        self, description: str, work: Callable[[QgisTransport], object], then: Callable[[Any], None]
+    ) -> None:
+        """Do something with the network in the background; ``then`` is given what comes of it."""
+        self._stop()
+
+        def ended(task: _Asking) -> None:
+            self._task = None
+            if task.error:
+                self.told.setText(translate(task.error))
+            else:
+                self.told.clear()
+                then(task.result)
+            self._check()
+
+        address = self.url.text().strip()
+        self._task = _Asking(description, work, address)
+        self.told.setText(tr("Asking the service…"))
+        self._check()
+        self._task.begin(ended)
+
+    def _options(self, transport: QgisTransport, crs: str = "") -> SourceOptions:
+        from ...core.imagery.opening import SourceOptions
+
+        return SourceOptions(key=self.key.text().strip() or None, crs=crs, transport=transport, connections=1)
+
+    def _find(self) -> None:
+        """Ask which kind of service it is, and for its layers or, where it has but one, for that."""
+        from ...core.imagery.services.detecting import found_service
+
+        address = self.url.text().strip()
+        options = self._options
+        self._forget()
+
+        def work(transport: QgisTransport) -> object:
+            found = found_service(address, options(transport))
+            return found, found.source.entry if found.layers is None else None
+
+        self._ask(tr("Asking {name} for its layers").format(name=address), work, self._show_found)
+
+    def _show_found(self, result: tuple[FoundService, CatalogueEntry | None]) -> None:
+        self._found, entry = result
+        if entry is not None:
+            self._take(entry)
+            return
+        offered = self._found.layers or ()
+        for layer in sorted(offered, key=lambda one: one.title.casefold()):
+            item = QListWidgetItem(_layer_words(layer))
+            item.setData(Qt.ItemDataRole.UserRole, layer)
+            item.setToolTip(shown_plain(", ".join((layer.name, *layer.sets, *layer.systems))))
+            self.layers.addItem(item)
+        self.told.setText(tr("{count} layers: choose one").format(count=number_text(len(offered))))
+        if len(offered) == 1:
+            self.layers.setCurrentRow(0)
+
+    def _layer_chosen(self) -> None:
+        layer = self._layer()
+        self.system.blockSignals(True)
+        self.system.clear()
+        if layer is not None:
+            self.system.addItem(tr("Automatic"), "")
+            for code in layer.systems:
+                self.system.addItem(code, code)
+        self.system.blockSignals(False)
+        self._describe()
+
+    def _layer(self) -> Offered | None:
+        items = self.layers.selectedItems()
+        return items[0].data(Qt.ItemDataRole.UserRole) if items else None
+
+    def _describe(self) -> None:
+        """Ask for all about the layer that is chosen."""
+        from ...core.imagery.opening import named_source
+        from ...core.imagery.services.detecting import LAYER_CHOICES
+
+        layer, found = self._layer(), self._found
+        self._entry = None
+        if layer is None or found is None:
+            self._check()
+            return
+        choice = f"{LAYER_CHOICES[found.kind]}={quote(layer.name, safe='')}"
+        joint = "&" if "#" in found.source.text else "#"
+        name, crs = f"{found.source.text}{joint}{choice}", self.system.currentData() or ""
+        options = self._options
+        self._ask(
+            tr("Asking {name} for its layers").format(name=layer.title),
+            lambda transport: named_source(name, options(transport, crs)).entry,
+            self._take,
+        )
+
+    def _take(self, entry: CatalogueEntry) -> None:
+        """Show what a service states of a layer; what is typed comes before it."""
+        self._entry = entry
+        self.title.setPlaceholderText(entry.title)
+        self.attribution.setPlaceholderText(entry.attribution)
+        self.licence.setPlaceholderText(entry.policy.licence)
+        self.terms_url.setPlaceholderText(entry.policy.terms_url)
+        self._suggest_name()
+
+    # --- a tile
+
+    def _try(self) -> None:
+        """Fetch one tile of what is entered, and show it."""
+        from ...core.imagery.entry import CatalogueEntry, under_provider
+        from ...core.imagery.opening import DescribedSource
+        from ...core.imagery.trial import try_tile
+
+        try:
+            entry = under_provider(
+                CatalogueEntry.from_dict(self.name.text().strip() or "own", self._data(), user=True)
+            )
+        except TerrAInavError as wrong:
+            self.marks.show(_at_field(wrong))
+            return
+        place = self._place() or (None, None)
+        options = self._options
+        self._show_tile(None)
+        self._ask(
+            tr("Fetching a tile of {name}").format(name=entry.title),
+            lambda transport: try_tile(DescribedSource(entry, options(transport)), *place),
+            self._show_tile,
+        )
+
+    def _show_tile(self, trial: Trial | None) -> None:
+        self.tile.setVisible(trial is not None)
+        self.about_tile.setVisible(trial is not None)
+        if trial is None:
+            self.tile.clear()
+            self.about_tile.clear()
+            return
+        pixels = trial.pixels[..., :3].tobytes()
+        height, width = trial.pixels.shape[:2]
+        image = QImage(pixels, width, height, 3 * width, QImage.Format.Format_RGB888).copy()
+        room = self.tile.size()
+        keep, smooth = Qt.AspectRatioMode.KeepAspectRatio, Qt.TransformationMode.SmoothTransformation
+        self.tile.setPixmap(QPixmap.fromImage(image).scaled(room, keep, smooth))
+        self.about_tile.setText(
+            tr(
+                "Tile {tile}: {width} x {height} px, {format}, {kilobytes} kB, in {seconds} s. Zoom {least} to {most}. "
+                "Attribution: {attribution}."
+            ).format(
+                tile="/".join(map(str, trial.tile)),
+                width=width,
+                height=height,
+                format=trial.format or tr("unknown format"),
+                kilobytes=number_text(trial.file_bytes / 1000.0, ".1f"),
+                seconds=number_text(trial.seconds, ".2f"),
+                least=trial.min_zoom,
+                most=trial.native_zoom,
+                attribution=trial.attribution or tr("none stated"),
+            )
         )
 
     def _check(self) -> None:
         """Say what is wrong, and under which limits it would be used."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
+        from ...core.imagery.template import check_address
 
+        service, busy = self._is_service(), self._task is not None
+        shown = {
+            "key": "{key}" in self.url.text(),
+            "layers": self.layers.count() > 0,
+            "system": self.system.count() > 2,
+            "max_zoom": not service,
+            "tile_px": not service,
+        }
+        for name, visible in shown.items():
+            for widget in self._rows[name]:
+                widget.setVisible(visible)
+        self.find.setEnabled(service and not busy)
+        self.told.setVisible(bool(self.told.text()))
         dated = "{date}" in self.url.text()
         for widget in (self._date_label, self._date_row):
             widget.setVisible(dated)
@@ -218,19 +506,24 @@ class AddSourceDialog(QDialog):
         messages: dict[str, str] = {}
         limits = ""
         url, name = self.url.text().strip(), self.name.text().strip()
+        ready = bool(url) and (not service or self._entry is not None)
         try:
-            if url:
+            if ready:
                 entry = CatalogueEntry.from_dict(name or "own", self._data(), user=True)
                 limits = limits_html(under_provider(entry))
                 self.title.setPlaceholderText(entry.title)
+            elif service:
+                check_address(re.sub(r"^\w+:(?=https?:)|#.*", "", url), tr("address"))
         except TerrAInavError as wrong:
             messages = _at_field(wrong)
+            ready = False
+        self.test.setEnabled(ready and not busy)
         if name and "name" not in messages:
             messages.update(_name_problem(name))
         self.marks.show(messages)
         self.limits.setText(limits)
         ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        ok.setEnabled(bool(url and name and not messages))
+        ok.setEnabled(bool(ready and name and not messages and not busy))
 
 
 class ServiceDialog(QDialog):
@@ -334,15 +627,9 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     TerrAInavError
         It cannot be kept.
     """
-    from ...core.imagery.catalogue import add, shelf, sources
+    from ...core.imagery.catalogue import add
 
-    taken = {known.name for known in sources()} | set(shelf().problems)
-    plain = (
-        re.sub(r"[^a-z0-9]+", "-", f"{service.name} {layer}".lower()).strip("-")[:_NAME_LETTERS] or "layer"
-    )
-    name, number = plain, 2
-    while name in taken:
-        name, number = f"{plain}-{number}", number + 1
+    name = _free_name(f"{service.name} {layer}")
     title = tr("{layer} ({service})").format(layer=entry.title, service=service.name)
     add(name, {**entry.to_data(), "title": title})
     authcfg = store_key(title, service.key) if service.key else service.authcfg
@@ -350,6 +637,29 @@ def kept(entry: CatalogueEntry, service: ServiceConnection, layer: str) -> str:
     if all(credential_home(url) == credential_home(service.address) for url in entry.urls.values()):
         Settings().set_authcfg(name, authcfg)
     return name
+
+
+def _free_name(words: str) -> str:
+    """Name made of words, which no source has yet."""
+    from ...core.imagery.catalogue import shelf, sources
+
+    taken = {known.name for known in sources()} | set(shelf().problems)
+    plain = re.sub(r"[^a-z0-9]+", "-", words.lower()).strip("-")[:_NAME_LETTERS].strip("-") or "layer"
+    name, number = plain, 2
+    while name in taken:
+        name, number = f"{plain}-{number}", number + 1
+    return name
+
+
+def _layer_words(layer: Offered) -> str:
+    """Title of a layer, with its systems and dates as far as they are known."""
+    codes = list(layer.systems[:_SYSTEMS_NAMED])
+    if len(layer.systems) > _SYSTEMS_NAMED:
+        codes.append(tr("{count} more").format(count=number_text(len(layer.systems) - _SYSTEMS_NAMED)))
+    parts = [layer.title or layer.name, ", ".join(codes)]
+    if layer.dates is not None:
+        parts.append(translate(layer.dates.text()))
+    return " · ".join(filter(None, parts))
 
 
 def _name_problem(name: str) -> dict[str, str]:
@@ -370,6 +680,45 @@ def _at_field(error: TerrAInavError) -> dict[str, str]:
     """Message at the entry that an error is about, without the name of the source that is being made."""
     inner = error.__cause__ if isinstance(error.__cause__, TerrAInavError) else error
     return {_ENTRIES.get(inner.field, "url"): translate(inner)}
+
+
+class _Asking(Task):
+    """Something that is asked of a server.
+
+    Attributes
+    ----------
+    result : object
+        What came of it.
+    """
+
+    def __init__(self, description: str, work: Callable[[QgisTransport], object], address: str) -> None:
+        super().__init__(description)
+        from ...core.limits import MAX_CAPABILITIES_BYTES
+
+        self.result: object = None
+        self._work = work
+        self._transport = QgisTransport(
+            1, max_body_bytes=MAX_CAPABILITIES_BYTES, home=credential_home(address)
+        )
+
+    def work(self) -> None:
+        """Ask."""
+        with closing(self._transport):
+            self.result = self._work(self._transport)
+
+    def close(self) -> None:
+        """End the requests."""
+        self._transport.close()
+
+    def cancel(self) -> None:
+        """End the requests as well."""
+        super().cancel()
+        self._transport.close()
+
+    def finished(self, result: bool) -> None:
+        """Tell; on the main thread."""
+        self._transport.close()
+        super().finished(result)
 
 
 class _Capabilities(Task):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
 from qgis.core import QgsProject
 from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtWidgets import QMessageBox, QWidget
@@ -17,15 +20,35 @@ from .imagery import ImageryEntries
 from .options_page import CacheDialog
 from .source_dialogs import AddSourceDialog
 
+if TYPE_CHECKING:
+    from ...core.mission.area import Box
+
 
 class SourceList(QObject):
-    """Keeps the source chooser up to date."""
+    """Keeps the source chooser up to date.
+
+    Parameters
+    ----------
+    project : QgsProject
+    imagery : ImageryEntries
+    messages : Messages
+    window : QWidget
+        That dialogs belong to.
+    looked_at : callable
+        What the map shows; None for no place.
+    """
 
     def __init__(
-        self, project: QgsProject, imagery: ImageryEntries, messages: Messages, window: QWidget
+        self,
+        project: QgsProject,
+        imagery: ImageryEntries,
+        messages: Messages,
+        window: QWidget,
+        looked_at: Callable[[], Box | None],
     ) -> None:
         super().__init__()
         self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
+        self._looked_at = looked_at
         self._told = ""
         # Layers come and go by the dozen; one look is enough.
         self._soon = single_shot(self.refresh, self)
@@ -63,7 +86,14 @@ class SourceList(QObject):
 
     def add(self) -> None:
         """Ask for a source's URL, keep it, and choose it."""
-        dialog = AddSourceDialog(self._window)
+
+        def place() -> tuple[float, float] | None:
+            box = self._looked_at()
+            if box is None:
+                return None
+            return (box.north_deg + box.south_deg) / 2.0, (box.west_deg + box.continuous_east_deg) / 2.0
+
+        dialog = AddSourceDialog(self._window, place)
         if dialog.exec() and dialog.added:
             self.refresh()
             self._imagery.choose_source(dialog.added)

@@ -15,6 +15,7 @@ from qgis.core import (
     QgsProcessingOutputNumber,
     QgsProcessingParameterDefinition,
     QgsProcessingParameterFile,
+    QgsProperty,
 )
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
@@ -24,6 +25,7 @@ from ..i18n import tr, translate
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
 from ..tasks import PythonThread, hold_crs, on_python_thread
+from .choices import Choice
 
 Result = TypeVar("Result")
 #: Milliseconds between two looks at what the work tells, and at whether the user has cancelled.
@@ -42,7 +44,7 @@ class Words(NamedTuple):
 class Run(NamedTuple):
     """What an algorithm runs with."""
 
-    algorithm: QgsProcessingAlgorithm
+    algorithm: Algorithm
     parameters: dict[str, Any]
     context: QgsProcessingContext
     feedback: QgsProcessingFeedback
@@ -68,8 +70,17 @@ class Run(NamedTuple):
         return self.algorithm.parameterAsBool(self.parameters, name, self.context)
 
     def choice(self, name: str) -> str:
-        """Word that is chosen; empty for none."""
-        return self.algorithm.parameterAsEnumString(self.parameters, name, self.context)
+        """Value that is chosen; empty for none. Raises InvalidInput where there is no such choice."""
+        chosen = self.chosen(name)
+        return chosen[0] if chosen else ""
+
+    def chosen(self, name: str) -> tuple[str, ...]:
+        """Values of a choice of several."""
+        value = self.parameters.get(name)
+        if isinstance(value, QgsProperty):
+            value = self.text(name)
+        choice = self.algorithm.choices[name]
+        return choice.chosen(choice.defaultValue() if value is None or value == "" else value)
 
 
 class Algorithm(QgsProcessingAlgorithm):
@@ -89,6 +100,8 @@ class Algorithm(QgsProcessingAlgorithm):
     def __init__(self, *, listed: bool = False) -> None:
         super().__init__()
         self._listed = listed
+        #: Its choices, by name.
+        self.choices: dict[str, Choice] = {}
 
     def createInstance(self) -> QgsProcessingAlgorithm:
         """Make the copy that runs."""
@@ -153,6 +166,8 @@ class Algorithm(QgsProcessingAlgorithm):
         parameter.setHelp(help_text)
         if advanced:
             parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.Flag.FlagAdvanced)
+        if isinstance(parameter, Choice):
+            self.choices[parameter.name()] = parameter
         self.addParameter(parameter)
 
     def add_dataset(self, help_text: str) -> None:

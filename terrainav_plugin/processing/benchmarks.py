@@ -16,7 +16,6 @@ from qgis.core import (
     QgsProcessingOutputRasterLayer,
     QgsProcessingOutputVectorLayer,
     QgsProcessingParameterBoolean,
-    QgsProcessingParameterEnum,
     QgsProcessingParameterFile,
     QgsProcessingParameterFolderDestination,
     QgsProcessingParameterMultipleLayers,
@@ -32,6 +31,7 @@ from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
 from .capture import tell_result
+from .choices import Choice
 from .datasets import add_gap, add_shares, shares_of
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
@@ -200,9 +200,7 @@ class MakeBenchmark(WithImagery):
 
     def _add_parts(self) -> None:
         self.add(
-            QgsProcessingParameterEnum(
-                "SPLIT", tr("Parts"), options=list(SPLITS), defaultValue=SPLITS[0], usesStaticStrings=True
-            ),
+            Choice("SPLIT", tr("Parts"), {split: split for split in SPLITS}, SPLITS[0]),
             tr(
                 "cross-area: no ground is in two parts, training, validation and test; same-area: queries are shared "
                 "out over one reference; none: no parts."
@@ -331,13 +329,7 @@ class ScoreBenchmark(Algorithm):
             tr("As “Make a benchmark” leaves it."),
         )
         self.add(
-            QgsProcessingParameterEnum(
-                "METHOD",
-                tr("Baseline"),
-                options=list(METHODS),
-                defaultValue=next(iter(METHODS)),
-                usesStaticStrings=True,
-            ),
+            Choice("METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))),
             tr("Its answers are judged where no file of predictions is given. sift and orb need OpenCV."),
         )
         self.add(
@@ -345,9 +337,7 @@ class ScoreBenchmark(Algorithm):
             tr("Judged instead of the baseline's answers."),
         )
         self.add(
-            QgsProcessingParameterEnum(
-                "PART", tr("Part"), options=list(PARTS), optional=True, usesStaticStrings=True
-            ),
+            Choice("PART", tr("Part"), {part: part for part in PARTS}),
             tr("Only the queries of one part, found among its tiles. If empty, all."),
         )
         self.add(

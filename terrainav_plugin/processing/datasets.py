@@ -12,7 +12,6 @@ from qgis.core import (
     QgsProcessingOutputFolder,
     QgsProcessingOutputString,
     QgsProcessingParameterBoolean,
-    QgsProcessingParameterEnum,
     QgsProcessingParameterFolderDestination,
     QgsProcessingParameterNumber,
     QgsProcessingParameterString,
@@ -21,6 +20,7 @@ from qgis.core import (
 from ...core.dataset.folder import DEFAULT_ENTROPY, SEED, SHARES, WAYS
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
+from .choices import Choice
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
@@ -86,13 +86,7 @@ class Clean(_OfDataset):
             tr("Images below it are rejected; 0 to 8."),
         )
         self.add(
-            QgsProcessingParameterEnum(
-                "ACTION",
-                tr("What to do"),
-                options=[_MARK, _MOVE, _UNDO],
-                defaultValue=_MARK,
-                usesStaticStrings=True,
-            ),
+            Choice("ACTION", tr("What to do"), {one: one for one in (_MARK, _MOVE, _UNDO)}, _MARK),
             tr("Mark rejected images in the table, move them as well, or put all back."),
         )
         self.add(
@@ -223,9 +217,7 @@ class Split(_OfDataset):
 
     def _define_own(self) -> None:
         self.add(
-            QgsProcessingParameterEnum(
-                "HOW", tr("How to split"), options=list(WAYS), defaultValue=WAYS[0], usesStaticStrings=True
-            ),
+            Choice("HOW", tr("How to split"), {way: way for way in WAYS}, WAYS[0]),
             tr(
                 "By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need."
             ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
@@ -9,7 +10,6 @@ from qgis.core import (
     QgsProcessingAlgorithm,
     QgsProcessingParameterBoolean,
     QgsProcessingParameterDefinition,
-    QgsProcessingParameterEnum,
     QgsProcessingParameterExtent,
     QgsProcessingParameterFeatureSource,
     QgsProcessingParameterField,
@@ -26,8 +26,9 @@ from ...core.mission.wind import Wind
 from ...core.resources import read_json
 from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect
-from ..i18n import tr
+from ..i18n import tr, translate
 from .areas import area_of_extent, area_of_layer
+from .choices import Choice
 
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
@@ -38,7 +39,9 @@ if TYPE_CHECKING:
 _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
 #: Parameters that are not called as the command's option is.
-_IDS = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS", "map_types": "MAP_TYPES"}
+_IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
+#: What parameters in percent were called as long as they were shares.
+_EARLIER = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS"}
 #: Fields that are read in a way of their own.
 _OTHERWISE = ("agl_m", "source", "map_types", "img_size")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
@@ -64,6 +67,8 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
                 continue
             if field.name == "source":
                 _add_source(algorithm, listed)
+            elif field.name in _EARLIER:
+                _add_shares(algorithm, field)
             else:
                 algorithm.add(_parameter(field), sentence_of(field), advanced=field.advanced)
     for name, own in _WIND.items():
@@ -93,6 +98,7 @@ def mission_of(run: Run) -> Mission:
 
     A mission file says all of it: parameters beside it are left aside.
     """
+    from ...core.imagery.catalogue import name_of
     from ...core.mission.mission import Mission
 
     path = run.algorithm.parameterAsFile(run.parameters, _FILE, run.context)
@@ -112,8 +118,8 @@ def mission_of(run: Run) -> Mission:
         agl_m,
         camera,
         wind=_wind(run, entries["seed"]),
-        map_types=tuple(run.algorithm.parameterAsEnumStrings(run.parameters, "MAP_TYPES", run.context)),
-        source=other or run.choice("SOURCE"),
+        map_types=run.chosen("MAP_TYPES"),
+        source=name_of(other) if other else run.choice("SOURCE"),
         img_size=_size(size) if size else None,
         **entries,
     )
@@ -126,8 +132,10 @@ def _id_of(field: Field) -> str:
 def _value(run: Run, field: Field) -> Any:
     """Value of a field's parameter; None where it is not given and need not be."""
     name = _id_of(field)
+    if field.unit.times != 1.0:
+        return _share(run, field)
     if field.choices and field.kind is tuple:
-        return tuple(filter(None, run.algorithm.parameterAsEnumStrings(run.parameters, name, run.context)))
+        return run.chosen(name)
     if field.choices:
         return run.choice(name)
     if field.kind is str:
@@ -148,7 +156,8 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
         several = field.kind is tuple
         usual = list(field.default) if several else field.default
         # What stands for nothing is no choice to be made.
-        return _choice(name, title, tuple(filter(None, field.choices)), usual or None, several=several)
+        choices = {value: translate(words) for value, words in field.choices.items() if value}
+        return Choice(name, title, choices, usual or None, several=several)
     if field.kind is bool:
         return QgsProcessingParameterBoolean(name, title, field.default)
     if field.kind in (str, tuple):
@@ -212,7 +221,7 @@ def _add_area(algorithm: Algorithm) -> None:
 
 def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     algorithm.add(
-        _choice("CAMERA", tr("Camera"), _cameras(listed), None),
+        Choice("CAMERA", tr("Camera"), {name: name for name in _cameras(listed)}),
         tr(
             "Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply."
         ),
@@ -233,15 +242,18 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
 def _add_source(algorithm: Algorithm, listed: bool) -> None:
     field = field_named(Imagery, "source")
     algorithm.add(
-        _choice("SOURCE", tr("Source of imagery"), _sources(listed), field.default),
-        tr("world is the embedded synthetic one, which needs no network."),
+        Choice("SOURCE", tr("Source of imagery"), _sources(listed), field.default, titled=True, more=listed),
+        tr(
+            "By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no "
+            "network."
+        ),
     )
     algorithm.add(
         QgsProcessingParameterString("OTHER_SOURCE", tr("Other source"), optional=True),
         tr(
-            "Used instead of the source above: one of your own sources by name, a URL template with {z}, "
-            "{x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project "
-            "for the project's map."
+            "Used instead of the source above: one of your own sources by name or title, a URL template with {z}, "
+            "{x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL#collection=NAME, a raster or "
+            "MBTiles file, or qgis:project for the project's map."
         ),
     )
 
@@ -249,30 +261,16 @@ def _add_source(algorithm: Algorithm, listed: bool) -> None:
 def number_of(name: str, field: Field, usual: float | None) -> QgsProcessingParameterNumber:
     """Number of a field, in the range that is declared."""
     kind = _WHOLE if field.kind is int else _REAL
-    parameter = QgsProcessingParameterNumber(name, title_of(field), kind, usual, usual is None)
+    times = field.unit.times
+    shown = None if usual is None else usual * times if times != 1.0 else usual
+    parameter = QgsProcessingParameterNumber(name, title_of(field), kind, shown, usual is None)
     least = field.least if field.above is None else field.above
     most = field.most if field.below is None else field.below
     if least is not None:
-        parameter.setMinimum(least)
+        parameter.setMinimum(least * times)
     if most is not None:
-        # A share typed in percent is refused in words; a spin box would make it the highest one that it takes.
-        parameter.setMaximum(most if field.unit.times == 1.0 else field.unit.times)
+        parameter.setMaximum(most * times)
     return parameter
-
-
-def _choice(
-    name: str, title: str, choices: tuple[str, ...], usual: object, *, several: bool = False
-) -> QgsProcessingParameterEnum:
-    """Choice whose values are the words themselves, in models, scripts and on the terminal."""
-    return QgsProcessingParameterEnum(
-        name,
-        title,
-        options=list(choices),
-        allowMultiple=several,
-        defaultValue=usual,
-        optional=usual is None,
-        usesStaticStrings=True,
-    )
 
 
 def _cameras(listed: bool) -> tuple[str, ...]:
@@ -283,17 +281,40 @@ def _cameras(listed: bool) -> tuple[str, ...]:
     return tuple(camera.name for camera in cameras())
 
 
-def _sources(listed: bool) -> tuple[str, ...]:
-    shipped = tuple(read_json("sources.json"))
+def _sources(listed: bool) -> dict[str, str]:
+    """Titles of sources by their names."""
+    shipped = {name: str(data["title"]) for name, data in read_json("sources.json").items()}
     if listed:
         return shipped
     from ...core.imagery.catalogue import user_sources
 
     try:
-        return (*shipped, *(entry.name for entry in user_sources()))
+        return {**shipped, **{entry.name: entry.title for entry in user_sources()}}
     except InvalidInput:
         # A broken file of one's own sources is named where one of them is asked for.
         return shipped
+
+
+def _share(run: Run, field: Field) -> float:
+    """Share of a field in percent; as models and scripts of earlier versions have it, where they name it so."""
+    name, earlier = _id_of(field), _EARLIER[field.name]
+    if run.parameters.get(name) is None and run.parameters.get(earlier) is not None:
+        return run.number(earlier)
+    # Of the decimal that was typed, and not of its binary fraction.
+    return float(Decimal(repr(run.number(name))) / int(field.unit.times))
+
+
+def _add_shares(algorithm: Algorithm, field: Field) -> None:
+    """Add a share in percent; and, hidden, as earlier versions had it."""
+    algorithm.add(_parameter(field), sentence_of(field), advanced=field.advanced)
+    earlier = QgsProcessingParameterNumber(_EARLIER[field.name], title_of(field), _REAL, None, optional=True)
+    earlier.setFlags(earlier.flags() | QgsProcessingParameterDefinition.Flag.FlagHidden)
+    algorithm.add(
+        earlier,
+        tr(
+            "Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given."
+        ).format(name=_id_of(field)),
+    )
 
 
 def _area(run: Run, agl_m: float) -> tuple[Area, float]:

@@ -11,6 +11,7 @@ import warnings
 import pytest
 
 from tests.support.command import command
+from tests.support.json_services import answer_of, map_service
 from tests.support.patterns import positions, to_bytes
 from tests.support.services import DUTCH, ServiceServer, matrix, matrix_set, wmts_document, wmts_layer
 from tests.support.tileserver import TileServer
@@ -314,3 +315,63 @@ def test_enlarged_pixels_are_warned_of(run):
     warned = good(run(*small, "--zoom", "16", "--img-size", "8000", "6000", "3"))
     assert "times, images show nothing more; ask for --img-size " in warned
     assert json.loads(good(run(*small, "--json")))["warnings"] == []
+
+
+def test_a_title_names_its_source_as_the_name_does(run, tmp_path):
+    asked = ("plan", "--coords", BOX, "--json", "--source")
+    plans = [
+        json.loads(good(run(*asked, name)))
+        for name in ("world", "Synthetic (offline)", "synthetic (OFFLINE)")
+    ]
+    for plan in plans:
+        # Times of this machine.
+        del plan["cost"]
+    assert plans[0] == plans[1] == plans[2]
+    # The mission that a capture leaves names it by its name.
+    good(
+        run(
+            "capture",
+            "--coords",
+            POINT,
+            "--source",
+            "Synthetic (offline)",
+            "--data-dir",
+            str(tmp_path / "out"),
+        )
+    )
+    assert '"source": "world"' in (tmp_path / "out" / "mission.json").read_text()
+    for name in ("one", "two"):
+        good(
+            run(
+                "sources", "add", name, f"https://{name}.example/{{z}}/{{x}}/{{y}}.png", "--title", "My tiles"
+            )
+        )
+    assert "name one of one, two" in one_line(run("sources", "show", "my tiles"))
+    assert "is unknown" in one_line(run("sources", "show", "No such title"))
+
+
+def test_an_address_alone_tells_which_service_it_is_of(run):
+    base = "/arcgis/rest/services/Ortho/MapServer"
+    with ServiceServer() as server:
+
+        def answer(path, query):
+            if path == base:
+                return answer_of(map_service())
+            if path == "/arcgis/rest/services":
+                return answer_of({"services": [{"name": "Ortho", "type": "MapServer"}]})
+            return 404, "text/plain", b""
+
+        server.answer = answer
+        listed = good(run("sources", "show", f"{server.url}/arcgis/rest/services"))
+        assert f"arcgis:{server.url}/arcgis/rest/services#service=NAME" in listed
+        assert "Ortho/MapServer" in listed
+        shown = good(run("sources", "show", f"{server.url}{base}"))
+        assert f"arcgis:{server.url}{base}" in shown
+        assert "Survey of Somewhere" in shown
+        good(run("sources", "add", "ortho", f"{server.url}{base}"))
+        assert "Orthophotos 2023" in good(run("sources", "show", "ortho"))
+        planned = json.loads(
+            good(run("plan", "--coords", BOX, "--json", "--source", f"arcgis:{server.url}{base}"))
+        )
+        assert planned["source"] == "Orthophotos 2023"
+        assert "404" in one_line(run("sources", "show", f"{server.url}/nothing"), 3)

@@ -17,6 +17,7 @@ IDS = set(
     "EXTENT AREA COORDS AGL CAMERA FOV ASPECT OVERLAP_ALONG OVERLAP_ACROSS LAYOUT GRID_ANGLE CROSSHATCH ORDER SOURCE "
     "OTHER_SOURCE MAP_TYPES FORMAT AGL_FIELD YAW_FIELD YAW TILT ROLL GROUND_HEIGHT ERROR_BUDGET ACCEPT_ERROR FRAME "
     "TILT_FIELD GIMBAL_PITCH_FIELD ROLL_FIELD TIME_FIELD "
+    "FRONT_OVERLAP SIDE_OVERLAP "
     "RESAMPLING IMAGE_PX ZOOM GSD MAX_PX UPSAMPLE IMG_SIZE DATE CRS WIND_SPEED WIND_FROM TURBULENCE AIRSPEED START "
     "SEED MAX_IMAGES MISSION".split()
 )
@@ -85,8 +86,8 @@ def test_parameters_keep_their_ids_and_have_all_fields(parameters):
 def test_parameters_have_the_declared_defaults_and_ranges(parameters):
     for field in flat_fields():
         name = {
-            "overlap_along": "OVERLAP_ALONG",
-            "overlap_across": "OVERLAP_ACROSS",
+            "overlap_along": "FRONT_OVERLAP",
+            "overlap_across": "SIDE_OVERLAP",
             "map_types": "MAP_TYPES",
         }.get(field.name, field.name_of_option.upper())
         parameter = parameters[name]
@@ -105,8 +106,8 @@ def test_parameters_have_the_declared_defaults_and_ranges(parameters):
         if field.choices:
             assert parameter.options() == list(filter(None, field.choices))
         if field.least is not None:
-            assert parameter.minimum() == field.least
+            assert parameter.minimum() == field.least * field.unit.times
         if field.most is not None:
-            assert parameter.maximum() == field.most
+            assert parameter.maximum() == field.most * field.unit.times
     turbulence = next(one for one in declared_fields(Wind) if one.name == "turbulence")
     assert parameters["TURBULENCE"].defaultValue() == turbulence.starts_with == FormState().turbulence

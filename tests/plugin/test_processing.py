@@ -181,8 +181,8 @@ def test_own_sources_are_choices_of_the_copy_that_runs(provider):
     listed = provider.algorithm("plan").parameterDefinition("SOURCE").options()
     copy = provider.algorithm("plan").create()
     runs = copy.parameterDefinition("SOURCE").options()
-    assert "my-tiles" not in listed
-    assert "my-tiles" in runs
+    assert "tiles.example.org [my-tiles]" not in listed
+    assert "tiles.example.org [my-tiles]" in runs
 
 
 def test_a_provider_that_is_taken_away_is_gone(plugin):
@@ -210,8 +210,8 @@ def test_plan_gives_what_the_core_plans(tmp_path):
         feedback,
         EXTENT=EXTENT,
         AGL=200,
-        OVERLAP_ALONG=0.2,
-        OVERLAP_ACROSS=0.1,
+        FRONT_OVERLAP=20,
+        SIDE_OVERLAP=10,
         START="2024-06-21T10:30:00Z",
         FOOTPRINTS="memory:",
         CAPTURES="memory:",
@@ -807,7 +807,8 @@ def test_the_main_thread_is_never_kept_by_an_algorithm_beside_it(tmp_path, qtbot
     assert json.loads((tmp_path / "out" / "mission.json").read_text())["flight"]["agl_m"] == 120.0
 
 
-def test_overlap_in_percent_is_refused_and_not_made_another():
+def test_overlap_beyond_its_unit_is_refused_and_not_made_another():
     text = refusal("plan", EXTENT=EXTENT, AGL=120, OVERLAP_ALONG=80, FOOTPRINTS="memory:")
     assert "overlap" in text
     assert "80" in text
+    assert "overlap" in refusal("plan", EXTENT=EXTENT, AGL=120, FRONT_OVERLAP=100, FOOTPRINTS="memory:")

@@ -89,7 +89,7 @@ def test_the_algorithms_are_listed_and_explained(terminal):
         assert f"terrainav:{name}\t" in listed
     told = terminal("help", "terrainav:plan").stdout
     assert "without fetching imagery" in told
-    assert "OVERLAP_ALONG" in told
+    assert "FRONT_OVERLAP: Overlap along rows (percent)" in told
 
 
 def test_plan(terminal, tmp_path):
@@ -98,7 +98,7 @@ def test_plan(terminal, tmp_path):
             "run",
             "terrainav:plan",
             "--COORDS=35.16_-89.90_35.155_-89.89_200",
-            "--OVERLAP_ALONG=0.3",
+            "--FRONT_OVERLAP=30",
             f"--FOOTPRINTS={tmp_path / 'footprints.gpkg'}",
             f"--MISSION_FILE={tmp_path / 'mission.json'}",
         )
@@ -110,6 +110,71 @@ def test_plan(terminal, tmp_path):
     layer = QgsVectorLayer(str(tmp_path / "footprints.gpkg"))
     assert [feature["name"] for feature in layer.getFeatures()] == list(expected.names)
     assert Mission.load(str(tmp_path / "mission.json")) == mission
+
+
+def listed(help_text, name):
+    """Values of a choice, as the help of an algorithm lists them: numbers and texts."""
+    about = re.search(
+        rf"^{name}: .*?^\tAvailable values:\n((?:\t\t- .*\n)+)", help_text, re.MULTILINE | re.DOTALL
+    )
+    return re.findall(r"^\t\t- (\d+): (.*)$", about[1], re.MULTILINE)
+
+
+def saved(terminal, path, *arguments):
+    """Mission that a plan is made of."""
+    file = path / f"{len(list(path.iterdir()))}.json"
+    where = (
+        "--COORDS=35.16_-89.90_35.155_-89.89_400",
+        f"--MISSION_FILE={file}",
+        "--FOOTPRINTS=TEMPORARY_OUTPUT",
+    )
+    results(terminal("run", "terrainav:plan", *where, *arguments))
+    return Mission.load(str(file))
+
+
+def test_every_value_that_the_help_lists_is_taken(terminal, tmp_path):
+    """One run for each way in which all of the choices can be named."""
+    told = terminal("help", "terrainav:plan").stdout
+    expected = {
+        "LAYOUT": "paper",
+        "ORDER": "one-way",
+        "FORMAT": "png",
+        "FRAME": "camera",
+        "MAP_TYPES": "roadmap",
+    }
+    expected |= {"SOURCE": "world", "RESAMPLING": "nearest"}
+    at = {name: {text: number for number, text in listed(told, name)} for name in expected}
+    assert "Synthetic (offline) [world]" in at["SOURCE"]
+    assert "OpenStreetMap [osm]" in at["SOURCE"]
+    as_listed = {**expected, "SOURCE": "Synthetic (offline) [world]"}
+    ways = (
+        as_listed,
+        {name: at[name][text] for name, text in as_listed.items()},
+        {**{name: text.upper() for name, text in expected.items()}, "SOURCE": "synthetic (OFFLINE)"},
+    )
+    missions = [
+        saved(terminal, tmp_path, "--ACCEPT_ERROR=1", *(f"--{name}={text}" for name, text in way.items()))
+        for way in ways
+    ]
+    assert missions == missions[:1] * len(ways)
+    one = missions[0]
+    assert (one.flight.layout, one.flight.order, one.output.image_format) == ("paper", "one-way", "png")
+    assert (one.imagery.source, one.imagery.map_types) == ("world", ("roadmap",))
+
+
+def test_choices_that_are_none_are_refused_and_not_made_the_default(terminal):
+    asked = ("--COORDS=35.16_-89.90_400", "--SOURCE=nowhere", "--FOOTPRINTS=TEMPORARY_OUTPUT")
+    refused = terminal("run", "terrainav:plan", *asked)
+    assert refused.returncode != 0
+    assert "Source of imagery 'nowhere': must be one of world, " in refused.stdout + refused.stderr
+    assert "IMAGES" not in refused.stdout
+
+
+def test_overlaps_are_percent_and_shares_under_their_earlier_names(terminal, tmp_path):
+    percent = saved(terminal, tmp_path, "--FRONT_OVERLAP=60", "--SIDE_OVERLAP=0.7")
+    assert (percent.flight.overlap_along, percent.flight.overlap_across) == (0.6, 0.007)
+    earlier = saved(terminal, tmp_path, "--OVERLAP_ALONG=0.6", "--OVERLAP_ACROSS=0.3")
+    assert (earlier.flight.overlap_along, earlier.flight.overlap_across) == (0.6, 0.3)
 
 
 def test_capture_of_the_embedded_world_clean_and_back(terminal, tmp_path):

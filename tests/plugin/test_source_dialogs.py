@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
+import re
+import threading
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +18,9 @@ from terrainav.core.imagery.catalogue import user_sources
 from terrainav.terrainav_plugin.panel.options_page import CacheDialog
 from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
-from tests.support.patterns import decode_position
+from tests.support.json_services import answer_of, map_service
+from tests.support.patterns import decode_position, positions, to_bytes
+from tests.support.services import ServiceServer, wms_document
 from tests.support.tileserver import TileServer
 
 OK = QDialogButtonBox.StandardButton.Ok
@@ -134,6 +140,108 @@ def test_dates_are_asked_for_where_the_url_has_them(dialog):
     assert not dialog.default_date.isVisible()
     dialog.url.setText("https://tiles.example.org/{date}/{z}/{x}/{y}.png")
     assert dialog.default_date.isVisible()
+
+
+def find(dialog, qtbot, text):
+    """Type an address, and wait for what the server tells."""
+    dialog.url.setText(text)
+    assert not dialog.buttons.button(OK).isEnabled()
+    dialog.find.click()
+    qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+
+
+def test_arcgis_service_by_its_address_shows_a_tile_and_is_kept(dialog, qtbot, screenshot):
+    base = "/arcgis/rest/services/Ortho/MapServer"
+
+    def answer(path, _query):
+        found = re.fullmatch(rf"{base}/tile/(\d+)/(\d+)/(\d+)", path)
+        if found:
+            zoom, row, column = map(int, found.groups())
+            return 200, "image/png", to_bytes(positions("satellite", zoom, column, row, 256), "png")
+        return answer_of(map_service()) if path == base else (404, "text/plain", b"")
+
+    with ServiceServer(answer) as server:
+        find(dialog, qtbot, server.url + base)
+        assert "zoom 0 to 19" in dialog.limits.text()
+        assert dialog.title.placeholderText() == "Orthophotos 2023"
+        assert not dialog.max_zoom.isVisible()
+        dialog.test.click()
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        for words in ("256 x 256 px, PNG", "Zoom 0 to 19", "Survey of Somewhere", " s."):
+            assert words in dialog.about_tile.text()
+        assert re.search(r"/tile/16/\d+/\d+$", server.asked[-1])
+        screenshot("add-service", dialog)
+        dialog.accept()
+    kept = next(entry for entry in user_sources() if entry.name == dialog.added)
+    assert kept.urls[""].endswith(f"{base}/tile/{{z}}/{{y}}/{{x}}")
+    assert (kept.title, kept.attribution) == ("Orthophotos 2023", "Survey of Somewhere")
+    assert kept.policy.max_connections == 4
+
+
+def test_layers_of_a_wms_are_listed_with_their_systems_and_one_is_kept(dialog, qtbot, screenshot):
+    pytest.importorskip("owslib")
+    with warnings.catch_warnings():
+        # It imports a module that Python is going to drop; that is for it to change.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        importlib.import_module("owslib.wms")
+    layers = "".join(
+        f"<Layer><Name>{name}</Name><Title>{title}</Title></Layer>"
+        for name, title in (("a", "Ortho"), ("b", "Plan"))
+    )
+    systems = "<CRS>EPSG:3857</CRS><CRS>EPSG:25832</CRS>"
+
+    with ServiceServer() as server:
+        all_layers = f"<Layer><Title>All</Title>{systems}{layers}</Layer>"
+        document = wms_document("1.3.0", f"{server.url}/wms?", all_layers)
+        server.answer = lambda *_: (200, "text/xml", document)
+        find(dialog, qtbot, f"{server.url}/wms")
+        assert "choose one" in dialog.told.text()
+        listed = [dialog.layers.item(row).text() for row in range(dialog.layers.count())]
+        assert listed == ["Ortho · EPSG:3857, EPSG:25832", "Plan · EPSG:3857, EPSG:25832"]
+        assert not dialog.buttons.button(OK).isEnabled()
+        dialog.layers.setCurrentRow(1)
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        screenshot("add-wms", dialog)
+        assert "EPSG:3857" in dialog._entry.urls[""]
+        dialog.system.setCurrentIndex(dialog.system.findData("EPSG:25832"))
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        dialog.accept()
+    kept = next(entry for entry in user_sources() if entry.name == dialog.added)
+    assert kept.plane.crs == "EPSG:25832"
+    assert "LAYERS=b" in kept.urls[""]
+
+
+def test_what_a_server_answers_amiss_is_one_line(dialog, qtbot):
+    with ServiceServer(lambda *_: (200, "text/html", b"<title>Shop</title>")) as server:
+        find(dialog, qtbot, f"{server.url}/shop")
+        assert "no service known here" in dialog.told.text()
+        assert "\n" not in dialog.told.text()
+        assert not dialog.buttons.button(OK).isEnabled()
+        template = f"{server.url}/{{z}}/{{x}}/{{y}}.png"
+        dialog.url.setText(template)
+        assert dialog.told.text() == ""
+        dialog.test.click()
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        assert "tile" in dialog.told.text()
+        assert not dialog.tile.isVisible()
+    # A source is kept whether or not its server answers today.
+    assert dialog.buttons.button(OK).isEnabled()
+
+
+def test_dialog_that_is_closed_asks_no_more(dialog, qtbot):
+    gate = threading.Event()
+
+    def answer(*_):
+        gate.wait(20.0)
+        return 200, "text/html", b""
+
+    with ServiceServer(answer) as server:
+        dialog.url.setText(f"{server.url}/wms")
+        dialog.find.click()
+        qtbot.waitUntil(lambda: bool(server.asked), timeout=20_000)
+        dialog.reject()
+        assert dialog._task is None
+        gate.set()
 
 
 def test_source_by_url_is_captured_and_again_without_the_network(source_list, tmp_path, screenshot):

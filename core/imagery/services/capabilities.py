@@ -7,11 +7,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
-from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
+from urllib.parse import parse_qsl, quote, urlencode, urljoin, urlsplit, urlunsplit
 
 from ...errors import InvalidInput, Message, PartError, SourceError, TerrAInavError
 from ...limits import MAX_CAPABILITIES_BYTES
 from ...text import MASK, Secrets, one_line
+from ..entry import Dates
 from ..http.client import Client
 from ..http.transport import Transport
 from ..policy import Policy
@@ -23,9 +24,13 @@ from .safe_xml import UnreadableXMLError, root_of, written
 CHOICES = {
     "wmts": ("layer", "style", "tilematrixset", "tilematrix", "format"),
     "wms": ("layers", "styles", "format", "version"),
+    "arcgis": ("service", "layers", "format"),
+    "ogcapi": ("collection", "tilematrixset", "tilematrix", "format"),
 }
+#: What people call each kind.
+TITLES = {"wmts": "WMTS", "wms": "WMS", "arcgis": "ArcGIS REST", "ogcapi": "OGC API"}
 #: How the documents of each kind begin.
-_ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
+ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
 #: Formats of tiles that can be decoded, the first that is offered is taken.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
 #: Attempts at a document: a person waits for it, and may try again.
@@ -42,7 +47,7 @@ class Service:
     Parameters
     ----------
     kind : str
-        wmts or wms.
+        One of `CHOICES`.
     address : str
         With {key} where the key stands.
     choices : mapping
@@ -65,14 +70,14 @@ class Service:
         kind, _, rest = name.partition(":")
         kind = kind.lower()
         address, _, fragment = rest.partition("#")
-        check_address(address, Message("address of a {0}", kind.upper()))
+        check_address(address, Message("address of a {0}", TITLES[kind]))
         choices = {}
         for choice, value in parse_qsl(fragment, keep_blank_values=True):
             if choice.lower() not in CHOICES[kind]:
                 raise InvalidInput(
                     "choice {0!r} of a {1}: must be one of {2}",
                     choice,
-                    kind.upper(),
+                    TITLES[kind],
                     ", ".join(CHOICES[kind]),
                 )
             choices[choice.lower()] = value
@@ -83,9 +88,13 @@ class Service:
         """Host asked."""
         return urlsplit(self.address).hostname or ""
 
+    def address_with(self, key: str) -> str:
+        """Address with a key in its place."""
+        return self.address.replace("{key}", quote(key, safe=""))
+
     def document_url(self, key: str) -> str:
         """Address of the capabilities document."""
-        parts = urlsplit(self.address.replace("{key}", quote(key, safe="")))
+        parts = urlsplit(self.address_with(key))
         given = {name.lower() for name, _ in parse_qsl(parts.query, keep_blank_values=True)}
         if parts.path.lower().endswith(".xml") or "request" in given:
             return urlunsplit(parts)
@@ -97,10 +106,24 @@ class Service:
 
 @dataclass(frozen=True)
 class Offered:
-    """A layer as its capabilities offer it."""
+    """A layer as its service offers it.
+
+    Parameters
+    ----------
+    name, title : str
+    systems : tuple of str
+        Codes of the coordinate reference systems that it can be had in, as far as the list of layers tells them.
+    sets : tuple of str
+        Names of its tile matrix sets.
+    dates : Dates or None
+        Dates that it can be had of.
+    """
 
     name: str
     title: str
+    systems: tuple[str, ...] = ()
+    sets: tuple[str, ...] = ()
+    dates: Dates | None = None
 
 
 @dataclass(frozen=True)
@@ -110,7 +133,7 @@ class Document:
     Parameters
     ----------
     service : Service
-    root : element of lxml
+    root : element of lxml, or value of a JSON text
         With {key} where the server repeats the key, and nowhere else.
     url : str
         Where it came from; may hold the key.
@@ -125,7 +148,7 @@ class Document:
 
     def wrong(self, reason: str) -> SourceError:
         """Error about this document, in one line and without the key."""
-        text = Message("{0} of {1}: {2}", self.service.kind.upper(), self.service.host, reason)
+        text = Message("{0} of {1}: {2}", TITLES[self.service.kind], self.service.host, reason)
         return SourceError(text.with_texts(lambda one: self.secrets.masked(one).replace("{key}", MASK)))
 
     def without_key(self, text: str) -> str:
@@ -141,26 +164,14 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
     SourceError
         They cannot be had, are too large, or something else is at the address.
     """
-    used = _transport() if transport is None else transport
-    url = service.document_url(key)
-    secrets = (key,) if key else ()
-    client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
-    try:
-        response = client.get(url, Message("capabilities"))
-    except PartError as failure:
-        raise SourceError("{0}: {1}", service.host, failure) from None
-    finally:
-        # A transport that was given goes on to fetch the tiles.
-        if transport is None:
-            used.close()
-    document = Document(service, None, url, Secrets(secrets))
-    body = response.body
+    document, body, message = asked(
+        service, service.document_url(key), key, transport, Message("capabilities")
+    )
     if len(body) > MAX_CAPABILITIES_BYTES:
         raise document.wrong(Message("capabilities of more than {0} bytes", MAX_CAPABILITIES_BYTES))
     plain = body.replace(b"\0", b"")
-    found = [kind for kind, root in _ROOTS.items() if re.search(root, plain)]
+    found = [kind for kind, root in ROOTS.items() if re.search(root, plain)]
     if not found:
-        message = client.message(response)
         raise document.wrong(Message("no capabilities at this address{0}", f": {message}" if message else ""))
     if service.kind not in found:
         raise document.wrong(
@@ -173,6 +184,55 @@ def fetched(service: Service, key: str, transport: Transport | None) -> Document
         if key or b"{key}" in written(root):
             _mark_keys(root, document)
     return replace(document, root=root)
+
+
+def asked(
+    service: Service,
+    url: str,
+    key: str,
+    transport: Transport | None,
+    what: str,
+    headers: Mapping[str, str] | None = None,
+) -> tuple[Document, bytes, str]:
+    """Ask for a document: all of it but its root, its body, and the first words of that for people.
+
+    Raises
+    ------
+    SourceError
+        It cannot be had.
+    """
+    used = _transport() if transport is None else transport
+    secrets = (key,) if key else ()
+    client = Client(used, service.host, connections=1, secrets=secrets, tries=_TRIES)
+    try:
+        response = client.get(url, what, headers)
+    except PartError as failure:
+        raise SourceError("{0}: {1}", service.host, failure) from None
+    finally:
+        # A transport that was given goes on to fetch the tiles.
+        if transport is None:
+            used.close()
+    return Document(service, None, url, Secrets(secrets)), response.body, client.message(response)
+
+
+def filled_template(document: Document, template: str, filled: Mapping[str, str]) -> str:
+    """URL template of tiles, made of a service's own.
+
+    Parameters
+    ----------
+    document : Document
+        That names the template.
+    template : str
+        With the service's placeholders in braces.
+    filled : mapping
+        What stands for each of them, whose name is in lower case.
+    """
+    text = urljoin(document.url, template)
+    # What is no placeholder is text, braces included, and so is what stands for one: nothing is filled twice.
+    pieces = re.split(r"\{([^{}]*)\}", text)
+    pieces[::2] = [piece.replace("{", "%7B").replace("}", "%7D") for piece in pieces[::2]]
+    pieces[1::2] = [quote(filled.get(name.lower(), f"{{{name}}}"), safe="{}:") for name in pieces[1::2]]
+    return document.without_key("".join(pieces))
 
 
 def _transport() -> Transport:
@@ -242,7 +302,7 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
     if wanted is None:
         raise InvalidInput(
             "{0} of {1}: say which with #{2}=…: {3}; `terrainav sources show` lists them",
-            document.service.kind.upper(),
+            TITLES[document.service.kind],
             host,
             what,
             names or Message("it offers none"),

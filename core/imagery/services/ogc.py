@@ -15,44 +15,46 @@ the documents; it is needed here only.
 from __future__ import annotations
 
 import importlib
+import itertools
 import math
 import re
 from collections.abc import Sequence
-from functools import cached_property
+from dataclasses import replace
 from typing import Any
 from urllib.parse import quote, urlencode, urljoin
 
-from ...errors import InvalidInput, Message, SourceError
+from ...errors import InvalidInput, Message
 from ...geodesy.mercator import HALF_WORLD_M
 from ...geodesy.planes import ProjectedPlane
 from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
-from ..opening import EntrySource
-from ..policy import Policy
-from ..systems import MAP, MERCATOR_CODES, Bounds, best_of, is_usable, northing_first, refused
-from ..template import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX, environment_key
+from ..systems import MAP, MERCATOR_CODES, Bounds, best_of, code_of, is_usable, northing_first, refused
+from ..template import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX
 from .capabilities import (
     NAMED,
     Document,
     Offered,
-    Service,
     bounds_of,
     chosen_format,
     chosen_one,
     credit_of,
     fetched,
+    filled_template,
     policy_of,
     reading,
 )
 from .matrices import SCALE_PX_M, chosen_tiles
 from .safe_xml import written
+from .service import ServiceSource
 
 _VERSIONS = ("1.3.0", "1.1.1")
 #: Codes of EPSG as a WMS writes them.
 _EPSG = re.compile(r"EPSG:[1-9][0-9]{0,6}")
 #: Systems of a layer that are looked at where none is asked for: services list thousands.
 _MOST_SYSTEMS = 500
+#: Systems and tile matrix sets that a list of layers names of each.
+_MOST_OFFERED = 50
 #: The plane that a WMS is asked for pixels of reaches so far from the origin to the west and the north, in the system's
 #: unit: farther than eastings that begin with a zone's number.
 _FARTHEST = 2.0**26
@@ -62,27 +64,8 @@ _WMTS = "{http://www.opengis.net/wmts/1.0}"
 _OWS = "{http://www.opengis.net/ows/1.1}"
 
 
-class ServiceLayer(EntrySource):
+class ServiceLayer(ServiceSource):
     """A layer of a WMTS or WMS as a mission names it."""
-
-    @cached_property
-    def service(self) -> Service:
-        """The service and what is wanted of it; raises InvalidInput where the text is not right."""
-        return Service.named(self.text)
-
-    @property
-    def needs_key(self) -> bool:
-        """Whether a key stands in its address."""
-        return "{key}" in self.text
-
-    @property
-    def stated_policy(self) -> Policy | None:
-        """None: the service states its terms with its capabilities."""
-        return None
-
-    def environment_key(self) -> str | None:
-        """Return the environment's key, if that is for its host."""
-        return environment_key([self.service.host], named_by_user=self.options.named_by_user)
 
     def layers(self) -> list[Offered] | None:
         """Layers that the service offers, where none is named yet."""
@@ -111,14 +94,7 @@ class ServiceLayer(EntrySource):
         return under_provider(entry)
 
     def _document(self) -> Document:
-        key = None
-        if self.needs_key:
-            key = self.options.key or self.environment_key()
-            if not key:
-                raise SourceError(
-                    "{0}: needs an API key: set the environment variable {1}", self.service.host, KEY_ENV
-                )
-        return fetched(self.service, key or "", self.options.transport)
+        return fetched(self.service, self.key, self.options.transport)
 
 
 def _entry(name: str, service: Any, layers: Sequence[Any], url: str, **tiles: Any) -> CatalogueEntry:
@@ -144,13 +120,28 @@ def _with_query(base: str, query: dict[str, str]) -> str:
     return f"{base}{joint}{urlencode(query, safe='{}:/,', quote_via=quote)}"
 
 
-def _quoted(value: str) -> str:
-    return quote(value, safe="{}:")
-
-
 def _wmts_layers(document: Document) -> list[Offered]:
     """Layers a WMTS offers."""
-    return [Offered(name, one_line(layer.title)) for name, layer in _wmts(document).contents.items()]
+    service = _wmts(document)
+    systems = {name: code_of(one.crs) for name, one in service.tilematrixsets.items()}
+    offered = []
+    for name, layer in service.contents.items():
+        sets = [one for one in layer.tilematrixsetlinks if one in systems][:_MOST_OFFERED]
+        codes = dict.fromkeys(systems[one] for one in sets)
+        usable = tuple(code for code in codes if code == MAP or is_usable(code))
+        offered.append(Offered(name, one_line(layer.title), usable, tuple(map(one_line, sets))))
+    dates = _dates_of_layers(document)
+    return [replace(one, dates=dates.get(one.name)) for one in offered]
+
+
+def _dates_of_layers(document: Document) -> dict[str, Dates]:
+    """Dates that layers of a WMTS can be had of, by their names."""
+    found = {}
+    for element in document.root.iter(f"{_WMTS}Layer"):
+        times = [about for about in _dimensions_of(element).values() if isinstance(about, Dates)]
+        if times:
+            found[(element.findtext(f"{_OWS}Identifier") or "").strip()] = times[0]
+    return found
 
 
 def _wmts_entry(name: str, document: Document, crs: str, area_deg: Bounds | None) -> CatalogueEntry:
@@ -212,14 +203,20 @@ def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
     """Dimensions of a layer, which OWSLib leaves out: dates of the time, the default value of any other."""
     found: dict[str, Dates | str] = {}
     for element in document.root.iter(f"{_WMTS}Layer"):
-        if (element.findtext(f"{_OWS}Identifier") or "").strip() != layer:
-            continue
-        for dimension in element.findall(f"{_WMTS}Dimension"):
-            name = (dimension.findtext(f"{_OWS}Identifier") or "").strip()
-            default = (dimension.findtext(f"{_WMTS}Default") or "").strip()
-            values = [value.text or "" for value in dimension.findall(f"{_WMTS}Value")]
-            dates = dates_of_dimension(values, default) if name.lower() == "time" else None
-            found[name] = dates or default or (values[0].strip() if values else "")
+        if (element.findtext(f"{_OWS}Identifier") or "").strip() == layer:
+            found.update(_dimensions_of(element))
+    return found
+
+
+def _dimensions_of(layer: Any) -> dict[str, Dates | str]:
+    """Dimensions of a layer's element."""
+    found: dict[str, Dates | str] = {}
+    for dimension in layer.findall(f"{_WMTS}Dimension"):
+        name = (dimension.findtext(f"{_OWS}Identifier") or "").strip()
+        default = (dimension.findtext(f"{_WMTS}Default") or "").strip()
+        values = [value.text or "" for value in dimension.findall(f"{_WMTS}Value")]
+        dates = dates_of_dimension(values, default) if name.lower() == "time" else None
+        found[name] = dates or default or (values[0].strip() if values else "")
     return found
 
 
@@ -227,12 +224,7 @@ def _rest_url(document: Document, layer: Any, kind: str, filled: dict[str, str])
     """Template of the tiles as resources; empty where the service has none of this format."""
     for resource in layer.resourceURLs:
         if resource["resourceType"] == "tile" and resource["format"] == kind:
-            text = urljoin(document.url, resource["template"])
-            # What is no placeholder is text, braces included, and so is what stands for one: nothing is filled twice.
-            pieces = re.split(r"\{([^{}]*)\}", text)
-            pieces[::2] = [piece.replace("{", "%7B").replace("}", "%7D") for piece in pieces[::2]]
-            pieces[1::2] = [_quoted(filled.get(name.lower(), f"{{{name}}}")) for name in pieces[1::2]]
-            return document.without_key("".join(pieces))
+            return filled_template(document, resource["template"], filled)
     return ""
 
 
@@ -270,7 +262,23 @@ def _kvp_url(
 def _wms_layers(document: Document) -> list[Offered]:
     """Layers a WMS offers."""
     _, service = _wms(document)
-    return [Offered(name, one_line(layer.title)) for name, layer in service.contents.items()]
+    # Layers share their systems: each is looked at once.
+    known: dict[tuple[str, ...], tuple[str, ...]] = {}
+    offered = []
+    for name, layer in service.contents.items():
+        named = tuple(layer.crsOptions)
+        if named not in known:
+            known[named] = _systems_of(named)
+        offered.append(Offered(name, one_line(layer.title), known[named], dates=_dates([layer])))
+    return offered
+
+
+def _systems_of(named: Sequence[str]) -> tuple[str, ...]:
+    """Usable ones of the systems that a layer names, Web Mercator first; of very many the first."""
+    codes = {code_of(one.upper()) for one in named}
+    own = sorted((one for one in codes if one != MAP and _EPSG.fullmatch(one)), key=lambda one: int(one[5:]))
+    usable = itertools.islice(filter(is_usable, own[:_MOST_SYSTEMS]), _MOST_OFFERED)
+    return (*((MAP,) if MAP in codes else ()), *usable)
 
 
 def _wms_entry(
@@ -291,7 +299,7 @@ def _wms_entry(
     kind = chosen_format(document, list(get_map.formatOptions))
     dates = _dates(layers)
     crs = _crs(document, layers, wanted_crs, area_deg)
-    plane = None if crs in MERCATOR_CODES else _own_plane(crs, tile_px)
+    plane = None if crs in MERCATOR_CODES else own_plane(crs, tile_px)
     by_northing = plane is not None and version == "1.3.0" and northing_first(crs)
     box = BBOX if plane is None else OWN_BBOX_YX if by_northing else OWN_BBOX
     query = {
@@ -364,7 +372,7 @@ def _named(document: Document, layer: Any) -> str:
     return Message("layer {0!r} of {1}", layer.id, document.service.host)
 
 
-def _own_plane(crs: str, tile_px: int) -> ProjectedPlane:
+def own_plane(crs: str, tile_px: int) -> ProjectedPlane:
     """Plane of the pixels that a WMS is asked for: their sizes are powers of two of the unit, and so are its edges.
 
     It is the same whatever the service says of its layer, so that missions and tiles kept of it stay what they are.
@@ -396,8 +404,7 @@ def _dates(layers: Sequence[Any]) -> Dates | None:
 def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | None) -> int:
     """Highest zoom at which every layer is drawn, as far as the service says so."""
     width_m = 2.0 * HALF_WORLD_M if plane is None else plane.width * plane.unit_m
-    finest = 0.0 if plane is None else math.log2(plane.width / (_FINEST_PX * tile_px))
-    highest = DEFAULT_MAX_ZOOM if plane is None else math.floor(finest + 1e-9)
+    highest = DEFAULT_MAX_ZOOM if plane is None else finest_zoom(plane, tile_px)
     for layer in layers:
         stated = getattr(layer, "min_scale_denominator", None)
         least = float(stated.text) if stated is not None else 0.0
@@ -405,3 +412,8 @@ def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | N
             zoom = math.log2(width_m / (least * SCALE_PX_M * tile_px))
             highest = min(highest, max(math.floor(zoom + 1e-9), 0))
     return highest
+
+
+def finest_zoom(plane: ProjectedPlane, tile_px: int) -> int:
+    """Highest zoom of a plane at which a service that states no scale is asked to draw."""
+    return math.floor(math.log2(plane.width / (_FINEST_PX * tile_px)) + 1e-9)

@@ -178,6 +178,14 @@ def test_overlap_along_and_across():
     assert (mission.flight.overlap_along, mission.flight.overlap_across) == (0.8, 0.6)
 
 
+@pytest.mark.parametrize(
+    ("given", "shares"), [("60%", (0.6, 0.6)), ("60% 0.3", (0.6, 0.3)), (["7.5 %"], (0.075,) * 2)]
+)
+def test_overlap_in_percent_is_the_share(given, shares):
+    mission = make(coords="35.22_-90.07_35.06_-89.73_400", overlap=given)
+    assert (mission.flight.overlap_along, mission.flight.overlap_across) == shares
+
+
 def test_a_height_of_its_own_replaces_the_coordinates():
     assert make(coords="35.1_-89.8_120", agl="1000", agl_unit="ft").area == Points(((35.1, -89.8, 304.8),))
 

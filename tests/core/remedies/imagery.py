@@ -93,8 +93,7 @@ def _taken(case: Case) -> None:
 @remedy(
     "imagery/catalogue.py",
     "source {} is unknown: {}`terrainav sources` lists the names; a file, a URL template with {z}, {x}, "
-    "{y}, wmts:URL and "
-    "wms:URL work as well",
+    "{y}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well",
 )
 def _unknown(case: Case) -> None:
     case.refused(lambda: entry_named("usgz"))
@@ -104,11 +103,19 @@ def _unknown(case: Case) -> None:
     with one_layer() as server:
         others = (raster(case), TEMPLATE, f"wmts:{server.url}/c.xml")
         case.follow(
-            "terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, wmts:URL and wms:URL "
-            "work as "
-            "well",
+            "terrainav sources` lists the names; a file, a URL template with {z}, {x}, {y}, and wmts:URL, wms:URL, "
+            "arcgis:URL and ogcapi:URL work as well",
             lambda: [opened(str(name)) for name in ("usgs", *others)],
         )
+
+
+@remedy("imagery/catalogue.py", "source {}: several have this title; name one of {}")
+def _title_of_several(case: Case) -> None:
+    case.monkeypatch.setenv("TERRAINAV_CONFIG_DIR", str(case.tmp_path))
+    for name in ("one", "two"):
+        user_sources.add(name, {**user_sources.described(TEMPLATE), "title": "My tiles"})
+    case.refused(lambda: entry_named("my tiles"))
+    case.follow("name one of one, two", lambda: [entry_named(name) for name in ("one", "two")])
 
 
 class Answers:
@@ -421,7 +428,7 @@ def _which_layer(case: Case) -> None:
         case.follow("`terrainav sources show` lists them", lambda: "ortho" in listed and "topo" in listed)
 
 
-@remedy("imagery/services/ogc.py", "{}: needs an API key: set the environment variable {}")
+@remedy("imagery/services/service.py", "{}: needs an API key: set the environment variable {}")
 def _key_of_service(case: Case) -> None:
     case.monkeypatch.delenv("TERRAINAV_KEY", raising=False)
     with one_layer() as server:

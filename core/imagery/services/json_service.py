@@ -1,0 +1,155 @@
+"""Services that describe themselves in JSON: how a document is fetched, and what both kinds have in common."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+from urllib.parse import parse_qsl, quote, urlencode, urlsplit, urlunsplit
+
+from ...errors import InvalidInput, Message
+from ...limits import MAX_SERVICE_JSON_BYTES
+from ...safe_json import parse_json
+from ...text import one_line
+from ..entry import CatalogueEntry, under_provider
+from ..policy import Policy
+from ..systems import WORLD_DEG, Bounds
+from ..template import KEY_ENV
+from .capabilities import Document, Offered, asked, reading
+from .service import ServiceSource
+
+_ACCEPT = {"Accept": "application/json"}
+#: Items of a list that are looked at.
+_MOST_ITEMS = 10_000
+
+
+class JSONService(ServiceSource):
+    """A layer of a service that describes itself in JSON, as a mission names it."""
+
+    def layers(self) -> list[Offered] | None:
+        """Layers to choose from, where one is to be named and none is."""
+        document = self._first()
+        with reading(document):
+            return self._layers(document)
+
+    def _find(self) -> CatalogueEntry:
+        """Entry of the layer, under its provider's terms where those are known.
+
+        Raises
+        ------
+        InvalidInput
+            The text, or a choice in it, is not right; says which are.
+        SourceError
+            The documents cannot be had or read, or offer no tiles that can be used.
+        """
+        document = self._first()
+        with reading(document):
+            return under_provider(self._entry(document))
+
+    @abstractmethod
+    def _first(self) -> Document:
+        """Document at the service's address."""
+
+    @abstractmethod
+    def _layers(self, document: Document) -> list[Offered] | None:
+        """Layers that a document offers; None where no layer needs to be named."""
+
+    @abstractmethod
+    def _entry(self, document: Document) -> CatalogueEntry:
+        """Entry of what is wanted."""
+
+    def _filled(self, url: str) -> str:
+        """Address with the key in its place."""
+        return url.replace("{key}", quote(self.key, safe="")) if self.key else url
+
+    def _json(self, url: str, what: Message) -> Document:
+        """JSON document at an address, which is asked for in the ways that servers know.
+
+        Raises
+        ------
+        SourceError
+            It cannot be had, is too large, is none, or says that the service refuses.
+        """
+        key = self.key
+        document, body, words = asked(self.service, url, key, self.options.transport, what, _ACCEPT)
+        if not _begins_as_json(body) and "f=" not in urlsplit(url).query:
+            # Some servers go by the query alone.
+            url = with_query(url, {"f": "json"})
+            document, body, words = asked(self.service, url, key, self.options.transport, what, _ACCEPT)
+        if len(body) > MAX_SERVICE_JSON_BYTES:
+            raise document.wrong(Message("a description of more than {0} MB", MAX_SERVICE_JSON_BYTES >> 20))
+        if not _begins_as_json(body):
+            raise document.wrong(
+                Message("no description in JSON at this address{0}", f": {words}" if words else "")
+            )
+        try:
+            root = parse_json(body)
+        except InvalidInput as wrong:
+            raise document.wrong(Message("JSON that cannot be read: {0}", wrong)) from None
+        if not isinstance(root, Mapping):
+            raise document.wrong(Message("JSON that is no description of a service"))
+        return replace(document, root=_with_keys_marked(root, document))
+
+    def _made(self, title: str, credit: str, url: str, policy: Policy, **tiles: Any) -> CatalogueEntry:
+        """Entry of tiles, with what both kinds of service state of them."""
+        return CatalogueEntry(
+            name=self.text,
+            title=title or self.service.host,
+            kind="xyz",
+            attribution=credit,
+            urls={"": url},
+            policy=policy,
+            key_env=KEY_ENV if "{key}" in url else None,
+            user=True,
+            **tiles,
+        )
+
+
+def with_query(url: str, query: Mapping[str, str]) -> str:
+    """Address with parameters in its query; placeholders stay as they are."""
+    parts = urlsplit(url)
+    given = [(name, value) for name, value in parse_qsl(parts.query, keep_blank_values=True)]
+    kept = [(name, value) for name, value in given if name.lower() not in query]
+    return urlunsplit(parts._replace(query=urlencode([*kept, *query.items()], safe="{}:/,-")))
+
+
+def items_of(value: object) -> list[Mapping[str, Any]]:
+    """Objects of a list, as far as it is one."""
+    if not isinstance(value, Sequence) or isinstance(value, str):
+        return []
+    return [one for one in value[:_MOST_ITEMS] if isinstance(one, Mapping)]
+
+
+def text_of(value: object) -> str:
+    """Text in one line; empty for anything else."""
+    return one_line(value) if isinstance(value, str) else ""
+
+
+def number_of(value: object) -> float | None:
+    """Finite number; None for anything else."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if math.isfinite(value) else None
+
+
+def sound_bounds(west: float, south: float, east: float, north: float) -> Bounds:
+    """Bounds in degrees within the Earth's; the world where they make no box."""
+    box = max(west, -180.0), max(south, -90.0), min(east, 180.0), min(north, 90.0)
+    return box if box[0] < box[2] and box[1] < box[3] else WORLD_DEG
+
+
+def _begins_as_json(body: bytes) -> bool:
+    return body.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] in (b"{", b"[")
+
+
+def _with_keys_marked(value: Any, document: Document) -> Any:
+    """Value with {key} where a document repeats the key, and nowhere else: one of its own is text."""
+    if isinstance(value, str):
+        return document.without_key(value.replace("{key}", "%7Bkey%7D"))
+    if isinstance(value, list):
+        return [_with_keys_marked(one, document) for one in value]
+    if isinstance(value, Mapping):
+        return {name: _with_keys_marked(one, document) for name, one in value.items()}
+    return value

@@ -1,0 +1,110 @@
+"""One tile of a source, to see whether it answers and what its imagery looks like."""
+
+from __future__ import annotations
+
+import time
+from contextlib import closing
+from dataclasses import dataclass, field
+from typing import cast
+
+import numpy as np
+
+from ..geodesy.mercator import PixelGrid
+from .opening import NamedSource
+from .placeholder import Provided
+from .source import Pixels, Tile, Window
+
+#: Finest zoom at which a tile is asked for where no other is: streets and houses can be told apart.
+_USUAL_ZOOM = 16
+_FORMATS = ((b"\x89PNG", "PNG"), (b"\xff\xd8\xff", "JPEG"), (b"RIFF", "WebP"), (b"GIF8", "GIF"))
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A tile as it came.
+
+    Parameters
+    ----------
+    tile : Tile
+    pixels : array (tile_px, tile_px, 3)
+    format : str
+        Of its file, such as PNG; empty where it is none that is known.
+    file_bytes : int
+    seconds : float
+        From the request to its pixels.
+    min_zoom, native_zoom : int
+    attribution : str
+    """
+
+    tile: Tile
+    pixels: Pixels = field(repr=False)
+    format: str
+    file_bytes: int
+    seconds: float
+    min_zoom: int
+    native_zoom: int
+    attribution: str
+
+
+def try_tile(
+    named: NamedSource, lat_deg: float | None = None, lon_deg: float | None = None, zoom: int | None = None
+) -> Trial:
+    """Fetch one tile of a source: at a place where the source has it, else in the middle of its imagery.
+
+    Parameters
+    ----------
+    named : NamedSource
+        One of tiles; it is opened and closed.
+    lat_deg, lon_deg : float or None
+    zoom : int or None
+        None for one that shows houses; the source's own zooms are kept to.
+
+    Raises
+    ------
+    InvalidInput, SourceError, PartError, Cancelled
+    """
+    with closing(named.open()) as source:
+        grid = source.grid
+        finest = _USUAL_ZOOM if zoom is None else zoom
+        tile = _tile_at(grid, lat_deg, lon_deg, min(max(finest, grid.min_zoom), grid.native_zoom))
+        size = grid.tile_px
+        window = Window(tile.zoom, tile.x * size, tile.y * size, size, size)
+        files: list[bytes] = []
+        if hasattr(source, "received"):
+            cast(Provided, source).received = lambda _part, file: files.append(file)
+        map_type = source.map_types[0] if source.map_types else ""
+        begun_s = time.perf_counter()
+        pixels = source.fetch(map_type, source.parts(window)[0].window)
+        seconds = time.perf_counter() - begun_s
+        file = files[0] if files else b""
+        return Trial(
+            tile,
+            pixels,
+            next((name for magic, name in _FORMATS if file.startswith(magic)), ""),
+            len(file),
+            seconds,
+            grid.min_zoom,
+            grid.native_zoom,
+            source.attribution,
+        )
+
+
+def _tile_at(grid: PixelGrid, lat_deg: float | None, lon_deg: float | None, zoom: int) -> Tile:
+    """Tile at a place, where the source has imagery there; else in the middle of its imagery."""
+    corners = np.array(grid.extent if grid.extent is not None else ((0.0, 0.0), (1.0, 1.0)))
+    west, north = corners.min(axis=0)
+    east, south = corners.max(axis=0)
+    u, v = (west + east) / 2.0, (north + south) / 2.0
+    if lat_deg is not None and lon_deg is not None:
+        at_u, at_v = (float(one) for one in grid.plane.forward(np.array(lat_deg), np.array(lon_deg)))
+        inside = np.isfinite(at_u) and np.isfinite(at_v) and north <= at_v <= south
+        # On the map, an extent across the antimeridian goes on beyond 1.
+        turns = (0.0,) if grid.own else (0.0, 1.0, -1.0)
+        there = next((at_u + turn for turn in turns if west <= at_u + turn <= east), None)
+        if inside and there is not None:
+            u, v = there, at_v
+    count = 1 << zoom
+    column, row = (
+        min(max(int(np.floor(one * count)), 0), count - 1) for one in (u % 1.0 if not grid.own else u, v)
+    )
+    return Tile(zoom, column, row)

@@ -1,0 +1,128 @@
+"""Choices: what is listed of them, and every way in which a script, a model or a terminal may name one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from qgis.core import QgsProcessingContext, QgsProcessingParameterEnum, QgsProperty
+
+from ...core.errors import InvalidInput
+from ..i18n import tr
+
+#: Values of choices that others make at run time are known then.
+_LATER = (QgsProperty,)
+
+
+class Choice(QgsProcessingParameterEnum):
+    """A choice of words: each is taken by its value, its title, as it is listed or by its number, in any case.
+
+    What is listed is the value itself; with ``titled``, the title with the value in square brackets.
+
+    Parameters
+    ----------
+    name, description : str
+    choices : mapping
+        Values, each with its title.
+    usual : object
+        Default value, or a list of them; None for an optional choice.
+    several : bool
+        Whether several can be chosen.
+    titled : bool
+    more : bool
+        Whether the copy that runs may know more choices: what is none of these is refused there.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        description: str,
+        choices: Mapping[str, str],
+        usual: object = None,
+        *,
+        several: bool = False,
+        titled: bool = False,
+        more: bool = False,
+    ) -> None:
+        self._made_of = (name, description, dict(choices), usual)
+        self._how = {"several": several, "titled": titled, "more": more}
+        self.values = tuple(choices)
+        listed = [f"{title} [{value}]" if titled else value for value, title in choices.items()]
+        # The number comes last: a value may be one.
+        self._names: dict[str, set[str]] = {}
+        for at, (value, title) in enumerate(choices.items()):
+            for known in (value, title, listed[at]):
+                self._names.setdefault(_plain(known), set()).add(value)
+        shown = dict(zip(choices, listed))
+        if isinstance(usual, (list, tuple)):
+            default: object = [shown.get(one, one) for one in usual]
+        else:
+            default = shown.get(usual, usual) if isinstance(usual, str) else usual
+        super().__init__(
+            name,
+            description,
+            options=listed,
+            allowMultiple=several,
+            defaultValue=default,
+            optional=usual is None,
+            usesStaticStrings=True,
+        )
+
+    def clone(self) -> Choice:
+        """Return a copy that takes the same."""
+        made = Choice(*self._made_of, **self._how)
+        made.setFlags(self.flags())
+        made.setHelp(self.help())
+        made.setMetadata(self.metadata())
+        return made
+
+    def checkValueIsAcceptable(self, value: object, _context: QgsProcessingContext | None = None) -> bool:
+        """Whether a value names one of the choices, or some of them."""
+        if isinstance(value, _LATER):
+            return True
+        given = self._given(value)
+        if not given:
+            return bool(self.flags() & self.Flag.FlagOptional) or (
+                value is None and self.defaultValue() is not None
+            )
+        return self._how["more"] or all(self._found(one) is not None for one in given)
+
+    def chosen(self, value: object) -> tuple[str, ...]:
+        """Values that are named; raises InvalidInput where one is none of the choices."""
+        found = []
+        for one in self._given(value):
+            known = self._found(one)
+            if known is None:
+                raise InvalidInput(
+                    tr("{title} {value!r}: must be one of {choices}").format(
+                        title=self.description(), value=str(one), choices=", ".join(self.values)
+                    )
+                )
+            found.append(known)
+        return tuple(found)
+
+    def _given(self, value: object) -> list[Any]:
+        if value is None or value == "":
+            return []
+        if isinstance(value, (list, tuple)):
+            return list(value)
+        if self.allowMultiple() and isinstance(value, str) and self._found(value) is None:
+            return [part for part in (part.strip() for part in value.replace(";", ",").split(",")) if part]
+        return [value]
+
+    def _found(self, one: object) -> str | None:
+        """Value that is named; None where it is none, or several."""
+        text = str(one)
+        if text in self.values:
+            return text
+        named = self._names.get(_plain(text), set())
+        if len(named) == 1:
+            return next(iter(named))
+        number = text.removesuffix(".0") if isinstance(one, float) else text
+        if not named and number.isascii() and number.isdigit() and int(number) < len(self.values):
+            return self.values[int(number)]
+        return None
+
+
+def _plain(text: str) -> str:
+    return " ".join(text.split()).casefold()
