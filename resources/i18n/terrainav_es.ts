@@ -215,13 +215,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>It has one line, which is flown.</source>
-        <translation>Tiene una sola línea, que es la que se vuela.</translation>
+        <source>Its only line will be flown.</source>
+        <translation>Se volará su única línea.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>It has one polygon, which is taken.</source>
-        <translation>Tiene un solo polígono, que es el que se toma.</translation>
+        <source>Its only polygon will be used.</source>
+        <translation>Se usará su único polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -240,13 +240,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Nothing is selected in it: all {n} lines are flown one after the other.</source>
-        <translation>No hay nada seleccionado en ella: se vuelan las {n} líneas, una tras otra.</translation>
+        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
+        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Nothing is selected in it: press “Select on the map”, then click one polygon.</source>
-        <translation>No hay nada seleccionado en ella: pulse «Seleccionar en el mapa» y haga clic en un polígono.</translation>
+        <source>Nothing is selected: all {n} lines will be flown one after the other.</source>
+        <translation>No hay nada seleccionado: se volarán las {n} líneas, una tras otra.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -342,8 +342,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>{n} lines are selected, which are flown one after the other.</source>
-        <translation>Hay {n} líneas seleccionadas, que se vuelan una tras otra.</translation>
+        <source>{n} lines are selected and will be flown one after the other.</source>
+        <translation>Hay {n} líneas seleccionadas, que se volarán una tras otra.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -851,8 +851,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Its only feature is taken.</source>
-        <translation>Se toma su único objeto.</translation>
+        <source>Its only feature will be used.</source>
+        <translation>Se usará su único objeto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -953,8 +953,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <source>Test shot {lat:.5f} {lon:.5f}</source>
-        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+        <source>Test shot {lat} {lon}</source>
+        <translation>Toma de prueba {lat} {lon}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -962,6 +962,11 @@
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Treat as missing</source>
         <translation>Tratar como ausente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>Turned images make no mosaic: “View images” shows them one by one.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -985,8 +990,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
-        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+        <source>{name}: {failed} of {total} images could not be captured ({reason}).</source>
+        <translation>{name}: no se pudieron capturar {failed} de {total} imágenes ({reason}).</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
@@ -1016,8 +1021,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>folder is empty: choose where the images go</source>
-        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+        <source>no folder: choose where to save the images</source>
+        <translation>no hay carpeta: elegir dónde guardar las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
@@ -1026,12 +1031,12 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
-        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+        <source>{folder}: a capture into it is already running; a second mission needs its own folder.</source>
+        <translation>{folder}: ya hay una captura en curso en ella; una segunda misión necesita su propia carpeta.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>{name} is being captured already.</source>
+        <source>{name} is already being captured.</source>
         <translation>{name} ya se está capturando.</translation>
     </message>
     <message>
@@ -1061,13 +1066,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.</source>
-        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+        <source>All {total} images already exist.</source>
+        <translation>Las {total} imágenes ya existen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>All {total} images were there already.</source>
-        <translation>Las {total} imágenes ya estaban todas.</translation>
+        <source>All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.</source>
+        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1076,7 +1081,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>No image was missing.</source>
+        <source>No images were missing.</source>
         <translation>No faltaba ninguna imagen.</translation>
     </message>
     <message>
@@ -1127,18 +1132,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>The image was there already.</source>
-        <translation>La imagen ya estaba.</translation>
+        <source>The image already exists.</source>
+        <translation>La imagen ya existe.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>Waiting: next in line</source>
+        <source>Waiting: next</source>
         <translation>En espera: la siguiente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>Waiting: {place} before it</source>
-        <translation>En espera: {place} delante</translation>
+        <source>Waiting: {place} ahead of it</source>
+        <translation>En espera: {place} por delante</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1147,8 +1152,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>{error} (the images are written)</source>
-        <translation>{error} (las imágenes están escritas)</translation>
+        <source>{error} (the images were saved)</source>
+        <translation>{error} (las imágenes están guardadas)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1264,11 +1269,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Cross out the images on the map that would be rejected</source>
-        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Dataset &amp;folder</source>
         <translation>Carpeta del con&amp;junto de datos</translation>
     </message>
@@ -1309,8 +1309,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mark on the map the images that would be rejected</source>
+        <translation>Marcar en el mapa las imágenes que se rechazarían</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
         <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mark the rejected images in the dataset's table, with the reason</source>
+        <translation>Marcar en la tabla del conjunto de datos las imágenes rechazadas, con el motivo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1324,11 +1334,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Note in the dataset's table which images are rejected, and why</source>
-        <translation>Anotar en la tabla del conjunto de datos qué imágenes se rechazan, y por qué</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Of a capture, or of images with a meta_data.csv beside them</source>
         <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
     </message>
@@ -1336,6 +1341,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>On the map</source>
         <translation>En el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Remove all marks and move all files back</source>
+        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1356,11 +1366,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Stop; what is done so far can be finished, or undone</source>
         <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Take all marks away, and put all files back in their place</source>
-        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1389,8 +1394,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Threshold in bits that best separates the entropies into two groups (Otsu's method): the dotted line</source>
-        <translation>Umbral en bits que mejor separa las entropías en dos grupos, por el método de Otsu: la línea de puntos</translation>
+        <source>Threshold in bits that best separates the entropies into two groups (Otsu's method): the dotted line. Check it on the images: of a dataset without low-detail images it rejects good ones.</source>
+        <translation>Umbral en bits que mejor separa las entropías en dos grupos (método de Otsu): la línea de puntos. Conviene comprobarlo en las imágenes: en un conjunto sin imágenes de poco detalle rechaza imágenes buenas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1405,8 +1410,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <location filename="../../terrainav_plugin/processing/windows.py"/>
-        <source>{count} images could not be made.</source>
-        <translation>{count} imágenes no se pudieron hacer.</translation>
+        <source>{count} images could not be captured.</source>
+        <translation>No se pudieron capturar {count} imágenes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1735,6 +1740,93 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>automatic</source>
+        <translation>automática</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>ground at {height}</source>
+        <translation>terreno a {height}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>level ground</source>
+        <translation>terreno llano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>no overlap</source>
+        <translation>sin solape</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>none yet</source>
+        <translation>aún ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>off</source>
+        <translation>sin viento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>overlap {share} %</source>
+        <translation>solape {share} %</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>roll {angle}</source>
+        <translation>alabeo {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>straight down</source>
+        <translation>en vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>tilt {angle}</source>
+        <translation>inclinación {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>yaw {angle}</source>
+        <translation>guiñada {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>zoom {zoom}</source>
+        <translation>zoom {zoom}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>{budget} px</source>
+        <translation>{budget} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>{length} mm</source>
+        <translation>{length} mm</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>{speed} m/s from {angle}</source>
+        <translation>{speed} m/s desde {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{width} × {height} px</source>
+        <translation>{width} × {height} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>GSD: must be above 0</source>
+        <translation>GSD: debe ser mayor que 0</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
@@ -1743,11 +1835,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>eastern edge</source>
         <translation>borde oriental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>ground per px: must be above 0</source>
-        <translation>terreno por px: debe ser mayor que 0</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -1805,8 +1892,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
-        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
-        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
+        <source>“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
+        <translation>“Número máximo de imágenes” del algoritmo “Planificar una misión”, o max_images en el archivo de la misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
@@ -1928,8 +2015,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Reject images with too little to see from the panel's mission</source>
-        <translation>De la misión del panel: imágenes con demasiado poco que ver</translation>
+        <source>Reject low-detail images of the panel's mission</source>
+        <translation>Rechazar las imágenes con poco detalle de la misión del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -2028,6 +2115,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Actual focal length of the lens in millimetres, not its full-frame equivalent</source>
+        <translation>Distancia focal real del objetivo en milímetros, no la equivalente en formato completo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Aspect ra&amp;tio</source>
         <translation>Relación de as&amp;pecto</translation>
     </message>
@@ -2041,6 +2133,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Camera</source>
         <translation>Cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <location filename="../../terrainav_plugin/panel/presets.py"/>
+        <source>Custom</source>
+        <translation>Personalizado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2059,8 +2157,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Field of view across the image's width or height, as chosen beside, in degrees</source>
-        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido al lado, en grados</translation>
+        <source>Field of view across the image's width or height, as selected, in degrees</source>
+        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido, en grados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2074,11 +2172,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Focal length of the lens in millimetres: the real one, not that for full frame</source>
-        <translation>Distancia focal del objetivo en milímetros: la real, no la equivalente en formato completo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Height of the sensor in millimetres</source>
         <translation>Altura del sensor en milímetros</translation>
     </message>
@@ -2089,23 +2182,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. Choosing another way converts the values.</source>
-        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
+        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. A change converts the values.</source>
+        <translation>Cómo introducir el campo de visión: en grados en la diagonal, la anchura o la altura de la imagen, o como distancia focal y sensor en mm. Un cambio convierte los valores.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Image width to height, without unit: 4:3, 4000x3000 or 1.333</source>
-        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Name of the camera with the values entered:</source>
-        <translation>Nombre de la cámara con los valores introducidos:</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Own values</source>
-        <translation>Valores propios</translation>
+        <source>Name of the camera:</source>
+        <translation>Nombre de la cámara:</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2119,8 +2202,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Save the values entered as a camera of your own, or remove one</source>
-        <translation>Guardar los valores introducidos como cámara propia, o eliminar una</translation>
+        <source>Save these values as your own camera, or remove one</source>
+        <translation>Guardar estos valores como cámara propia, o eliminar una</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2149,8 +2232,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>The values entered are not a valid camera: correct the marked entries, then save.</source>
-        <translation>Los valores introducidos no forman una cámara: corregir lo marcado y guardar después.</translation>
+        <source>These values are not a valid camera: fix the highlighted fields, then save.</source>
+        <translation>Estos valores no forman una cámara válida: corregir los campos resaltados y guardar después.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2164,13 +2247,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Width to height of the image, such as 4:3, 4000x3000 or 1.333</source>
+        <translation>Anchura entre altura de la imagen, como 4:3, 4000x3000 o 1.333</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>{name}: {degrees}° across the diagonal</source>
         <translation>{name}: {degrees}° en diagonal</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source> (full detail to zoom {native})</source>
-        <translation> (detalle propio hasta {native})</translation>
+        <source> (native up to zoom {native})</source>
+        <translation> (nativo hasta el zoom {native})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2179,8 +2267,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Computed on this computer, for any place; no limits.</source>
-        <translation>Calculado en este equipo, para cualquier lugar; sin límites.</translation>
+        <source>Computed on this computer for any place, without limits.</source>
+        <translation>Calculado en este equipo para cualquier lugar, sin límites.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Its terms are unknown: check them yourself.</source>
+        <translation>Se desconocen sus condiciones: compruébelas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2199,18 +2292,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>QGIS draws it as on the map, and reads it from the layer's own data source.</source>
-        <translation>Dibujado por QGIS como lo muestra el mapa, y leído de donde están los datos de la capa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>TerrAInav does not know its terms: check them yourself.</source>
-        <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>any number of requests</source>
-        <translation>cualquier número de peticiones</translation>
+        <source>QGIS draws it as on the map, from the layer's own data source.</source>
+        <translation>QGIS la dibuja como en el mapa, a partir de la fuente de datos de la capa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2219,23 +2302,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>kept in the cache</source>
-        <translation>se guarda en la caché</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>more than {count} requests after agreeing to the terms</source>
-        <translation>más de {count} peticiones tras aceptar las condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>not kept in the cache</source>
-        <translation>no se guarda en la caché</translation>
+        <source>over {count} requests require accepting the terms</source>
+        <translation>más de {count} peticiones exigen aceptar las condiciones</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
         <source>terms</source>
         <translation>condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>tiles are cached</source>
+        <translation>las teselas se guardan en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>tiles are not cached</source>
+        <translation>las teselas no se guardan en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>unlimited requests</source>
+        <translation>peticiones sin límite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2264,8 +2352,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Capture all images; resumes where an earlier run stopped</source>
+        <translation>Capturar todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Click a point on the map and capture one image there</source>
         <translation>Pulsar un punto del mapa y capturar allí una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Drag to give the entries or the estimates more room; double-click to reset</source>
+        <translation>Arrastrar para dar más espacio a los campos o a la estimación; doble clic para restablecer</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -2286,13 +2384,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>Missions of this project, mission files and datasets: open, save, begin</source>
-        <translation>Misiones de este proyecto, archivos de misión y conjuntos de datos: abrir, guardar, empezar</translation>
+        <source>No area yet.</source>
+        <translation>Aún no hay área.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>No area yet.</source>
-        <translation>Aún no hay área.</translation>
+        <source>Open, save and start missions: of this project, from files or from datasets</source>
+        <translation>Abrir, guardar y empezar misiones: de este proyecto, de archivos o de conjuntos de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -2308,11 +2406,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>TerrAInav mission</source>
         <translation>Misión de TerrAInav</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>Write all images; goes on where an earlier run was stopped</source>
-        <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
@@ -2376,18 +2469,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Allow enlarged pixels</source>
-        <translation>Permitir píxeles ampliados</translation>
+        <source>About {duration}</source>
+        <translation>Unos {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>About {size} in {count} tiles</source>
+        <translation>Unos {size} en {count} teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Allow upsampling</source>
+        <translation>Permitir sobremuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>At least {shares}</source>
+        <translation>Al menos {shares}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Condition number</source>
         <translation>Número de condición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Correct the entries marked above.</source>
-        <translation>Corregir lo marcado arriba.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2411,6 +2514,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Fix the highlighted fields.</source>
+        <translation>Corregir los campos resaltados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight</source>
         <translation>Vuelo</translation>
@@ -2418,8 +2526,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground per px</source>
-        <translation>Terreno por px</translation>
+        <source>GSD</source>
+        <translation>GSD</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>GSD {finest} at the highest point, {coarsest} at the lowest</source>
+        <translation>GSD de {finest} en lo más alto y de {coarsest} en lo más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Ground from {lowest} to {highest}, clearance at least {clearance}</source>
+        <translation>Terreno de {lowest} a {highest}, con {clearance} libres como mínimo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2444,13 +2562,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Measuring…</source>
+        <translation>Midiendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Methods</source>
         <translation>Métodos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>No download ({count} local tiles)</source>
+        <translation>Sin descarga ({count} teselas locales)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>No {what}</source>
         <translation>Sin {what}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Nothing</source>
+        <translation>Nada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2471,13 +2604,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Requested {requested}, delivered {delivered}</source>
+        <translation>Pedido {requested}, entregado {delivered}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Terrain</source>
         <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>The source has no finer pixels of its own here.</source>
-        <translation>La fuente no tiene aquí píxeles propios más finos.</translation>
+        <source>The source covers {share} of the area</source>
+        <translation>La fuente cubre el {share} del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>The source has no finer detail here.</source>
+        <translation>La fuente no tiene aquí más detalle.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2487,29 +2630,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Time</source>
         <translation>Tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>about {duration}</source>
-        <translation>unos {duration}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>about {size} in {count} tiles</source>
-        <translation>unos {size} en {count} teselas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>at least {shares}</source>
-        <translation>al menos {shares}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>being timed…</source>
-        <translation>midiendo…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2518,47 +2640,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>ground from {lowest} to {highest}, {clearance} clear at least</source>
-        <translation>terreno de {lowest} a {highest}, al menos {clearance} libres</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>nothing</source>
-        <translation>nada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>nothing ({count} tiles from this computer)</source>
-        <translation>nada ({count} teselas de este equipo)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>nothing ({count} tiles read from the file)</source>
-        <translation>nada ({count} teselas leídas del archivo)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>requested {requested}, delivered {delivered}</source>
-        <translation>pedido {requested}, entregado {delivered}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>side {share}</source>
         <translation>transversal {share}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>the source has imagery of {share} of the area</source>
-        <translation>la fuente tiene imágenes del {share} del área</translation>
+        <source>the source has {source}: images show no finer detail</source>
+        <translation>la fuente tiene {source}: las imágenes no muestran más detalle</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>the source's own pixels are {source}: images show no finer detail</source>
-        <translation>los píxeles propios de la fuente son de {source}: la imagen no tiene más detalle</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>without limit at the horizon</source>
+        <source>unlimited at the horizon</source>
         <translation>sin límite en el horizonte</translation>
     </message>
     <message>
@@ -2568,13 +2660,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
-        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
+        <source>{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another source</source>
+        <translation>{count} peticiones, pero el proveedor permite {most}: elegir un área menor, una GSD mayor u otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms</source>
-        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
+        <source>{count} requests. Over {most} requests require accepting the terms: Capture asks you to.</source>
+        <translation>{count} peticiones. Más de {most} peticiones exigen aceptar las condiciones: Capturar lo pregunta.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2588,11 +2680,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{finest} per px at the highest, {coarsest} at the lowest</source>
-        <translation>{finest} por px en lo más alto, {coarsest} en lo más bajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{images} in {rows} rows</source>
         <translation>{images} en {rows} pasadas</translation>
     </message>
@@ -2603,7 +2690,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{share} % of {area}; {uncovered} left out</source>
+        <source>{share} % of {area}; {uncovered} not covered</source>
         <translation>{share} % de {area}; {uncovered} sin cubrir</translation>
     </message>
     <message>
@@ -2635,6 +2722,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>≤ {bound} px of a budget of {budget} px</source>
         <translation>≤ {bound} px de {budget} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/headings.py"/>
+        <source>{title}: {values}</source>
+        <translation>{title}: {values}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -2917,6 +3009,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Size</source>
         <translation>Tamaño</translation>
@@ -3013,9 +3106,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>sin medir mientras hay una captura en curso</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/presets.py"/>
+        <source>Fills in suitable values for a purpose; you can change each of them</source>
+        <translation>Rellena valores adecuados para un fin; todos se pueden cambiar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/presets.py"/>
+        <source>Preset</source>
+        <translation>Ajuste</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Cancel; images that are finished are kept</source>
-        <translation>Cancelar; las imágenes terminadas se conservan</translation>
+        <source>Cancel (finished images are kept)</source>
+        <translation>Cancelar (las imágenes terminadas se conservan)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -3024,8 +3127,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Clean this dataset of images with too little to see</source>
-        <translation>Limpiar este conjunto de datos de imágenes con demasiado poco que ver</translation>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Captures</source>
+        <translation>Capturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Clear finished</source>
+        <translation>Quitar terminadas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -3034,8 +3143,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Pause: hold this capture in its place</source>
-        <translation>Pausa: dejar esta captura donde está</translation>
+        <source>Pause this capture</source>
+        <translation>Pausar esta captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Reject low-detail images</source>
+        <translation>Rechazar imágenes con poco detalle</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Remove finished captures from the list (files are kept)</source>
+        <translation>Quitar de la lista las capturas terminadas (los archivos se conservan)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Remove from list (files are kept)</source>
+        <translation>Quitar de la lista (los archivos se conservan)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -3044,18 +3168,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Take this capture off the list; its images stay</source>
-        <translation>Quitar esta captura de la lista; sus imágenes se quedan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Zoom the map to this mission</source>
         <translation>Hacer zoom a esta misión en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>&amp;Ground per px</source>
-        <translation>&amp;Terreno por px</translation>
+        <source>&amp;GSD</source>
+        <translation>&amp;GSD</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3074,6 +3193,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Automatic</source>
         <translation>Automático</translation>
     </message>
@@ -3089,18 +3209,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Folder for the images; its last part names the mission on the map</source>
-        <translation>Carpeta para las imágenes; su última parte da nombre a la misión en el mapa</translation>
+        <source>Folder for the images; the mission takes its name on the map</source>
+        <translation>Carpeta para las imágenes; la misión toma su nombre en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Grey</source>
-        <translation>Grises</translation>
+        <source>Greyscale</source>
+        <translation>Escala de grises</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground sample distance of the camera, straight down, in cm per px (inches with feet). Height and ground sample distance depend on each other; the one typed last stays. The estimates show the ground sample distance of the source.</source>
-        <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
+        <source>Ground sample distance (GSD) of the camera, straight down, in cm per px (inches with feet). Height and GSD depend on each other; the one entered last is kept. The estimates show the GSD of the source.</source>
+        <translation>Distancia de muestreo del terreno (GSD) de la cámara, mirando en vertical, en cm por px (pulgadas si se usan pies). La altura y la GSD dependen una de otra; se conserva la última introducida. La estimación muestra la GSD de la fuente.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3109,8 +3229,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height above the ground (AGL), in metres or feet as chosen beside</source>
-        <translation>Altura sobre el terreno (AGL), en metros o pies según lo elegido al lado</translation>
+        <source>Height above ground (AGL), in the unit selected beside it</source>
+        <translation>Altura sobre el terreno (AGL), en la unidad elegida al lado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3119,8 +3239,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Metres or international feet: for the height, and for the lengths and areas of the estimates</source>
-        <translation>Metros o pies internacionales: para la altura, y para las longitudes y superficies de la estimación</translation>
+        <source>Metres or international feet, for this height and for lengths and areas in the estimates</source>
+        <translation>Metros o pies internacionales, para esta altura y para longitudes y áreas de la estimación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3145,13 +3265,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Source's pixels</source>
-        <translation>Píxeles de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>To</source>
-        <translation>A</translation>
+        <source>Source resolution</source>
+        <translation>Resolución de la fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3165,13 +3280,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Image's longer side” of the camera.</source>
-        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor de la imagen» de la cámara.</translation>
+        <source>With {px} px along the image's longer side, this means flying {height} above ground. To fly higher, increase “Image's longer side” under Camera.</source>
+        <translation>Con {px} px en el lado mayor de la imagen, esto significa volar a {height} sobre el terreno. Para volar más alto, aumentar “Lado mayor de la imagen” en Cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Write one channel of grey values instead of three of colours (without unit)</source>
-        <translation>Escribir un canal de valores de gris en lugar de tres de color (sin unidad)</translation>
+        <source>Write one grey channel instead of three colour channels</source>
+        <translation>Escribir un canal de gris en lugar de tres de color</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3181,23 +3296,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which follows from the height and the image's longer side.</source>
-        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
+        <source>Zoom of the source. Automatic: the zoom whose GSD is closest to the camera's, which follows from the height and the image's longer side.</source>
+        <translation>Zoom de la fuente. Automático: el zoom cuya GSD más se acerca a la de la cámara, que resulta de la altura y del lado mayor de la imagen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom {native} has the source's own pixels, which show {size} of the ground each; those of each zoom below, down to {least}, show twice as much.</source>
-        <translation>El zoom {native} tiene los píxeles propios de la fuente, que muestran {size} de terreno cada uno; los de cada zoom inferior, hasta el {least}, muestran el doble.</translation>
+        <source>Zoom {native} is the source's native resolution, with a GSD of {size}. Each zoom below it, down to {least}, doubles the GSD.</source>
+        <translation>El zoom {native} es la resolución nativa de la fuente, con una GSD de {size}. Cada zoom inferior, hasta {least}, duplica la GSD.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>all, or those of colours</source>
+        <source>all, or the colour bands</source>
         <translation>todas, o las de color</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>as the elevation</source>
-        <translation>como la elevación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3211,11 +3321,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>forget</source>
-        <translation>olvidar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>front</source>
         <translation>longitudinal</translation>
     </message>
@@ -3226,8 +3331,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>level ground</source>
-        <translation>terreno llano</translation>
+        <source>reset</source>
+        <translation>restablecer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>same as the elevation</source>
+        <translation>la misma que la elevación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3246,6 +3356,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>&amp;Find layers</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>&amp;Test</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>256 px</source>
         <translation>256 px</translation>
     </message>
@@ -3256,13 +3376,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>API key for {key} in the address; kept in QGIS's authentication database</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Address of the provider's terms of use</source>
         <translation>Dirección de las condiciones de uso del proveedor</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
-        <source>Address of the tiles with {z}, {x} and {y} or {-y}; {key} stands for an API key</source>
-        <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; {key} representa una clave API</translation>
+        <source>Address of the tiles with {z}, {x} and {y} or {-y}, or of a WMTS, WMS, ArcGIS REST service or OGC API; {key} stands for an API key</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Ask the service what it is, and which layers it offers</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3287,6 +3417,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Coordinate reference system of the images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Credit that goes into every image's metadata</source>
         <translation>Crédito que figura en los metadatos de cada imagen</translation>
     </message>
@@ -3302,6 +3437,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Fetch one tile and show it</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Fetching a tile of {name}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Highest zoom</source>
         <translation>Zoom máximo</translation>
     </message>
@@ -3309,6 +3454,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Highest zoom with detail of its own, 0 to 30</source>
         <translation>Zoom máximo con detalle propio, de 0 a 30</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Key</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Layer</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3344,6 +3499,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Part of a layer's title or name</source>
         <translation>Parte del título o nombre de una capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Reference system</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3394,6 +3554,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>Tile {tile}: {width} x {height} px, {format}, {kilobytes} kB, in {seconds} s. Zoom {least} to {most}. Attribution: {attribution}.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Tiles may be kept in the cache</source>
         <translation>Las teselas se pueden guardar en la caché</translation>
     </message>
@@ -3414,8 +3579,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>address</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>must be lower-case letters, digits, hyphens and underscores, at most 64</source>
         <translation>debe constar de minúsculas, cifras, guiones y guiones bajos, 64 como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>none stated</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3424,8 +3599,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>unknown format</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>{count} layers</source>
         <translation>{count} capas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} layers: choose one</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
+        <source>{count} more</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -3451,6 +3641,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>TerrAInav: remove source</source>
         <translation>TerrAInav: eliminar fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/start.py"/>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>not set</source>
+        <translation>sin definir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/start.py"/>
+        <source>{time} {zone}, local time of this computer</source>
+        <translation>{time} {zone}, hora local de este equipo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/planner.py"/>
@@ -3767,8 +3968,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Images that could not be made</source>
-        <translation>Imágenes que no se pudieron hacer</translation>
+        <source>Images that could not be captured</source>
+        <translation>Imágenes que no se pudieron capturar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4113,8 +4314,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Images that were there</source>
-        <translation>Imágenes que ya estaban</translation>
+        <source>Images that already existed</source>
+        <translation>Imágenes que ya existían</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4143,8 +4344,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Only those that an earlier capture could not make.</source>
-        <translation>Solo las que una captura anterior no pudo hacer.</translation>
+        <source>Only those that failed in an earlier capture.</source>
+        <translation>Solo las que fallaron en una captura anterior.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4188,8 +4389,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>{written} images written, {skipped} were there, {failed} failed, in {seconds} s.</source>
-        <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds} s.</translation>
+        <source>{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.</source>
+        <translation>{written} imágenes escritas, {skipped} ya existían, {failed} fallaron, en {seconds} s.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/choices.py"/>
+        <source>{title} {value!r}: must be one of {choices}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Action</source>
+        <translation>Acción</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Block size (m)</source>
+        <translation>Tamaño de los bloques (m)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4243,11 +4459,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>How to split</source>
-        <translation>Cómo dividir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Images below it are rejected; 0 to 8.</source>
         <translation>Las imágenes por debajo se rechazan; 0 a 8.</translation>
     </message>
@@ -4268,13 +4479,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Least entropy (bits)</source>
-        <translation>Entropía mínima (bits)</translation>
+        <source>Mark rejected images in the table, move them as well, or put all back.</source>
+        <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Mark rejected images in the table, move them as well, or put all back.</source>
-        <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
+        <source>Minimum entropy (bits)</source>
+        <translation>Entropía mínima (bits)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4298,8 +4509,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Rejects images with too little to see; deletes nothing.</source>
-        <translation>Rechaza imágenes en las que hay demasiado poco que ver; no borra nada.</translation>
+        <source>Rejects low-detail images; deletes nothing.</source>
+        <translation>Rechaza las imágenes con poco detalle; no borra nada.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4323,13 +4534,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Side of the blocks (m)</source>
-        <translation>Lado de los bloques (m)</translation>
+        <source>Split a dataset</source>
+        <translation>Dividir un conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Split a dataset</source>
-        <translation>Dividir un conjunto de datos</translation>
+        <source>Splitting method</source>
+        <translation>Método de división</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4380,11 +4591,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Validation images</source>
         <translation>Imágenes de validación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>What to do</source>
-        <translation>Qué hacer</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4558,33 +4764,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of gimbal pitches</source>
-        <translation>Campo de los cabeceos del gimbal</translation>
+        <source>By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no network.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of heights</source>
-        <translation>Campo de las alturas</translation>
+        <source>Capture time field</source>
+        <translation>Campo de hora de captura</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of rolls</source>
-        <translation>Campo de los alabeos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of tilts</source>
-        <translation>Campo de las inclinaciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of times</source>
-        <translation>Campo de las horas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of yaws</source>
-        <translation>Campo de las guiñadas</translation>
+        <source>Gimbal pitch field</source>
+        <translation>Campo de cabeceo del cardán</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4593,8 +4784,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Height field</source>
+        <translation>Campo de altura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4613,6 +4814,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Roll field</source>
+        <translation>Campo de alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Roll of each point, degrees, right side down.</source>
         <translation>Alabeo de cada punto, en grados, positivo con el lado derecho hacia abajo.</translation>
     </message>
@@ -4628,6 +4834,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Tilt field</source>
+        <translation>Campo de inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Tilt of each point, degrees: 0 looks straight down.</source>
         <translation>Inclinación de cada punto, en grados: 0 mira en vertical hacia abajo.</translation>
     </message>
@@ -4638,13 +4849,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Used instead of the source above: one of your own sources by name, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
-        <translation>En lugar de la anterior: un nombre de fuente propia, una plantilla de URL con {z}, {x}, {y}, wmts:URL#layer=NOMBRE, wms:URL#layers=NOMBRE, un archivo ráster o MBTiles, o qgis:project para el mapa del proyecto.</translation>
+        <source>Used instead of the source above: one of your own sources by name or title, a URL template with {z}, {x}, {y}, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL#collection=NAME, a raster or MBTiles file, or qgis:project for the project's map.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Where no camera is chosen; such as 4:3, 16:9 or 1.5.</source>
         <translation>Donde no se elige ninguna cámara; como 4:3, 16:9 o 1.5.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Yaw field</source>
+        <translation>Campo de guiñada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -4668,11 +4884,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>world is the embedded synthetic one, which needs no network.</source>
-        <translation>world es la fuente sintética incorporada, que no necesita red.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>{count} areas given: needs one of extent, polygons or points, and coordinates</source>
         <translation>hay {count} áreas dadas: se necesita una sola de entre extensión, polígonos o puntos, y coordenadas</translation>
     </message>
@@ -4690,11 +4901,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Bound of the error (px)</source>
         <translation>Cota del error (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Captures</source>
-        <translation>Capturas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4753,13 +4959,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Least overlap across rows (share)</source>
-        <translation>Solape transversal mínimo (fracción)</translation>
+        <source>Minimum overlap across rows (share)</source>
+        <translation>Solape mínimo entre pasadas (proporción)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Least overlap along rows (share)</source>
-        <translation>Solape longitudinal mínimo (fracción)</translation>
+        <source>Minimum overlap along rows (share)</source>
+        <translation>Solape mínimo a lo largo de las pasadas (proporción)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -4958,6 +5164,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Capture time</source>
+        <translation>Hora de captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <location filename="../../terrainav_plugin/results/viewing.py"/>
         <source>Click a captured footprint on the map.</source>
         <translation>Pulsar una huella capturada en el mapa.</translation>
@@ -5009,28 +5220,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Image after this one in the flight</source>
-        <translation>Imagen siguiente en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Image before this one in the flight</source>
-        <translation>Imagen anterior en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Imagery date</source>
         <translation>Fecha de las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Images that show the place of the click</source>
+        <source>Images that show the clicked place</source>
         <translation>Imágenes que muestran el lugar pulsado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Kind of map that is shown</source>
-        <translation>Clase de mapa que se muestra</translation>
+        <source>Map type shown</source>
+        <translation>Tipo de mapa mostrado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5044,6 +5245,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Next image of the flight</source>
+        <translation>Imagen siguiente del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>No ground here</source>
         <translation>Aquí no hay suelo</translation>
     </message>
@@ -5054,8 +5260,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Open the image in the program for such files</source>
-        <translation>Abrir la imagen con el programa para tales archivos</translation>
+        <source>Open the image in its default program</source>
+        <translation>Abrir la imagen con su programa predeterminado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5066,6 +5272,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Prev&amp;ious</source>
         <translation>A&amp;nterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Previous image of the flight</source>
+        <translation>Imagen anterior del vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5144,11 +5355,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>{width} × {height} px</source>
-        <translation>{width} × {height} px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{}°, {}°, {}°</source>
         <translation>{}°, {}°, {}°</translation>
     </message>
@@ -5194,8 +5400,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
-        <source>show the imagery chosen below and draw a box</source>
-        <translation>mostrar las imágenes elegidas abajo y dibujar un recuadro</translation>
+        <source>show the selected imagery and draw a box</source>
+        <translation>mostrar las imágenes seleccionadas y dibujar un recuadro</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
@@ -5206,16 +5412,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>Sources that allow it: {names}.</source>
         <translation>Fuentes que lo permiten: {names}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/sources.py"/>
-        <source>agreeing to its terms</source>
-        <translation>aceptar sus condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/sources.py"/>
-        <source>breaking its terms</source>
-        <translation>infringir sus condiciones</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -5244,8 +5440,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
-        <source>{title}: {requests} requests; more than {most} are not possible without {without}.</source>
-        <translation>{title}: {requests} peticiones, y como máximo {most} pasan sin {without}.</translation>
+        <source>{title}: {requests} requests, but its terms allow {most}.</source>
+        <translation>{title}: {requests} peticiones, pero sus condiciones permiten {most}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title}: {requests} requests. Over {most} requests require accepting the terms.</source>
+        <translation>{title}: {requests} peticiones. Más de {most} peticiones exigen aceptar las condiciones.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/tasks.py"/>
@@ -5276,11 +5477,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/units.py"/>
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/widgets.py"/>
-        <source>not set</source>
-        <translation>sin definir</translation>
     </message>
 </context>
 <context>
@@ -6822,8 +7018,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
-        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, wmts:URL and wms:URL work as well</source>
-        <translation>fuente {0!r} desconocida: {1}`terrainav sources` enumera los nombres; también valen un archivo, una plantilla de URL con {{z}}, {{x}}, {{y}}, wmts:URL y wms:URL</translation>
+        <source>source {0!r} is unknown: {1}`terrainav sources` lists the names; a file, a URL template with {{z}}, {{x}}, {{y}}, and wmts:URL, wms:URL, arcgis:URL and ogcapi:URL work as well</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -6834,6 +7030,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue.py"/>
         <source>source {0!r}: is part of the catalogue, which stays as it is</source>
         <translation>fuente {0!r}: es parte del catálogo, que se queda como está</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <source>source {0!r}: several have this title; name one of {1}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -7321,7 +7522,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
-        <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/services/service.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
     </message>
@@ -7357,11 +7558,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>any number of requests</source>
-        <translation>cualquier número de peticiones</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/policy.py"/>
         <source>at most {0:,} requests, whatever you agree to</source>
         <translation>{0:,} peticiones como máximo, se acepte lo que se acepte</translation>
     </message>
@@ -7382,13 +7578,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>more than {0:,} requests after agreeing to the terms{1}</source>
-        <translation>más de {0:,} peticiones tras aceptar las condiciones{1}</translation>
+        <source>nothing may be cached</source>
+        <translation>no se puede guardar nada en caché</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>nothing may be cached</source>
-        <translation>no se puede guardar nada en caché</translation>
+        <source>over {0:,} requests require accepting the terms{1}</source>
+        <translation>más de {0:,} peticiones exigen aceptar las condiciones{1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -7399,6 +7595,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/policy.py"/>
         <source>take another source</source>
         <translation>tomar otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>unlimited requests</source>
+        <translation>peticiones sin límite</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -7517,6 +7718,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/reading.py"/>
+        <location filename="../../core/imagery/services/arcgis.py"/>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <location filename="../../terrainav_plugin/qgis_source/renderer.py"/>
         <source>no reason given</source>
@@ -7721,6 +7923,32 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>description</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>every projected system of EPSG</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>it neither has tiles in this system nor draws: it offers {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>neither a map service nor an image service, nor a list of them</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/arcgis.py"/>
+        <source>refused ({0})</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>address of a {0}</source>
         <translation>dirección de un servicio {0}</translation>
@@ -7802,6 +8030,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>address</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>{0}: no service known here answers{1}; needs a WMTS, WMS, ArcGIS REST service or OGC API, or a URL template</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>JSON that cannot be read: {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>JSON that is no description of a service</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>a description of more than {0} MB</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/json_service.py"/>
+        <source>no description in JSON at this address{0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/services/matrices.py"/>
         <location filename="../../core/imagery/services/ogc.py"/>
         <source>layer {0!r} of {1}</source>
@@ -7826,6 +8084,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/ogc.py"/>
         <source>styles {0!r}: must be one for each of {1} layers</source>
         <translation>estilos {0!r}: debe ser uno para cada una de {1} capas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>a tile matrix set without matrices that can be used</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>a tileset without a link to its tiles</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>address in a description of {0}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>description of tiles</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>links to descriptions and no tiles, {0} deep</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>offers no tiles of images: a description of no links to tilesets-map</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>offers tiles of data, and none of images</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>tile matrix set</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/services/ogcapi.py"/>
+        <source>tiles of {0}, which it does not describe</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/safe_xml.py"/>
@@ -8056,6 +8359,48 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/xyz.py"/>
         <source>{0}: needs an API key, and none is set</source>
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>alignment: stopped</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>points have no rows that could be aligned</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1} rows, {2:.3g} km, as before</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1} rows, {2:.3g} km, as long as {3:g}°</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1} rows, {2:.3g} km, {3} % longer than {4:g}°</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>row azimuth {0:g}°: {1} rows, {2:.3g} km, {3} % shorter than {4:g}°</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>rows to be aligned: the layout {0} is north-up</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -8496,8 +8841,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3:.3g} times, images show nothing more; ask for {4}</source>
-        <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3:.3g} veces, las imágenes no muestran nada más; pedir {4}</translation>
+        <source>requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more detail; ask for {4}</source>
+        <translation>se piden {0}, pero la fuente tiene aquí {1} (zoom {2}): sobremuestreadas {3:.3g} veces, las imágenes no muestran más detalle; pedir {4}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8521,8 +8866,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>the source's own pixels, {0} in {1}, enlarged {2} times</source>
-        <translation>los píxeles propios de la fuente, {0} en {1}, ampliados {2} veces</translation>
+        <source>the source's own pixels, {0} in {1}, upsampled {2} times</source>
+        <translation>los píxeles propios de la fuente, de {0} en {1}, sobremuestreados {2} veces</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -8767,13 +9112,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>ask for that or more, or allow enlarged pixels ({0})</source>
-        <translation>pedir eso o más, o permitir píxeles ampliados ({0})</translation>
+        <source>ask for that or more, or allow upsampling ({0})</source>
+        <translation>pedir ese o más, o permitir el sobremuestreo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>ask for that, or allow enlarged pixels ({0})</source>
-        <translation>pedir ese, o permitir píxeles ampliados ({0})</translation>
+        <source>ask for that, or allow upsampling ({0})</source>
+        <translation>pedir ese, o permitir el sobremuestreo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -8955,12 +9300,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/layout/rotated.py"/>
         <source>{0}: the layout {1} is north-up</source>
         <translation>{0}: la disposición {1} tiene el norte arriba</translation>
     </message>
@@ -8973,6 +9312,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>area reaches latitude {0}: images end at ±{1:.4f} (Web Mercator)</source>
         <translation>el área llega a la latitud {0}: las imágenes terminan en ±{1:.4f} (Web Mercator)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>camera faces {0}: the layout {1} is north-up</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -8998,6 +9342,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>images with under 0.001 px of map in them: the camera looks past the map or the Earth</source>
         <translation>imágenes con menos de 0,001 px de mapa: la cámara mira más allá del mapa o de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>margin {0:g} m: the layout {1} has none</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -9351,8 +9700,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>Map frame (north-up)</source>
-        <translation>Encuadre de mapa (norte arriba)</translation>
+        <source>Map frame (not resampled)</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9446,18 +9795,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>allow enlarged pixels</source>
-        <translation>permitir píxeles ampliados</translation>
+        <source>allow exceeding the error budget</source>
+        <translation>permitir superar el error admisible</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>also take zooms above the source's native one: images get more pixels, and show nothing more</source>
-        <translation>tomar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no muestran nada más</translation>
+        <source>allow upsampling</source>
+        <translation>permitir sobremuestreo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>as the source writes it, where it has imagery of several dates</source>
-        <translation>como la escribe la fuente, donde tiene imágenes de varias fechas</translation>
+        <source>also use zooms above the source's native one: images get more pixels, but no more detail</source>
+        <translation>usar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no más detalle</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9476,8 +9825,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>camera faces</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>camera faces {0!r}: must be {1}, {2} or an azimuth from -360 to 360</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>capture time of the first image, in UTC as 2024-06-21T10:30:00Z; the clock of the simulated flight starts then</source>
+        <translation>hora de captura de la primera imagen, en UTC como 2024-06-21T10:30:00Z; entonces arranca el reloj del vuelo simulado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>clearance distance</source>
+        <translation>alcance de la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9501,8 +9870,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>date of the imagery</source>
-        <translation>fecha de las imágenes</translation>
+        <source>date of the imagery in the source's own format, where it offers several</source>
+        <translation>fecha de las imágenes en el formato de la fuente, si ofrece varias</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9521,11 +9890,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>distance of the clearance</source>
-        <translation>alcance de la distancia de seguridad</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>elevation</source>
         <translation>elevación</translation>
     </message>
@@ -9536,8 +9900,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>fly an area a second time, in rows across the first ones: about twice the images</source>
-        <translation>volar un área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+        <source>fly the area a second time, in rows across the first: about twice as many images</source>
+        <translation>volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>format of the image files, all of which are georeferenced; tif and png are lossless</source>
+        <translation>formato de los archivos de imagen, todos georreferenciados; tif y png no tienen pérdida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>frame</source>
+        <translation>encuadre</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9546,18 +9920,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>go on beyond the budget</source>
-        <translation>seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>ground height</source>
         <translation>altura del terreno</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>ground that a pixel of the source is to show; the zoom nearest to it is taken</source>
-        <translation>terreno que debe mostrar un píxel de la fuente; se toma el zoom más próximo</translation>
+        <source>ground sample distance (GSD) wanted of the source; the closest zoom is used</source>
+        <translation>distancia de muestreo del terreno (GSD) que se pide a la fuente; se usa el zoom más próximo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9591,23 +9960,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>height offset</source>
+        <translation>desplazamiento de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height unit</source>
+        <translation>unidad de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>heights {0!r}: must be a file, terrarium, world or a number</source>
         <translation>alturas {0!r}: debe ser un archivo, terrarium, world o un número</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>holes in heights</source>
-        <translation>huecos en las alturas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how camera frames take their values between the source's pixels; map frames are not resampled</source>
-        <translation>cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how far around a capture everything counts for its clearance</source>
-        <translation>hasta qué distancia de una captura cuenta todo para su distancia de seguridad</translation>
+        <source>how camera frames interpolate between the source's pixels; map frames are not resampled</source>
+        <translation>cómo interpolan los encuadres de cámara entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9666,6 +10035,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>imagery date</source>
+        <translation>fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>imagery {0!r}: must be text, such as 2014=world</source>
         <translation>imágenes {0!r}: debe ser texto, por ejemplo 2014=world</translation>
     </message>
@@ -9676,13 +10050,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>kind of image</source>
-        <translation>clase de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>kinds of imagery, each captured into a folder of its own</source>
-        <translation>clases de imágenes, cada una capturada en una carpeta propia</translation>
+        <source>kinds of imagery, each captured into its own folder</source>
+        <translation>clases de imágenes, cada una capturada en su propia carpeta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9696,8 +10065,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>longest side</source>
-        <translation>lado mayor</translation>
+        <source>limit of every image's longer side, in pixels of 256 px tiles: where an image would exceed it, all take a lower zoom; without it there is no limit, or 640 in the layout paper</source>
+        <translation>límite del lado mayor de cada imagen, en píxeles de teselas de 256 px: si una imagen lo superara, todas toman un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9711,8 +10080,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>map: a window of the source's own pixels, north-up, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
-        <translation>mapa: una ventana de los propios píxeles de la fuente, norte arriba, para cámaras que miran en vertical; cámara: la imagen como la ve la cámara; automático: un encuadre de mapa si su error cabe en el admisible</translation>
+        <source>map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>margin</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>maximum image side</source>
+        <translation>lado máximo de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>maximum number of images</source>
+        <translation>número máximo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>maximum sum of the error bounds of all stages, in pixels of the planned image; the cheapest methods within it are used</source>
+        <translation>suma máxima de las cotas de error de todas las etapas, en píxeles de la imagen planificada; se usan los métodos más económicos que caben en ella</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9721,28 +10110,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>missions of more images are refused</source>
-        <translation>las misiones de más imágenes se rechazan</translation>
+        <source>missing heights</source>
+        <translation>alturas que faltan</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>most images</source>
-        <translation>máximo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>most that the errors of all stages may sum to, by their bounds, in pixels of the planned image; the cheapest methods that fit are taken</source>
-        <translation>máximo que pueden sumar los errores de todas las etapas, según sus cotas, en píxeles de la imagen planificada; se toman los métodos más económicos que caben</translation>
+        <source>missions with more images are refused</source>
+        <translation>las misiones con más imágenes se rechazan</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>name it as the elevation{0}</source>
         <translation>indíquela como elevación{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower zoom is taken for all; without it there is no limit, or 640 in the layout paper</source>
-        <translation>ninguna imagen tendrá un lado mayor de tantos píxeles de teselas de 256 px de la fuente: si alguna lo tuviera, se toma para todas un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9753,11 +10132,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>of a raster file, by name or by number from 1, in the order they are written in: 4 1 2 is infrared, red and green where those are so numbered; without it GeoTIFF has all of them, and JPEG and PNG those of colours</source>
         <translation>de un archivo ráster, por nombre o por número desde 1, en el orden en que se escriben: 4 1 2 es infrarrojo, rojo y verde donde tienen esos números; sin ello GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>of the image files, all of which state their coordinate reference system: tif and png are lossless</source>
-        <translation>de los archivos de imagen, que indican todos su sistema de referencia de coordenadas: tif y png no tienen pérdida</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9776,23 +10150,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>offset of heights</source>
-        <translation>desplazamiento de alturas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>order of rows</source>
         <translation>orden de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>over relief, least height above everything within the clearance's distance</source>
-        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
+        <source>over relief, maximum rate of climb and descent: the flight is higher where the ground is steeper</source>
+        <translation>sobre relieve, velocidad máxima de ascenso y descenso: el vuelo va más alto donde el terreno es más empinado</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>over relief, no faster does the flight climb or sink: it flies higher where the ground is steeper</source>
-        <translation>sobre relieve, el vuelo no sube ni baja más rápido: vuela más alto donde el terreno es más empinado</translation>
+        <source>over relief, minimum height above everything within the clearance distance</source>
+        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9801,8 +10170,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's; a camera by name brings its own</source>
-        <translation>píxeles en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara; una cámara con nombre trae los suyos</translation>
+        <source>pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named camera has its own</source>
+        <translation>píxeles en el lado mayor de la imagen de la cámara; se usa el zoom más próximo a su GSD; una cámara con nombre tiene los suyos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9813,6 +10182,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>products {0}: each may be named once</source>
         <translation>productos {0}: cada uno puede nombrarse una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>radius around each capture within which the clearance is kept</source>
+        <translation>radio en torno a cada captura en el que se mantiene la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9848,6 +10222,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>side overlap: share of an image that the next row shows again</source>
         <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>so much ground beyond an area is covered as well, on all sides; points have none</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9901,24 +10280,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>take the most accurate methods where none fit the error budget, instead of refusing</source>
-        <translation>tomar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <location filename="../../core/poses/settings.py"/>
         <source>tilt</source>
         <translation>inclinación</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
-        <translation>hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>unit of heights</source>
-        <translation>unidad de las alturas</translation>
+        <source>use the most accurate methods where none stay within the error budget, instead of refusing the mission</source>
+        <translation>usar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9947,8 +10316,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>where the imagery comes from: a name (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, or a file (GeoTIFF, VRT, MBTiles, …)</source>
-        <translation>de dónde vienen las imágenes: un nombre (véase terrainav sources), una plantilla de URL, wmts:URL#layer=NAME, wms:URL#layers=NAME o un archivo (GeoTIFF, VRT, MBTiles, …)</translation>
+        <source>where the imagery comes from: a name or title (see terrainav sources), a URL template, wmts:URL#layer=NAME, wms:URL#layers=NAME, arcgis:URL, ogcapi:URL, or a file (GeoTIFF, VRT, MBTiles, …)</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>where the top of the images points, from which the yaw counts: north, turned with the rows where these are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9967,8 +10341,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>zoom of the source, instead of the one whose pixels come nearest to the camera's</source>
-        <translation>zoom de la fuente, en lugar de aquel cuyos píxeles se acercan más a los de la cámara</translation>
+        <source>zoom of the source, instead of the one closest to the camera's GSD</source>
+        <translation>zoom de la fuente, en lugar del más próximo a la GSD de la cámara</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10049,6 +10423,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/pose_table.py"/>
         <source>{0}: its column pitch may count from the horizon or from straight down</source>
         <translation>{0}: su columna pitch puede contarse desde el horizonte o desde la vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>For machine learning</source>
+        <translation>Para aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>For mapping</source>
+        <translation>Para cartografía</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>For navigation</source>
+        <translation>Para navegación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>No overlap, square images of {0} × {0} px, lossless PNG; satellite and roadmap where the source has both</source>
+        <translation>Sin solape, imágenes cuadradas de {0} × {0} px, PNG sin pérdida; satélite y callejero si la fuente tiene ambos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Overlap {0:g} %, true perspective as the camera sees it, lossless GeoTIFF with the pose</source>
+        <translation>Solape {0:g} %, perspectiva real como la ve la cámara, GeoTIFF sin pérdida con la pose</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Overlap {0:g}/{1:g} %, camera along the track, JPEG with the pose in EXIF and XMP, which drone photogrammetry software reads</source>
+        <translation>Solape {0:g}/{1:g} %, cámara en el sentido del vuelo, JPEG con la pose en EXIF y XMP, que leen los programas de fotogrametría con drones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>preset {0!r}: must be one of {1}</source>
+        <translation>ajuste {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>

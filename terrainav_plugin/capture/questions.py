@@ -50,7 +50,7 @@ class Questions:
         """Whether there is a folder to write to; says so at the field where there is none."""
         if text.strip():
             return True
-        message = tr("folder is empty: choose where the images go")
+        message = tr("no folder: choose where to save the images")
         self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False
@@ -87,9 +87,9 @@ class Questions:
         if found is None:
             return False
         if found.mission == mission:
-            self._messages.info(tr("{name} is being captured already.").format(name=folder.name))
+            self._messages.info(tr("{name} is already being captured.").format(name=folder.name))
             return True
-        text = tr("{folder} is being captured already; a second mission needs a folder of its own.")
+        text = tr("{folder}: a capture into it is already running; a second mission needs its own folder.")
         self._offer_other(folder, text)
         return True
 

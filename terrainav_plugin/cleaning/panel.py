@@ -126,7 +126,7 @@ class CleanPanel(QgsDockWidget):
         self.bar.setVisible(self._busy)
         self._footprints = footprints
         self.on_map.setToolTip(
-            tr("Cross out the images on the map that would be rejected") if footprints else no_footprints()
+            tr("Mark on the map the images that would be rejected") if footprints else no_footprints()
         )
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
@@ -176,7 +176,7 @@ class CleanPanel(QgsDockWidget):
                 )
             )
         if found.failed:
-            notes.append(tr("{count} images could not be made.").format(count=number_text(found.failed)))
+            notes.append(tr("{count} images could not be captured.").format(count=number_text(found.failed)))
         if found.marked or found.moved:
             notes.append(
                 tr("Cleaned before: {marked} images marked, {moved} files moved away.").format(
@@ -246,8 +246,8 @@ class CleanPanel(QgsDockWidget):
             "suggest",
             tr("S&uggest"),
             tr(
-                "Threshold in bits that best separates the entropies into two groups (Otsu's method): the "
-                "dotted line"
+                "Threshold in bits that best separates the entropies into two groups (Otsu's method): the dotted "
+                "line. Check it on the images: of a dataset without low-detail images it rejects good ones."
             ),
         )
         self.suggest.clicked.connect(lambda _checked: self._suggest())
@@ -258,16 +258,14 @@ class CleanPanel(QgsDockWidget):
     def _make_buttons(self) -> None:
         self.buttons = {
             MARK: push_button(
-                MARK, tr("Mar&k"), tr("Note in the dataset's table which images are rejected, and why")
+                MARK, tr("Mar&k"), tr("Mark the rejected images in the dataset's table, with the reason")
             ),
             MOVE: push_button(
                 MOVE,
                 tr("Move &away"),
                 tr("Mark rejected images, and move their files to a folder “rejected” beside the others"),
             ),
-            UNDO: push_button(
-                UNDO, tr("U&ndo"), tr("Take all marks away, and put all files back in their place")
-            ),
+            UNDO: push_button(UNDO, tr("U&ndo"), tr("Remove all marks and move all files back")),
         }
         for action, button in self.buttons.items():
             button.clicked.connect(lambda _=False, action=action: self.action_wanted.emit(action))

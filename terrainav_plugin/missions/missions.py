@@ -200,7 +200,7 @@ class Missions(QObject):
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
         failed.setEnabled((self._folder() / FAILED_FILE).is_file())
         clean = menu.addAction(tr("&Clean dataset…"), self.clean)
-        clean.setToolTip(tr("Reject images with too little to see from the panel's mission"))
+        clean.setToolTip(tr("Reject low-detail images of the panel's mission"))
         clean.setEnabled((self._folder() / MISSION_FILE).is_file())
 
     # --- opening

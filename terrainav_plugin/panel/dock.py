@@ -60,7 +60,7 @@ class Dock(QgsDockWidget):
         self.hint.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.hint.linkActivated.connect(self.hint_followed)
         self.figures = Figures()
-        self.figures.enlarging_wanted.connect(self.form.allow_enlarged_pixels)
+        self.figures.upsampling_wanted.connect(self.form.allow_upsampling)
         self.estimates, self.problem = self.figures.estimates, self.figures.problem
         self.run_list = RunList()
         self._make_buttons()
@@ -104,11 +104,11 @@ class Dock(QgsDockWidget):
         self.capture = push_button(
             "capture",
             tr("Capture"),
-            tr("Write all images; goes on where an earlier run was stopped"),
+            tr("Capture all images; resumes where an earlier run stopped"),
             icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
-        tip = tr("Missions of this project, mission files and datasets: open, save, begin")
+        tip = tr("Open, save and start missions: of this project, from files or from datasets")
         of_qgis = QgsApplication.getThemeIcon
         self.missions = tool_button("missions", of_qgis("/mActionFileOpen.svg"), tip, tr("Missions"))
         self.missions.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)

@@ -145,7 +145,7 @@ class DockForm(QWidget):
             with QSignalBlocker(self.key):
                 self.key.setConfigId(authcfg)
 
-    def allow_enlarged_pixels(self) -> None:
+    def allow_upsampling(self) -> None:
         """Tick what lets pictures have finer pixels than the source, and show where."""
         self.pixels.setCollapsed(False)
         self.pixels.upsample.setChecked(True)

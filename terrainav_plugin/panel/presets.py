@@ -33,7 +33,7 @@ class PresetChooser(QWidget):
         super().__init__()
         self.preset: Preset | None = None
         items = [(preset.name, translate(preset.title)) for preset in PRESETS]
-        tip = tr("Fills in values for what the images are for; every one of them can be changed")
+        tip = tr("Fills in suitable values for a purpose; you can change each of them")
         self.choice = combo("preset", [*items, (_CUSTOM, tr("Custom"))], tip)
         model = self.choice.model()
         if isinstance(model, QStandardItemModel):

@@ -288,13 +288,13 @@ class RunRow(QFrame):
         looks = {
             self.PAUSE: (
                 of_qgis("/temporal_navigation/pause.svg"),
-                tr("Pause: hold this capture in its place"),
+                tr("Pause this capture"),
             ),
             self.RESUME: (of_qgis("/mActionPlay.svg"), tr("Resume this capture")),
-            self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel; images that are finished are kept")),
+            self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel (finished images are kept)")),
             self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
             self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),
-            self.CLEAN: (icon("clean_dataset"), tr("Clean this dataset of images with too little to see")),
+            self.CLEAN: (icon("clean_dataset"), tr("Reject low-detail images")),
             self.OPEN: (of_qgis("/mActionFileOpen.svg"), tr("Open the folder of the images")),
             self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Remove from list (files are kept)")),
         }

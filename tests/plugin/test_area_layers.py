@@ -586,7 +586,7 @@ def test_line_that_is_too_sharp_is_refused(desk):
     desk.iface.setActiveLayer(layer)
     choose_way(desk, "line")
     dialog = dialog_of(desk)
-    assert dialog.words.text().startswith("It has one line, which is flown.")
+    assert dialog.words.text().startswith("Its only line will be flown.")
     accept(desk, dialog)
     desk.wait(lambda: any("turns by 180 degrees at 0.001000, 0.000000" in text for text in desk.messages()))
 

@@ -230,7 +230,9 @@ def test_failed_images_are_named_and_the_others_written(prepared, server):
     failed = set(planned.names) - there
     assert planned.names[0] in failed
     assert 0 < len(failed) < 8
-    assert any(f"{len(failed)} of {len(planned)} images could not be made" in t for t in prepared.messages())
+    assert any(
+        f"{len(failed)} of {len(planned)} images could not be captured" in t for t in prepared.messages()
+    )
     assert {"Details", "Capture only the failed ones"} <= set(prepared.buttons_in_message_bar())
     # What is there is on the map; where the failed image would be one sees through.
     mosaic = gdal.Open(str(prepared.folder / "satellite.vrt"))

@@ -64,9 +64,9 @@ def press(desk, run, action):
     ("total", "written", "text"),
     [
         (0, 0, "No image was missing."),
-        (1, 0, "The image was there already."),
+        (1, 0, "The image already exists."),
         (1, 1, "One image captured in 2 s."),
-        (9, 0, "All 9 images were there already."),
+        (9, 0, "All 9 images already exist."),
         (1_200, 1_200, "1,200 images captured in 2 s."),
         (93, 75, "All 93 images captured: 75 now, in 2 s; 18 in earlier runs."),
     ],
@@ -83,8 +83,8 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
     folders = [prepared.folder.with_name(f"flight-{number}") for number in (1, 2, 3)]
     runs = [press_capture(prepared, folder) for folder in folders]
     assert [run.stage for run in runs] == [Stage.RUNNING, Stage.WAITING, Stage.WAITING]
-    assert "next in line" in row_of(prepared, runs[1]).text.text()
-    assert "2 before it" in row_of(prepared, runs[2]).text.text()
+    assert "Waiting: next" in row_of(prepared, runs[1]).text.text()
+    assert "2 ahead of it" in row_of(prepared, runs[2]).text.text()
     # QGIS's own list has the one at work.
     assert QgsApplication.taskManager().countActiveTasks() == 1
     prepared.wait(lambda: len(pictures(folders[0])) >= 12)
@@ -152,7 +152,7 @@ def test_same_folder_is_not_queued_twice(prepared, server):
     server.latency_s = SLOW_S
     run = press_capture(prepared)
     prepared.click(prepared.dock.capture)
-    prepared.wait(lambda: "mission is being captured already." in prepared.messages())
+    prepared.wait(lambda: "mission is already being captured." in prepared.messages())
     # As little as by a double click.
     assert prepared.buttons_in_message_bar() == {}
     assert prepared.session.runs.runs == [run]

@@ -189,7 +189,7 @@ def _changed_meanwhile(case: Case) -> None:
     case.follow("press the button again.", lambda: captured(desk))
 
 
-@remedy("panel/figures.py", "Correct the entries marked above.")
+@remedy("panel/figures.py", "Fix the highlighted fields.")
 def _marked(case: Case) -> None:
     desk = case.fixture("desk")
     desk.enter_box(**{**SMALL_BOX, "north": "99"})
@@ -201,7 +201,7 @@ def _marked(case: Case) -> None:
         desk.type_text(desk.form.edges["north"], SMALL_BOX["north"])
         return desk.wait_planned() is not None and bool(desk.dock.estimates.text())
 
-    case.follow("Correct the entries marked above.", mend)
+    case.follow("Fix the highlighted fields.", mend)
 
 
 @remedy("panel/options_page.py", "{folder}: {file} is a file; choose a folder")
