@@ -2645,8 +2645,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>the source has {source}: images show no finer detail</source>
-        <translation>la fuente tiene {source}: las imágenes no muestran más detalle</translation>
+        <source>the source's GSD is {source}: images show no finer detail</source>
+        <translation>la GSD de la fuente es de {source}: las imágenes no muestran más detalle</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>

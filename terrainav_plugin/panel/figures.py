@@ -364,7 +364,7 @@ def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
     text = tr("Requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
     if coarser_m is None:
         return text
-    hint = tr("the source has {source}: images show no finer detail")
+    hint = tr("the source's GSD is {source}: images show no finer detail")
     return f"{text} ({hint.format(source=gsd_text(coarser_m, unit))})"
 
 

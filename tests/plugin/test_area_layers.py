@@ -293,7 +293,7 @@ def test_layer_that_says_which_polygon_is_offered_first(desk):
     choose_way(desk, "polygon")
     dialog = dialog_of(desk)
     assert dialog.chosen() == only
-    assert "one polygon" in dialog.words.text()
+    assert "only polygon" in dialog.words.text()
     accept(desk, dialog)
     desk.wait(lambda: "Polygon, 3 corners" in desk.form.area.words.text())
 
@@ -519,7 +519,7 @@ def test_line_is_flown_at_a_speed(desk, screenshot):
     desk.form.agl.setValue(150.0)
     choose_way(desk, "line")
     dialog = dialog_of(desk)
-    assert "Nothing is selected in it: all 2 lines" in dialog.words.text()
+    assert "Nothing is selected: all 2 lines" in dialog.words.text()
     layer.selectByIds([1])
     dialog.show_layer(layer)
     dialog.speed.setValue(10.0)

@@ -85,20 +85,20 @@ def test_what_matters_comes_first_and_the_rest_is_behind_the_fold():
         assert all(html.escape(label) in table and html.escape(value) in table for label, value in lines)
 
 
-def test_ground_per_px_is_the_two_figures_of_the_command():
+def test_gsd_is_the_two_figures_of_the_command():
     summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
     # By the formula, from the diagonal of 640 x 480 px.
     camera_cm = 100.0 * 2.0 * 120.0 * math.tan(math.radians(78.8 / 2.0)) / 800.0
     delivered_cm = 100.0 * summary.delivered_gsd_m_per_px
-    assert lines["GSD"] == f"requested {camera_cm:.4g} cm, delivered {delivered_cm:.4g} cm"
-    assert lines["GSD"] == dict(summary.lines())["ground sample distance"]
+    assert lines["GSD"] == f"Requested {camera_cm:.4g} cm, delivered {delivered_cm:.4g} cm"
+    assert lines["GSD"].lower() == dict(summary.lines())["ground sample distance"]
 
 
 def test_source_that_is_coarser_than_the_camera_is_said_to_be():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
     summary, lines = lines_of(near)
     own = f"{100.0 * summary.delivered_gsd_m_per_px:.4g} cm"
-    hint = f"(the source's own pixels are {own}: images show no finer detail)"
+    hint = f"(the source's GSD is {own}: images show no finer detail)"
     assert lines["GSD"].endswith(hint)
     assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["GSD"]
 

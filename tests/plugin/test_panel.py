@@ -48,7 +48,7 @@ def test_values_of_a_preset_are_open_to_change_and_then_custom(desk):
     # Another preset takes the values of the one before it back.
     choose_preset(desk, "mapping")
     assert desk.session.state() == replace(
-        before, overlap_along=0.75, overlap_across=0.65, image_format="jpg", resize=False
+        before, overlap_along=0.75, overlap_across=0.65, facing="track", image_format="jpg", resize=False
     )
     desk.form.overlap_along.setValue(80.0)
     assert desk.form.presets.choice.currentText() == "Custom"

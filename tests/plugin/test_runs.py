@@ -63,7 +63,7 @@ def press(desk, run, action):
 @pytest.mark.parametrize(
     ("total", "written", "text"),
     [
-        (0, 0, "No image was missing."),
+        (0, 0, "No images were missing."),
         (1, 0, "The image already exists."),
         (1, 1, "One image captured in 2 s."),
         (9, 0, "All 9 images already exist."),
