@@ -101,6 +101,11 @@ class Questions:
             action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
         )
 
+    def within_limits(self, mission: Mission, requests: int) -> bool:
+        """Whether a run is within what the source's terms allow at all, agreed to or not; says so where it is not."""
+        problem = terms_problem(mission, requests)
+        return problem is None or problem[1] or self.terms_allow(mission, requests)
+
     def terms_allow(self, mission: Mission, requests: int) -> bool:
         """Whether the source's terms allow a run; asks the user where agreeing to them is enough."""
         problem = terms_problem(mission, requests)

@@ -166,7 +166,7 @@ def _no_camera(case: Case) -> None:
     assert [preset.name for preset in camera_shelf().entries] == ["mine"]
 
 
-@remedy("capture/questions.py", "folder is empty: choose where the images go")
+@remedy("capture/questions.py", "no folder: choose where to save the images")
 def _no_folder(case: Case) -> None:
     desk = case.fixture("desk")
     single(desk)
@@ -174,7 +174,7 @@ def _no_folder(case: Case) -> None:
     desk.click(desk.dock.capture)
     case.says(desk.message("folder"))
     desk.form.folder.setFilePath(str(desk.folder))
-    case.follow("choose where the images go", lambda: captured(desk))
+    case.follow("choose where to save the images", lambda: captured(desk))
 
 
 @remedy("panel/planning.py", "The entries changed while the plan was being computed: press the button again.")
