@@ -130,8 +130,7 @@ FIELDS = Box(35.16, -89.90, 35.115, -89.823)
 
 @remedy(
     "panel/figures.py",
-    "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another "
-    "source",
+    "{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another source",
 )
 def _beyond_the_limit(case: Case) -> None:
     def limit(box=FIELDS, source="osm", **options):
@@ -144,14 +143,14 @@ def _beyond_the_limit(case: Case) -> None:
     text, kept = limit()
     assert not kept
     case.says(text)
-    case.follow("take a smaller area", lambda: limit(Box(35.16, -89.90, 35.158, -89.898))[1])
-    case.follow("coarser pixels", lambda: limit(gsd_m_per_px=8.0)[1])
+    case.follow("choose a smaller area", lambda: limit(Box(35.16, -89.90, 35.158, -89.898))[1])
+    case.follow("a coarser GSD", lambda: limit(gsd_m_per_px=8.0)[1])
     case.follow("another source", lambda: limit(source="s2cloudless")[1])
 
 
 @remedy(
     "panel/camera.py",
-    "The values entered are not a valid camera: correct the marked entries, then save.",
+    "These values are not a valid camera: fix the highlighted fields, then save.",
 )
 def _no_camera(case: Case) -> None:
     case.fixture("desk")
@@ -161,7 +160,7 @@ def _no_camera(case: Case) -> None:
         mission_form.mission(state)
     (field,) = marked.value.messages
     state = replace(state, **{field: "3:2"})
-    case.follow("correct the marked entries", lambda: mission_form.mission(state))
+    case.follow("fix the highlighted fields", lambda: mission_form.mission(state))
     case.follow("then save.", lambda: save_camera("mine", state))
     assert [preset.name for preset in camera_shelf().entries] == ["mine"]
 
