@@ -85,7 +85,9 @@ def translate(message: object) -> str:
 def option_label(name: str) -> str:
     """What the panel calls an option of a mission, quoted; empty where it has no entry for it."""
     if name == "max_images":
-        return tr("“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file")
+        return tr(
+            "“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file"
+        )
     from ..core.fields import declared_fields
     from ..core.mission.parts import FLAT_PARTS
 

@@ -348,7 +348,7 @@ class Session(QObject):
         hint = ""
         if not self.project.mapLayers():
             hint = tr("The map is empty: {link}, or add layers of your own.").format(
-                link=_link("show", tr("show the imagery chosen below and draw a box"))
+                link=_link("show", tr("show the selected imagery and draw a box"))
             )
         elif not self.state().has_box:
             hint = tr("{link} and drag over the area, or paste its coordinates below.").format(

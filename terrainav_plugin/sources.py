@@ -309,10 +309,12 @@ def terms_problem(mission: Mission, requests: int) -> tuple[str, bool] | None:
     else:
         return None
     policy, title, can_agree = refused.policy, refused.title, refused.can_agree
-    without = tr("agreeing to its terms") if can_agree else tr("breaking its terms")
-    text = tr("{title}: {requests} requests; more than {most} are not possible without {without}.").format(
-        title=title, requests=number_text(requests), most=number_text(policy.max_tiles), without=without
+    text = (
+        tr("{title}: {requests} requests. Over {most} requests require accepting the terms.")
+        if can_agree
+        else tr("{title}: {requests} requests, but its terms allow {most}.")
     )
+    text = text.format(title=title, requests=number_text(requests), most=number_text(policy.max_tiles))
     quoted = "{text} <i>{terms}</i> (<a href='{url}'>{url}</a>). ".format(
         text=html.escape(text), terms=html.escape(policy.terms), url=html.escape(policy.terms_url)
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
@@ -13,8 +14,17 @@ from qgis.gui import (
     QgsFileWidget,
     QgsSpinBox,
 )
-from qgis.PyQt.QtCore import QPoint, Qt
-from qgis.PyQt.QtGui import QColor, QIcon, QKeySequence, QPalette, QResizeEvent, QWheelEvent
+from qgis.PyQt.QtCore import QPoint, QSize, Qt
+from qgis.PyQt.QtGui import (
+    QColor,
+    QIcon,
+    QKeySequence,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QResizeEvent,
+    QWheelEvent,
+)
 from qgis.PyQt.QtWidgets import (
     QAbstractButton,
     QAbstractSpinBox,
@@ -37,13 +47,15 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from .i18n import tr
-from .plain import plain_label
+from .plain import plain_label, shown_plain
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
 WRONG_COLOUR = "#D55E00"
 #: Share of that colour behind the text of a spin box.
 _TINT = 0.3
 _WRONG = "terrainavWrong"
+#: Numbers of no more decimals are shown as they are, as they may have been typed; of others these many digits.
+_TYPED_DECIMALS, _READ_DIGITS = 6, 5
 STYLE_SHEET = f"""
 QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
     border: 2px solid {WRONG_COLOUR};
@@ -76,6 +88,8 @@ def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
     around.addWidget(contents)
     form = growing_form(contents)
     form.setVerticalSpacing(4)
+    # With large letters, a label stands above its entry where there is no room for both.
+    form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
     return form
 
 
@@ -137,6 +151,75 @@ def line_edit(name: str, tip: str, placeholder: str = "") -> QLineEdit:
     made = named(QLineEdit(), name, tip)
     made.setPlaceholderText(placeholder)
     return made
+
+
+class ShortLine(QLineEdit):
+    """Entry for a text that is shown shorter than it is, and stays whole until it is edited.
+
+    Parameters
+    ----------
+    shorten : callable
+        Text as people read it.
+    """
+
+    def __init__(self, shorten: Callable[[str], str]) -> None:
+        super().__init__()
+        self._shorten = shorten
+        self._whole = self._shown = ""
+        self.textEdited.connect(self._forget)
+
+    def whole(self) -> str:
+        """Return what is entered."""
+        return self._whole if self._whole and self.text() == self._shown else self.text()
+
+    def enter(self, text: str) -> None:
+        """Enter a text; one that is there already stays as it was typed."""
+        if text == self.whole():
+            return
+        self._whole, self._shown = text, self._shorten(text)
+        self.setText(self._shown)
+        # Long numbers show their first digits.
+        self.setCursorPosition(0)
+
+    def _forget(self) -> None:
+        self._whole = ""
+
+
+class ElidedLabel(QLabel):
+    """A line that is cut where the panel is narrow; the tooltip has all of it.
+
+    Parameters
+    ----------
+    mode : Qt.TextElideMode
+        Where it is cut.
+    least : int
+        Characters that there is always room for.
+    """
+
+    def __init__(self, mode: Qt.TextElideMode, least: int) -> None:
+        super().__init__()
+        self._mode, self._least = mode, least
+        self.setTextFormat(Qt.TextFormat.PlainText)
+
+    def say(self, text: str) -> None:
+        """Show a text."""
+        self.setText(text)
+        self.setToolTip(shown_plain(text))
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for some characters."""
+        metrics = self.fontMetrics()
+        wide = min(metrics.averageCharWidth() * self._least, metrics.horizontalAdvance(self.text()))
+        return QSize(wide, super().minimumSizeHint().height())
+
+    def paintEvent(self, _event: QPaintEvent) -> None:
+        """Draw what there is room for."""
+        painter = QPainter(self)
+        text = self.fontMetrics().elidedText(self.text(), self._mode, self.width())
+        alignment = int(Qt.AlignmentFlag.AlignLeft) | int(Qt.AlignmentFlag.AlignVCenter)
+        self.style().drawItemText(
+            painter, self.rect(), alignment, self.palette(), self.isEnabled(), text, self.foregroundRole()
+        )
 
 
 def folder_entry(name: str, title: str, tip: str) -> QgsFileWidget:
@@ -237,8 +320,16 @@ class NumberBox(QgsDoubleSpinBox):
         return self.value() / self.times if self.decimals() else int(self.value())
 
     def enter(self, number: float | None) -> None:
-        """Show what `number` returns then, to the decimals there are."""
-        self.setValue(self.minimum() if number is None else number * self.times)
+        """Show what `number` returns then, to the decimals there are and the digits that people read."""
+        self.setValue(self.minimum() if number is None else short_number(number * self.times))
+
+
+def short_number(value: float) -> float:
+    """Number with the digits that people read, where it has more than they type: 330.26666… is shown as 330.27."""
+    if not math.isfinite(value) or round(value, _TYPED_DECIMALS) == value:
+        return value
+    before = math.floor(math.log10(abs(value))) + 1
+    return round(value, max(_READ_DIGITS - before, 1))
 
 
 def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:

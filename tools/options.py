@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from terrainav.core.mission.area import ANGLES
 from terrainav.core.mission.mission import SCHEMA, Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.parts import FLAT_PARTS, Attitude, Flight
+from terrainav.core.mission.presets import PRESETS
 from terrainav.core.mission.wind import Wind
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -33,6 +35,10 @@ Made by `python tools/options.py` from what `core/mission/parts.py`, `core/missi
 declare. An option is given to the command as `--name value`, in the environment as `TERRAINAV_NAME`, or in
 `config.json` as `"name"`; the command line comes first. A mission file holds the same in its parts, as
 `resources/mission.schema.json` has it, and a program writes it flat: `Mission(area, agl_m=120.0, overlap_along=0.6)`.
+"""
+_PRESETS = """`--preset NAME` gives these values wherever no other option does. With a camera, a sensor or an aspect
+ratio of your own, the preset `learning` keeps that shape, 256 px along the longer side; with a source of your own, it
+leaves the map types to you.
 """
 _PARTS = {
     "camera": "Camera",
@@ -209,7 +215,20 @@ def page() -> str:
             for one in some
         ]
         text.append("")
-    return "\n".join(text)
+    text += [
+        "## Presets",
+        "",
+        _PRESETS,
+        "| preset | what it sets | values |",
+        "| --- | --- | --- |",
+    ]
+    text += [f"| `{one.name}` | {_cell(str(one.note))} | {_values(one.values)} |" for one in PRESETS]
+    return "\n".join([*text, ""])
+
+
+def _values(values: Mapping[str, Any]) -> str:
+    """Values of a preset, as the fields that they are of."""
+    return ", ".join(f"{name} {_default(value)}" for name, value in values.items() if value is not None)
 
 
 def _row(part: str, field: Field) -> str:

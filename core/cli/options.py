@@ -251,7 +251,8 @@ def _add_benchmark_make(actions: Any) -> None:
     asked.add_argument(
         "--gap", type=float, default=0.0, metavar="M", help="least distance between ground of two parts (0)"
     )
-    _add_mission_options(making, but=("source", "map_type", "date", "imagery", "frame", "margin"))
+    but = ("preset", "source", "map_type", "date", "imagery", "frame", "margin")
+    _add_mission_options(making, but=but)
     making.add_argument("--resume", action="store_true", help="go on with an interrupted run")
     making.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
     add_consent(making)

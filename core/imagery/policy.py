@@ -128,10 +128,10 @@ class Policy:
     def text(self) -> Message:
         """Words for people on how much may be downloaded."""
         if self.bulk_allowed == "yes" or self.max_tiles is None:
-            bulk = Message("any number of requests")
+            bulk = Message("unlimited requests")
         elif self.bulk_allowed == "ask":
             bulk = Message(
-                "more than {0:,} requests after agreeing to the terms{1}",
+                "over {0:,} requests require accepting the terms{1}",
                 self.max_tiles,
                 OptionName("accept_terms").in_brackets,
             )

@@ -12,6 +12,7 @@ In reading order:
 - `wind`: what a mission is flown in
 - `mission`: all that is asked, as one value of parts, in and out of JSON
 - `earlier`: mission files of earlier versions
+- `presets`: values for a purpose, to begin with
 - `options`: what the command takes for it
 - `settings`: a mission from command line, environment and file
 - `layout`: where captures stand and what their pictures show of the area

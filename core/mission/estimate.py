@@ -365,7 +365,7 @@ def own_pixels(plan: Plan) -> str:
         return Message("the source's own pixels, {0} in {1}", size, own.name)
     if plan.zoom > native:
         return Message(
-            "the source's own pixels, {0} in {1}, enlarged {2} times",
+            "the source's own pixels, {0} in {1}, upsampled {2} times",
             size,
             own.name,
             1 << (plan.zoom - native),
@@ -407,8 +407,8 @@ def upsampling(plan: Plan) -> tuple[str, ...]:
     if factor <= 1.0 + _UPSAMPLING_SLACK:
         return ()
     text = Message(
-        "pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged "
-        "{3:.3g} times, images show nothing more; ask for {4}",
+        "requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more "
+        "detail; ask for {4}",
         length_text(written_m),
         length_text(own_m),
         zoom,

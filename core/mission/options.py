@@ -11,6 +11,7 @@ from ..geodesy.lens import Lens
 from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES
 from ..units import LENGTHS_M
 from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
+from .presets import PRESET_NAMES
 
 KINDS = ("single", "list", "raster")
 #: Lists of numbers, and what help calls each of them.
@@ -143,6 +144,13 @@ def _fields(*parts: type, but: tuple[str, ...] = ()) -> tuple[Option, ...]:
 _IMAGE_PX = next(one for one in _fields(Pixels) if one.name == "image_px")
 #: Every option a mission is made from, in the order help shows them.
 OPTIONS: tuple[Option, ...] = (
+    Option(
+        "preset",
+        str,
+        None,
+        "values for what the images are for; every other option replaces its own",
+        choices=PRESET_NAMES,
+    ),
     Option(
         "coords",
         str,

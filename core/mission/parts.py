@@ -305,7 +305,7 @@ class Flight(Part):
     crosshatch: bool = declared(
         False,
         title="crosshatch",
-        help="fly an area a second time, in rows across the first ones: about twice the images",
+        help="fly the area a second time, in rows across the first: about twice as many images",
     )
     order: str = declared(
         SERPENTINE,
@@ -334,7 +334,8 @@ class Flight(Part):
     start: str = declared(
         "2000-01-01T00:00:00Z",
         title="start",
-        help="time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight",
+        help="capture time of the first image, in UTC as 2024-06-21T10:30:00Z; the clock of the simulated "
+        "flight starts then",
         advanced=True,
         check=_check_start,
         schema={"pattern": f"^{_UTC}$"},
@@ -373,7 +374,7 @@ class Imagery(Part):
     map_types: tuple[str, ...] = declared(
         (SATELLITE,),
         title="map types",
-        help="kinds of imagery, each captured into a folder of its own",
+        help="kinds of imagery, each captured into its own folder",
         choices={SATELLITE: "Satellite", ROADMAP: "Roadmap", TERRAIN: "Terrain"},
         option="map_type",
         check=_check_map_types,
@@ -381,8 +382,8 @@ class Imagery(Part):
     )
     date: str = declared(
         "",
-        title="date of the imagery",
-        help="as the source writes it, where it has imagery of several dates",
+        title="imagery date",
+        help="date of the imagery in the source's own format, where it offers several",
         advanced=True,
         check=_check_date,
     )
@@ -462,8 +463,8 @@ class Pixels(Part):
         640,
         title="image's longer side",
         label="image's lo&nger side",
-        help="pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to "
-        "the camera's; a camera by name brings its own",
+        help="pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named "
+        "camera has its own",
         unit="px",
         least=1,
         option="image_px",
@@ -472,7 +473,7 @@ class Pixels(Part):
     zoom: int | None = declared(
         None,
         title="zoom",
-        help="zoom of the source, instead of the one whose pixels come nearest to the camera's",
+        help="zoom of the source, instead of the one closest to the camera's GSD",
         least=0,
         suggested=18,
         advanced=True,
@@ -480,7 +481,7 @@ class Pixels(Part):
     gsd_m_per_px: float | None = declared(
         None,
         title="ground sample distance",
-        help="ground that a pixel of the source is to show; the zoom nearest to it is taken",
+        help="ground sample distance (GSD) wanted of the source; the closest zoom is used",
         unit="m",
         above=0.0,
         option="gsd",
@@ -489,9 +490,9 @@ class Pixels(Part):
     )
     max_px: int | None = declared(
         None,
-        title="longest side",
-        help="no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower "
-        "zoom is taken for all; without it there is no limit, or 640 in the layout paper",
+        title="maximum image side",
+        help="limit of every image's longer side, in pixels of 256 px tiles: where an image would exceed it, "
+        "all take a lower zoom; without it there is no limit, or 640 in the layout paper",
         unit="px",
         least=1,
         option="max_px",
@@ -499,8 +500,8 @@ class Pixels(Part):
     )
     upsample: bool = declared(
         False,
-        title="allow enlarged pixels",
-        help="also take zooms above the source's native one: images get more pixels, and show nothing more",
+        title="allow upsampling",
+        help="also use zooms above the source's native one: images get more pixels, but no more detail",
         advanced=True,
     )
 
@@ -523,21 +524,22 @@ class Accuracy(Part):
     error_budget_px: float = declared(
         0.1,
         title="error budget",
-        help="most that the errors of all stages may sum to, by their bounds, in pixels of the planned image; the "
-        "cheapest methods that fit are taken",
+        help="maximum sum of the error bounds of all stages, in pixels of the planned image; the cheapest "
+        "methods within it are used",
         unit="px",
         above=0.0,
         advanced=True,
     )
     accept_error: bool = declared(
         False,
-        title="go on beyond the budget",
-        help="take the most accurate methods where none fit the error budget, instead of refusing",
+        title="allow exceeding the error budget",
+        help="use the most accurate methods where none stay within the error budget, instead of refusing the "
+        "mission",
         advanced=True,
     )
     frame: str = declared(
         AUTO,
-        title="kind of image",
+        title="frame",
         help="map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight "
         "down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget",
         choices={AUTO: "Automatic", "map": "Map frame (not resampled)", "camera": "Camera frame (as seen)"},
@@ -553,7 +555,7 @@ class Accuracy(Part):
     resampling: str = declared(
         "bilinear",
         title="resampling",
-        help="how camera frames take their values between the source's pixels; map frames are not resampled",
+        help="how camera frames interpolate between the source's pixels; map frames are not resampled",
         choices={
             "nearest": "Nearest pixel",
             "bilinear": "Bilinear",
@@ -596,14 +598,14 @@ class Terrain(Part):
     )
     height_unit: str = declared(
         "",
-        title="unit of heights",
+        title="height unit",
         help="of the sources of heights; left out, what they say, and metres where they say nothing",
         choices={"": "As the source says", "m": "Metres", "ft": "Feet", "us-ft": "US survey feet"},
         advanced=True,
     )
     height_offset_m: float = declared(
         0.0,
-        title="offset of heights",
+        title="height offset",
         help="added to the heights of all sources, as for a datum that has no grid here",
         unit="m",
         least=-1000.0,
@@ -612,7 +614,7 @@ class Terrain(Part):
     )
     holes: str = declared(
         FILL,
-        title="holes in heights",
+        title="missing heights",
         help="what becomes of places in the area at which the first source of heights has none: filled from the next "
         "source that has one, and counted, or refused",
         choices={FILL: "Filled from the next source", REFUSE: "Refused"},
@@ -629,7 +631,7 @@ class Terrain(Part):
     climb_m_per_s: float | None = declared(
         None,
         title="climb rate",
-        help="over relief, no faster does the flight climb or sink: it flies higher where the ground is steeper",
+        help="over relief, maximum rate of climb and descent: the flight is higher where the ground is steeper",
         unit="m/s",
         above=0.0,
         suggested=3.0,
@@ -638,7 +640,7 @@ class Terrain(Part):
     clearance_m: float = declared(
         0.0,
         title="clearance",
-        help="over relief, least height above everything within the clearance's distance",
+        help="over relief, minimum height above everything within the clearance distance",
         unit="m",
         least=0.0,
         most=HIGHEST_GROUND_M,
@@ -646,8 +648,8 @@ class Terrain(Part):
     )
     clearance_distance_m: float = declared(
         0.0,
-        title="distance of the clearance",
-        help="how far around a capture everything counts for its clearance",
+        title="clearance distance",
+        help="radius around each capture within which the clearance is kept",
         unit="m",
         least=0.0,
         most=10_000.0,
@@ -796,7 +798,7 @@ class Output(Part):
     image_format: str = declared(
         "tif",
         title="image format",
-        help="of the image files, all of which state their coordinate reference system: tif and png are lossless",
+        help="format of the image files, all of which are georeferenced; tif and png are lossless",
         choices={"tif": "GeoTIFF (lossless)", "jpg": "JPEG (smaller)", "png": "PNG"},
         option="format",
     )
@@ -831,7 +833,11 @@ class Output(Part):
         schema={"uniqueItems": True},
     )
     max_images: int = declared(
-        10_000_000, title="most images", help="missions of more images are refused", least=1, advanced=True
+        10_000_000,
+        title="maximum number of images",
+        help="missions with more images are refused",
+        least=1,
+        advanced=True,
     )
 
 

@@ -1,7 +1,7 @@
 """Where the values of a mission's options come from.
 
-The command line comes first, then the environment (``TERRAINAV_FOV=75``), then ``config.json``, then the
-defaults. That holds for what several options can state, too: ``--hfov`` comes before a ``fov`` of the file.
+The command line comes first, then the environment (``TERRAINAV_FOV=75``), then ``config.json``, then the preset,
+then the defaults. That holds for what several options can state, too: ``--hfov`` comes before a ``fov`` of the file.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from .coords import parse_coords
 from .mission import Mission, flat_fields
 from .options import OPTIONS
 from .parts import Pixels
+from .presets import preset_named
 from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
@@ -60,12 +61,55 @@ def resolve(
     values = {option.name: option.default for option in OPTIONS}
     settled: set[str] = set()
     for place in _places(given, os.environ if environment is None else environment, config):
-        chosen = [option for option in OPTIONS if option.name in place and option.name not in settled]
-        for option in chosen:
-            where, value = place[option.name]
-            values[option.name] = option.read(value, where)
-        settled.update(*(_settled_by(option.name) for option in chosen))
+        _take(place, values, settled)
+    if values["preset"] is not None:
+        _take(_of_preset(values, settled), values, settled)
     return values
+
+
+def _take(place: Mapping[str, tuple[str, Any]], values: dict[str, Any], settled: set[str]) -> None:
+    """Take the options that a place gives and no place before it has settled."""
+    chosen = [option for option in OPTIONS if option.name in place and option.name not in settled]
+    for option in chosen:
+        where, value = place[option.name]
+        values[option.name] = option.read(value, where)
+    settled.update(*(_settled_by(option.name) for option in chosen))
+
+
+def _of_preset(values: Mapping[str, Any], settled: set[str]) -> dict[str, tuple[str, Any]]:
+    """What the preset gives, as a place: by option, what messages call it and its value."""
+    name = values["preset"]
+    fields = dict(preset_named(name).values)
+    given: dict[str, Any] = {"overlap": (fields.pop("overlap_along"), fields.pop("overlap_across"))}
+    if "aspect_ratio" in fields:
+        given["aspect_ratio"] = (fields.pop("aspect_ratio"), 1.0)
+        shape = _own_shape(values)
+        if shape is not None:
+            # Its images keep their shape.
+            del given["aspect_ratio"]
+            fields["img_size"] = _fitted(fields["img_size"], *shape)
+    named = {one.name: one.name_of_option for one in flat_fields()}
+    given.update({named[field]: value for field, value in fields.items() if value is not None})
+    if settled & {"source", "imagery"}:
+        # Few sources have several map types; of one that has not, each would hold the same images.
+        del given["map_type"]
+    return {option: (f"preset {name}, option", value) for option, value in given.items()}
+
+
+def _own_shape(values: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Width and height of the images of the camera that is asked for; None where any shape will do."""
+    if values["camera"] is not None:
+        return camera_named(values["camera"]).camera.aspect_ratio, 1.0
+    shape: tuple[float, float] | None = values["aspect_ratio"] or values["sensor"]
+    # What is wrong with it is said where the camera is made.
+    return shape if shape is not None and min(shape) > 0.0 else None
+
+
+def _fitted(size: tuple[int, int, int], width: float, height: float) -> tuple[int, int, int]:
+    """Size of a shape whose longer side is that of ``size``; with as many channels."""
+    longer_px = max(size[:2])
+    scale = longer_px / max(width, height)
+    return max(round(scale * width), 1), max(round(scale * height), 1), size[2]
 
 
 def _places(

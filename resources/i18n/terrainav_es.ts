@@ -322,8 +322,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>It has one line, which is flown.</source>
-        <translation>Tiene una sola línea, que es la que se vuela.</translation>
+        <source>Its only line will be flown.</source>
+        <translation>Se volará su única línea.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -347,8 +347,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Nothing is selected in it: all {n} lines are flown one after the other.</source>
-        <translation>No hay nada seleccionado en ella: se vuelan las {n} líneas, una tras otra.</translation>
+        <source>Nothing is selected: all {n} lines will be flown one after the other.</source>
+        <translation>No hay nada seleccionado: se volarán las {n} líneas, una tras otra.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -464,8 +464,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>{n} lines are selected, which are flown one after the other.</source>
-        <translation>Hay {n} líneas seleccionadas, que se vuelan una tras otra.</translation>
+        <source>{n} lines are selected and will be flown one after the other.</source>
+        <translation>Hay {n} líneas seleccionadas, que se volarán una tras otra.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -1094,8 +1094,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Its only feature is taken.</source>
-        <translation>Se toma su único objeto.</translation>
+        <source>Its only feature will be used.</source>
+        <translation>Se usará su único objeto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -1251,8 +1251,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <source>Test shot {lat:.5f} {lon:.5f}</source>
-        <translation>Toma de prueba {lat:.5f} {lon:.5f}</translation>
+        <source>Test shot {lat} {lon}</source>
+        <translation>Toma de prueba {lat} {lon}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -1288,8 +1288,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <source>{name}: {failed} of {total} images could not be made ({reason}).</source>
-        <translation>{name}: {failed} de {total} imágenes no se pudieron hacer ({reason}).</translation>
+        <source>{name}: {failed} of {total} images could not be captured ({reason}).</source>
+        <translation>{name}: no se pudieron capturar {failed} de {total} imágenes ({reason}).</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
@@ -1319,8 +1319,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>folder is empty: choose where the images go</source>
-        <translation>la carpeta está vacía: elegir adónde van las imágenes</translation>
+        <source>no folder: choose where to save the images</source>
+        <translation>no hay carpeta: elegir dónde guardar las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
@@ -1329,12 +1329,12 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>{folder} is being captured already; a second mission needs a folder of its own.</source>
-        <translation>{folder} ya se está capturando; una segunda misión necesita una carpeta propia.</translation>
+        <source>{folder}: a capture into it is already running; a second mission needs its own folder.</source>
+        <translation>{folder}: ya hay una captura en curso en ella; una segunda misión necesita su propia carpeta.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
-        <source>{name} is being captured already.</source>
+        <source>{name} is already being captured.</source>
         <translation>{name} ya se está capturando.</translation>
     </message>
     <message>
@@ -1364,13 +1364,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.</source>
-        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
+        <source>All {total} images already exist.</source>
+        <translation>Las {total} imágenes ya existen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>All {total} images were there already.</source>
-        <translation>Las {total} imágenes ya estaban todas.</translation>
+        <source>All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.</source>
+        <translation>Las {total} imágenes están: {written} capturadas ahora en {time}, {skipped} antes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1379,7 +1379,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>No image was missing.</source>
+        <source>No images were missing.</source>
         <translation>No faltaba ninguna imagen.</translation>
     </message>
     <message>
@@ -1430,18 +1430,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>The image was there already.</source>
-        <translation>La imagen ya estaba.</translation>
+        <source>The image already exists.</source>
+        <translation>La imagen ya existe.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>Waiting: next in line</source>
+        <source>Waiting: next</source>
         <translation>En espera: la siguiente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>Waiting: {place} before it</source>
-        <translation>En espera: {place} delante</translation>
+        <source>Waiting: {place} ahead of it</source>
+        <translation>En espera: {place} por delante</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1450,8 +1450,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
-        <source>{error} (the images are written)</source>
-        <translation>{error} (las imágenes están escritas)</translation>
+        <source>{error} (the images were saved)</source>
+        <translation>{error} (las imágenes están guardadas)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1567,11 +1567,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Cross out the images on the map that would be rejected</source>
-        <translation>Tachar en el mapa las imágenes que se rechazarían</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Dataset &amp;folder</source>
         <translation>Carpeta del con&amp;junto de datos</translation>
     </message>
@@ -1612,6 +1607,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Mark on the map the images that would be rejected</source>
+        <translation>Marcar en el mapa las imágenes que se rechazarían</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
         <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
     </message>
@@ -1642,6 +1642,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
+        <source>Remove all marks and move all files back</source>
+        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>S&amp;uggest</source>
         <translation>S&amp;ugerir</translation>
     </message>
@@ -1659,11 +1664,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <source>Stop; what is done so far can be finished, or undone</source>
         <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Take all marks away, and put all files back in their place</source>
-        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -1723,8 +1723,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
         <location filename="../../terrainav_plugin/processing/windows.py"/>
-        <source>{count} images could not be made.</source>
-        <translation>{count} imágenes no se pudieron hacer.</translation>
+        <source>{count} images could not be captured.</source>
+        <translation>No se pudieron capturar {count} imágenes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/cleaning/panel.py"/>
@@ -2058,6 +2058,93 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>automatic</source>
+        <translation>automática</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>ground at {height}</source>
+        <translation>terreno a {height}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>level ground</source>
+        <translation>terreno llano</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>no overlap</source>
+        <translation>sin solape</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>none yet</source>
+        <translation>aún ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>off</source>
+        <translation>sin viento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>overlap {share} %</source>
+        <translation>solape {share} %</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>roll {angle}</source>
+        <translation>alabeo {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>straight down</source>
+        <translation>en vertical</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>tilt {angle}</source>
+        <translation>inclinación {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>yaw {angle}</source>
+        <translation>guiñada {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>zoom {zoom}</source>
+        <translation>zoom {zoom}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>{budget} px</source>
+        <translation>{budget} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>{length} mm</source>
+        <translation>{length} mm</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>{speed} m/s from {angle}</source>
+        <translation>{speed} m/s desde {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{width} × {height} px</source>
+        <translation>{width} × {height} px</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>GSD: must be above 0</source>
+        <translation>GSD: debe ser mayor que 0</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>aspect ratio</source>
         <translation>relación de aspecto</translation>
@@ -2066,11 +2153,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>eastern edge</source>
         <translation>borde oriental</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>ground per px: must be above 0</source>
-        <translation>terreno por px: debe ser mayor que 0</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2133,8 +2215,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
-        <source>“Most images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
-        <translation>«Máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
+        <source>“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
+        <translation>“Número máximo de imágenes” del algoritmo “Planificar una misión”, o max_images en el archivo de la misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
@@ -2381,6 +2463,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Actual focal length of the lens in millimetres, not its full-frame equivalent</source>
+        <translation>Distancia focal real del objetivo en milímetros, no la equivalente en formato completo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Aspect ra&amp;tio</source>
         <translation>Relación de as&amp;pecto</translation>
     </message>
@@ -2394,6 +2481,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Camera</source>
         <translation>Cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <location filename="../../terrainav_plugin/panel/presets.py"/>
+        <source>Custom</source>
+        <translation>Personalizado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2412,8 +2505,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Field of view across the image's width or height, as chosen beside, in degrees</source>
-        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido al lado, en grados</translation>
+        <source>Field of view across the image's width or height, as selected, in degrees</source>
+        <translation>Campo de visión a lo ancho o a lo alto de la imagen, según lo elegido, en grados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2427,11 +2520,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Focal length of the lens in millimetres: the real one, not that for full frame</source>
-        <translation>Distancia focal del objetivo en milímetros: la real, no la equivalente en formato completo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Height of the sensor in millimetres</source>
         <translation>Altura del sensor en milímetros</translation>
     </message>
@@ -2442,23 +2530,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. Choosing another way converts the values.</source>
-        <translation>Con qué se da el campo de visión: grados en la diagonal, la anchura o la altura de la imagen, o distancia focal y sensor en mm. Al elegir otro se muestra la misma cámara en sus números.</translation>
+        <source>How to enter the field of view: in degrees across the image's diagonal, width or height, or as focal length and sensor in mm. A change converts the values.</source>
+        <translation>Cómo introducir el campo de visión: en grados en la diagonal, la anchura o la altura de la imagen, o como distancia focal y sensor en mm. Un cambio convierte los valores.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Image width to height, without unit: 4:3, 4000x3000 or 1.333</source>
-        <translation>Anchura entre altura de la imagen, sin unidad: 4:3, 4000x3000 o 1.333</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Name of the camera with the values entered:</source>
-        <translation>Nombre de la cámara con los valores introducidos:</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Own values</source>
-        <translation>Valores propios</translation>
+        <source>Name of the camera:</source>
+        <translation>Nombre de la cámara:</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2472,8 +2550,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>Save the values entered as a camera of your own, or remove one</source>
-        <translation>Guardar los valores introducidos como cámara propia, o eliminar una</translation>
+        <source>Save these values as your own camera, or remove one</source>
+        <translation>Guardar estos valores como cámara propia, o eliminar una</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2502,8 +2580,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
-        <source>The values entered are not a valid camera: correct the marked entries, then save.</source>
-        <translation>Los valores introducidos no forman una cámara: corregir lo marcado y guardar después.</translation>
+        <source>These values are not a valid camera: fix the highlighted fields, then save.</source>
+        <translation>Estos valores no forman una cámara válida: corregir los campos resaltados y guardar después.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -2517,13 +2595,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
+        <source>Width to height of the image, such as 4:3, 4000x3000 or 1.333</source>
+        <translation>Anchura entre altura de la imagen, como 4:3, 4000x3000 o 1.333</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>{name}: {degrees}° across the diagonal</source>
         <translation>{name}: {degrees}° en diagonal</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source> (full detail to zoom {native})</source>
-        <translation> (detalle propio hasta {native})</translation>
+        <source> (native up to zoom {native})</source>
+        <translation> (nativo hasta el zoom {native})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2532,8 +2615,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>Computed on this computer, for any place; no limits.</source>
-        <translation>Calculado en este equipo, para cualquier lugar; sin límites.</translation>
+        <source>Computed on this computer for any place, without limits.</source>
+        <translation>Calculado en este equipo para cualquier lugar, sin límites.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>Its terms are unknown: check them yourself.</source>
+        <translation>Se desconocen sus condiciones: compruébelas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2552,18 +2640,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>QGIS draws it as on the map, and reads it from the layer's own data source.</source>
-        <translation>Dibujado por QGIS como lo muestra el mapa, y leído de donde están los datos de la capa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>TerrAInav does not know its terms: check them yourself.</source>
-        <translation>Sus condiciones no se conocen aquí: corresponde al usuario comprobarlas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>any number of requests</source>
-        <translation>cualquier número de peticiones</translation>
+        <source>QGIS draws it as on the map, from the layer's own data source.</source>
+        <translation>QGIS la dibuja como en el mapa, a partir de la fuente de datos de la capa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2572,23 +2650,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>kept in the cache</source>
-        <translation>se guarda en la caché</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>more than {count} requests after agreeing to the terms</source>
-        <translation>más de {count} peticiones tras aceptar las condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/choices.py"/>
-        <source>not kept in the cache</source>
-        <translation>no se guarda en la caché</translation>
+        <source>over {count} requests require accepting the terms</source>
+        <translation>más de {count} peticiones exigen aceptar las condiciones</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
         <source>terms</source>
         <translation>condiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>tiles are cached</source>
+        <translation>las teselas se guardan en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>tiles are not cached</source>
+        <translation>las teselas no se guardan en la caché</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/choices.py"/>
+        <source>unlimited requests</source>
+        <translation>peticiones sin límite</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -2617,8 +2700,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Capture all images; resumes where an earlier run stopped</source>
+        <translation>Capturar todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Click a point on the map and capture one image there</source>
         <translation>Pulsar un punto del mapa y capturar allí una imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/dock.py"/>
+        <source>Drag to give the entries or the estimates more room; double-click to reset</source>
+        <translation>Arrastrar para dar más espacio a los campos o a la estimación; doble clic para restablecer</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -2644,13 +2737,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>Missions of this project, mission files and datasets: open, save, begin</source>
-        <translation>Misiones de este proyecto, archivos de misión y conjuntos de datos: abrir, guardar, empezar</translation>
+        <source>No area yet.</source>
+        <translation>Aún no hay área.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>No area yet.</source>
-        <translation>Aún no hay área.</translation>
+        <source>Open, save and start missions: of this project, from files or from datasets</source>
+        <translation>Abrir, guardar y empezar misiones: de este proyecto, de archivos o de conjuntos de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -2666,11 +2759,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>TerrAInav mission</source>
         <translation>Misión de TerrAInav</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/dock.py"/>
-        <source>Write all images; goes on where an earlier run was stopped</source>
-        <translation>Escribir todas las imágenes; continúa donde se detuvo una ejecución anterior</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -2754,18 +2842,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Allow enlarged pixels</source>
-        <translation>Permitir píxeles ampliados</translation>
+        <source>About {duration}</source>
+        <translation>Unos {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>About {size} in {count} tiles</source>
+        <translation>Unos {size} en {count} teselas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Allow upsampling</source>
+        <translation>Permitir sobremuestreo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>At least {shares}</source>
+        <translation>Al menos {shares}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Condition number</source>
         <translation>Número de condición</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>Correct the entries marked above.</source>
-        <translation>Corregir lo marcado arriba.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2789,6 +2887,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Fix the highlighted fields.</source>
+        <translation>Corregir los campos resaltados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Flight</source>
         <translation>Vuelo</translation>
@@ -2796,8 +2899,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground per px</source>
-        <translation>Terreno por px</translation>
+        <source>GSD</source>
+        <translation>GSD</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>GSD {finest} at the highest point, {coarsest} at the lowest</source>
+        <translation>GSD de {finest} en lo más alto y de {coarsest} en lo más bajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Ground from {lowest} to {highest}, clearance at least {clearance}</source>
+        <translation>Terreno de {lowest} a {highest}, con {clearance} libres como mínimo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2822,13 +2935,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Measuring…</source>
+        <translation>Midiendo…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Methods</source>
         <translation>Métodos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>No download ({count} local tiles)</source>
+        <translation>Sin descarga ({count} teselas locales)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>No {what}</source>
         <translation>Sin {what}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Nothing</source>
+        <translation>Nada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2849,13 +2977,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Requested {requested}, delivered {delivered}</source>
+        <translation>Pedido {requested}, entregado {delivered}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Terrain</source>
         <translation>Relieve</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>The source has no finer pixels of its own here.</source>
-        <translation>La fuente no tiene aquí píxeles propios más finos.</translation>
+        <source>The source covers {share} of the area</source>
+        <translation>La fuente cubre el {share} del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>The source has no finer detail here.</source>
+        <translation>La fuente no tiene aquí más detalle.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2865,29 +3003,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Time</source>
         <translation>Tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>about {duration}</source>
-        <translation>unos {duration}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>about {size} in {count} tiles</source>
-        <translation>unos {size} en {count} teselas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>at least {shares}</source>
-        <translation>al menos {shares}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>being timed…</source>
-        <translation>midiendo…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2896,47 +3013,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>ground from {lowest} to {highest}, {clearance} clear at least</source>
-        <translation>terreno de {lowest} a {highest}, al menos {clearance} libres</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>nothing</source>
-        <translation>nada</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>nothing ({count} tiles from this computer)</source>
-        <translation>nada ({count} teselas de este equipo)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>nothing ({count} tiles read from the file)</source>
-        <translation>nada ({count} teselas leídas del archivo)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>requested {requested}, delivered {delivered}</source>
-        <translation>pedido {requested}, entregado {delivered}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>side {share}</source>
         <translation>transversal {share}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>the source has imagery of {share} of the area</source>
-        <translation>la fuente tiene imágenes del {share} del área</translation>
+        <source>the source's GSD is {source}: images show no finer detail</source>
+        <translation>la GSD de la fuente es de {source}: las imágenes no muestran más detalle</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>the source's own pixels are {source}: images show no finer detail</source>
-        <translation>los píxeles propios de la fuente son de {source}: la imagen no tiene más detalle</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>without limit at the horizon</source>
+        <source>unlimited at the horizon</source>
         <translation>sin límite en el horizonte</translation>
     </message>
     <message>
@@ -2946,13 +3033,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another source</source>
-        <translation>{count} peticiones, más que las {most} que permite el proveedor: tome un área menor, píxeles más gruesos u otra fuente</translation>
+        <source>{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another source</source>
+        <translation>{count} peticiones, pero el proveedor permite {most}: elegir un área menor, una GSD mayor u otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms</source>
-        <translation>{count} peticiones, más que las {most} que se permiten sin más: Capturar le pide que acepte las condiciones</translation>
+        <source>{count} requests. Over {most} requests require accepting the terms: Capture asks you to.</source>
+        <translation>{count} peticiones. Más de {most} peticiones exigen aceptar las condiciones: Capturar lo pregunta.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -2971,11 +3058,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{finest} per px at the highest, {coarsest} at the lowest</source>
-        <translation>{finest} por px en lo más alto, {coarsest} en lo más bajo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{images} in {rows} rows</source>
         <translation>{images} en {rows} pasadas</translation>
     </message>
@@ -2986,7 +3068,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{share} % of {area}; {uncovered} left out</source>
+        <source>{share} % of {area}; {uncovered} not covered</source>
         <translation>{share} % de {area}; {uncovered} sin cubrir</translation>
     </message>
     <message>
@@ -3018,6 +3100,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>≤ {bound} px of a budget of {budget} px</source>
         <translation>≤ {bound} px de {budget} px admisibles</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/headings.py"/>
+        <source>{title}: {values}</source>
+        <translation>{title}: {values}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -3301,6 +3388,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Size</source>
         <translation>Tamaño</translation>
@@ -3397,9 +3485,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>sin medir mientras hay una captura en curso</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/presets.py"/>
+        <source>Fills in suitable values for a purpose; you can change each of them</source>
+        <translation>Rellena valores adecuados para un fin; todos se pueden cambiar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/presets.py"/>
+        <source>Preset</source>
+        <translation>Ajuste</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Cancel; images that are finished are kept</source>
-        <translation>Cancelar; las imágenes terminadas se conservan</translation>
+        <source>Cancel (finished images are kept)</source>
+        <translation>Cancelar (las imágenes terminadas se conservan)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -3408,13 +3506,24 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Captures</source>
+        <translation>Capturas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Clear finished</source>
+        <translation>Quitar terminadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Open the folder of the images</source>
         <translation>Abrir la carpeta de las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Pause: hold this capture in its place</source>
-        <translation>Pausa: dejar esta captura donde está</translation>
+        <source>Pause this capture</source>
+        <translation>Pausar esta captura</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -3423,13 +3532,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Resume this capture</source>
-        <translation>Reanudar esta captura</translation>
+        <source>Remove finished captures from the list (files are kept)</source>
+        <translation>Quitar de la lista las capturas terminadas (los archivos se conservan)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Take this capture off the list; its images stay</source>
-        <translation>Quitar esta captura de la lista; sus imágenes se quedan</translation>
+        <source>Remove from list (files are kept)</source>
+        <translation>Quitar de la lista (los archivos se conservan)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Resume this capture</source>
+        <translation>Reanudar esta captura</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -3438,8 +3552,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>&amp;Ground per px</source>
-        <translation>&amp;Terreno por px</translation>
+        <source>&amp;GSD</source>
+        <translation>&amp;GSD</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3489,18 +3603,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Folder for the images; its last part names the mission on the map</source>
-        <translation>Carpeta para las imágenes; su última parte da nombre a la misión en el mapa</translation>
+        <source>Folder for the images; the mission takes its name on the map</source>
+        <translation>Carpeta para las imágenes; la misión toma su nombre en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Grey</source>
-        <translation>Grises</translation>
+        <source>Greyscale</source>
+        <translation>Escala de grises</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Ground sample distance of the camera, straight down, in cm per px (inches with feet). Height and ground sample distance depend on each other; the one typed last stays. The estimates show the ground sample distance of the source.</source>
-        <translation>Distancia de muestreo del terreno (GSD) de la cámara: el terreno que muestra un píxel de una imagen con el lado mayor de la cámara, en vertical, en centímetros (pulgadas con los pies) por px. La altura y la distancia de muestreo se siguen la una a la otra; se mantiene la última tecleada. La finura de los píxeles de la fuente figura en la estimación.</translation>
+        <source>Ground sample distance (GSD) of the camera, straight down, in cm per px (inches with feet). Height and GSD depend on each other; the one entered last is kept. The estimates show the GSD of the source.</source>
+        <translation>Distancia de muestreo del terreno (GSD) de la cámara, mirando en vertical, en cm por px (pulgadas si se usan pies). La altura y la GSD dependen una de otra; se conserva la última introducida. La estimación muestra la GSD de la fuente.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3509,8 +3623,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Height above the ground (AGL), in metres or feet as chosen beside</source>
-        <translation>Altura sobre el terreno (AGL), en metros o pies según lo elegido al lado</translation>
+        <source>Height above ground (AGL), in the unit selected beside it</source>
+        <translation>Altura sobre el terreno (AGL), en la unidad elegida al lado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3519,8 +3633,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Metres or international feet: for the height, and for the lengths and areas of the estimates</source>
-        <translation>Metros o pies internacionales: para la altura, y para las longitudes y superficies de la estimación</translation>
+        <source>Metres or international feet, for this height and for lengths and areas in the estimates</source>
+        <translation>Metros o pies internacionales, para esta altura y para longitudes y áreas de la estimación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3555,13 +3669,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Source's pixels</source>
-        <translation>Píxeles de la fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>To</source>
-        <translation>A</translation>
+        <source>Source resolution</source>
+        <translation>Resolución de la fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3580,13 +3689,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under “Image's longer side” of the camera.</source>
-        <translation>Con {px} px en el lado mayor de la imagen, son {height} sobre el suelo. Para volar más alto, introduzca más en «Lado mayor de la imagen» de la cámara.</translation>
+        <source>With {px} px along the image's longer side, this means flying {height} above ground. To fly higher, increase “Image's longer side” under Camera.</source>
+        <translation>Con {px} px en el lado mayor de la imagen, esto significa volar a {height} sobre el terreno. Para volar más alto, aumentar “Lado mayor de la imagen” en Cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Write one channel of grey values instead of three of colours (without unit)</source>
-        <translation>Escribir un canal de valores de gris en lugar de tres de color (sin unidad)</translation>
+        <source>Write one grey channel instead of three colour channels</source>
+        <translation>Escribir un canal de gris en lugar de tres de color</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3596,23 +3705,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which follows from the height and the image's longer side.</source>
-        <translation>Con qué píxeles de la fuente se hacen las imágenes. Automático: los más próximos a los de la cámara, cuyo terreno por px resulta de la altura y del lado mayor de la imagen.</translation>
+        <source>Zoom of the source. Automatic: the zoom whose GSD is closest to the camera's, which follows from the height and the image's longer side.</source>
+        <translation>Zoom de la fuente. Automático: el zoom cuya GSD más se acerca a la de la cámara, que resulta de la altura y del lado mayor de la imagen.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>Zoom {native} has the source's own pixels, which show {size} of the ground each; those of each zoom below, down to {least}, show twice as much.</source>
-        <translation>El zoom {native} tiene los píxeles propios de la fuente, que muestran {size} de terreno cada uno; los de cada zoom inferior, hasta el {least}, muestran el doble.</translation>
+        <source>Zoom {native} is the source's native resolution, with a GSD of {size}. Each zoom below it, down to {least}, doubles the GSD.</source>
+        <translation>El zoom {native} es la resolución nativa de la fuente, con una GSD de {size}. Cada zoom inferior, hasta {least}, duplica la GSD.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>all, or those of colours</source>
+        <source>all, or the colour bands</source>
         <translation>todas, o las de color</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>as the elevation</source>
-        <translation>como la elevación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3626,11 +3730,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>forget</source>
-        <translation>olvidar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>front</source>
         <translation>longitudinal</translation>
     </message>
@@ -3641,13 +3740,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>level ground</source>
-        <translation>terreno llano</translation>
+        <source>none: from the first capture to the last</source>
+        <translation>ninguno: de la primera captura a la última</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <source>none: from the first capture to the last</source>
-        <translation>ninguno: de la primera captura a la última</translation>
+        <source>reset</source>
+        <translation>restablecer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <source>same as the elevation</source>
+        <translation>la misma que la elevación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -3946,6 +4050,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>TerrAInav: remove source</source>
         <translation>TerrAInav: eliminar fuente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/start.py"/>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>not set</source>
+        <translation>sin definir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/start.py"/>
+        <source>{time} {zone}, local time of this computer</source>
+        <translation>{time} {zone}, hora local de este equipo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/planner.py"/>
@@ -4282,8 +4397,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Images that could not be made</source>
-        <translation>Imágenes que no se pudieron hacer</translation>
+        <source>Images that could not be captured</source>
+        <translation>Imágenes que no se pudieron capturar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4628,8 +4743,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Images that were there</source>
-        <translation>Imágenes que ya estaban</translation>
+        <source>Images that already existed</source>
+        <translation>Imágenes que ya existían</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4658,8 +4773,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>Only those that an earlier capture could not make.</source>
-        <translation>Solo las que una captura anterior no pudo hacer.</translation>
+        <source>Only those that failed in an earlier capture.</source>
+        <translation>Solo las que fallaron en una captura anterior.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -4708,8 +4823,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>{written} images written, {skipped} were there, {failed} failed, in {seconds} s.</source>
-        <translation>{written} imágenes escritas, {skipped} ya estaban, {failed} han fallado, en {seconds} s.</translation>
+        <source>{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.</source>
+        <translation>{written} imágenes escritas, {skipped} ya existían, {failed} fallaron, en {seconds} s.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/choices.py"/>
@@ -4720,6 +4835,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>A GeoTIFF with overviews.</source>
         <translation>Un GeoTIFF con vistas generales.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Action</source>
+        <translation>Acción</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Block size (m)</source>
+        <translation>Tamaño de los bloques (m)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4803,11 +4928,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>How to split</source>
-        <translation>Cómo dividir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>If empty, that of the images, or a larger one where the mosaic would have over 268 million pixels.</source>
         <translation>Si está vacío, la de las imágenes, o una mayor si el mosaico tuviera más de 268 millones de píxeles.</translation>
     </message>
@@ -4848,11 +4968,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Least entropy (bits)</source>
-        <translation>Entropía mínima (bits)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Make an orthomosaic</source>
         <translation>Crear un ortomosaico</translation>
     </message>
@@ -4860,6 +4975,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Mark rejected images in the table, move them as well, or put all back.</source>
         <translation>Marcar en la tabla las imágenes rechazadas, moverlas además, o devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Minimum entropy (bits)</source>
+        <translation>Entropía mínima (bits)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4943,13 +5063,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Side of the blocks (m)</source>
-        <translation>Lado de los bloques (m)</translation>
+        <source>Split a dataset</source>
+        <translation>Dividir un conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Split a dataset</source>
-        <translation>Dividir un conjunto de datos</translation>
+        <source>Splitting method</source>
+        <translation>Método de división</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5010,11 +5130,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Validation images</source>
         <translation>Imágenes de validación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>What to do</source>
-        <translation>Qué hacer</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5228,33 +5343,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of gimbal pitches</source>
-        <translation>Campo de los cabeceos del gimbal</translation>
+        <source>Capture time field</source>
+        <translation>Campo de hora de captura</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of heights</source>
-        <translation>Campo de las alturas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of rolls</source>
-        <translation>Campo de los alabeos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of tilts</source>
-        <translation>Campo de las inclinaciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of times</source>
-        <translation>Campo de las horas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Field of yaws</source>
-        <translation>Campo de las guiñadas</translation>
+        <source>Gimbal pitch field</source>
+        <translation>Campo de cabeceo del cardán</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -5265,6 +5360,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Height field</source>
+        <translation>Campo de altura</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -5303,6 +5403,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Roll field</source>
+        <translation>Campo de alabeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Roll of each point, degrees, right side down.</source>
         <translation>Alabeo de cada punto, en grados, positivo con el lado derecho hacia abajo.</translation>
     </message>
@@ -5315,6 +5420,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Source of imagery</source>
         <translation>Fuente de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Tilt field</source>
+        <translation>Campo de inclinación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -5335,6 +5445,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Where no camera is chosen; such as 4:3, 16:9 or 1.5.</source>
         <translation>Donde no se elige ninguna cámara; como 4:3, 16:9 o 1.5.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>Yaw field</source>
+        <translation>Campo de guiñada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -5375,11 +5490,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Bound of the error (px)</source>
         <translation>Cota del error (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Captures</source>
-        <translation>Capturas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5443,13 +5553,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Least overlap across rows (share)</source>
-        <translation>Solape transversal mínimo (fracción)</translation>
+        <source>Minimum overlap across rows (share)</source>
+        <translation>Solape mínimo entre pasadas (proporción)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Least overlap along rows (share)</source>
-        <translation>Solape longitudinal mínimo (fracción)</translation>
+        <source>Minimum overlap along rows (share)</source>
+        <translation>Solape mínimo a lo largo de las pasadas (proporción)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5658,6 +5768,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Capture time</source>
+        <translation>Hora de captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <location filename="../../terrainav_plugin/results/viewing.py"/>
         <source>Click a captured footprint on the map.</source>
         <translation>Pulsar una huella capturada en el mapa.</translation>
@@ -5709,33 +5824,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Image after this one in the flight</source>
-        <translation>Imagen siguiente en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Image before this one in the flight</source>
-        <translation>Imagen anterior en el vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Imagery date</source>
         <translation>Fecha de las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Images that show the place of the click</source>
+        <source>Images that show the clicked place</source>
         <translation>Imágenes que muestran el lugar pulsado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Kind of map that is shown</source>
-        <translation>Clase de mapa que se muestra</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it</source>
         <translation>Poner esta imagen en el mapa, ortorrectificada si está girada o inclinada; pulse otra vez para quitarla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Map type shown</source>
+        <translation>Tipo de mapa mostrado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5749,6 +5854,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Next image of the flight</source>
+        <translation>Imagen siguiente del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>No ground here</source>
         <translation>Aquí no hay suelo</translation>
     </message>
@@ -5759,8 +5869,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Open the image in the program for such files</source>
-        <translation>Abrir la imagen con el programa para tales archivos</translation>
+        <source>Open the image in its default program</source>
+        <translation>Abrir la imagen con su programa predeterminado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5771,6 +5881,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Prev&amp;ious</source>
         <translation>A&amp;nterior</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Previous image of the flight</source>
+        <translation>Imagen anterior del vuelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -5854,11 +5969,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>{width} × {height} px</source>
-        <translation>{width} × {height} px</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{}°, {}°, {}°</source>
         <translation>{}°, {}°, {}°</translation>
     </message>
@@ -5904,8 +6014,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
-        <source>show the imagery chosen below and draw a box</source>
-        <translation>mostrar las imágenes elegidas abajo y dibujar un recuadro</translation>
+        <source>show the selected imagery and draw a box</source>
+        <translation>mostrar las imágenes seleccionadas y dibujar un recuadro</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
@@ -5916,16 +6026,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>Sources that allow it: {names}.</source>
         <translation>Fuentes que lo permiten: {names}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/sources.py"/>
-        <source>agreeing to its terms</source>
-        <translation>aceptar sus condiciones</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/sources.py"/>
-        <source>breaking its terms</source>
-        <translation>infringir sus condiciones</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -5954,8 +6054,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
-        <source>{title}: {requests} requests; more than {most} are not possible without {without}.</source>
-        <translation>{title}: {requests} peticiones, y como máximo {most} pasan sin {without}.</translation>
+        <source>{title}: {requests} requests, but its terms allow {most}.</source>
+        <translation>{title}: {requests} peticiones, pero sus condiciones permiten {most}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/sources.py"/>
+        <source>{title}: {requests} requests. Over {most} requests require accepting the terms.</source>
+        <translation>{title}: {requests} peticiones. Más de {most} peticiones exigen aceptar las condiciones.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/tasks.py"/>
@@ -5986,11 +6091,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/units.py"/>
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/widgets.py"/>
-        <source>not set</source>
-        <translation>sin definir</translation>
     </message>
 </context>
 <context>
@@ -8116,11 +8216,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>any number of requests</source>
-        <translation>cualquier número de peticiones</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/policy.py"/>
         <source>at most {0:,} requests, whatever you agree to</source>
         <translation>{0:,} peticiones como máximo, se acepte lo que se acepte</translation>
     </message>
@@ -8141,13 +8236,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>more than {0:,} requests after agreeing to the terms{1}</source>
-        <translation>más de {0:,} peticiones tras aceptar las condiciones{1}</translation>
+        <source>nothing may be cached</source>
+        <translation>no se puede guardar nada en caché</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>nothing may be cached</source>
-        <translation>no se puede guardar nada en caché</translation>
+        <source>over {0:,} requests require accepting the terms{1}</source>
+        <translation>más de {0:,} peticiones exigen aceptar las condiciones{1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -8158,6 +8253,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/policy.py"/>
         <source>take another source</source>
         <translation>tomar otra fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/policy.py"/>
+        <source>unlimited requests</source>
+        <translation>peticiones sin límite</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -9446,8 +9546,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>pixels of {0} are asked for, and the source's own are {1} here (zoom {2}): enlarged {3:.3g} times, images show nothing more; ask for {4}</source>
-        <translation>se piden píxeles de {0}, y los propios de la fuente son aquí de {1} (zoom {2}): ampliadas {3:.3g} veces, las imágenes no muestran nada más; pedir {4}</translation>
+        <source>requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more detail; ask for {4}</source>
+        <translation>se piden {0}, pero la fuente tiene aquí {1} (zoom {2}): sobremuestreadas {3:.3g} veces, las imágenes no muestran más detalle; pedir {4}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9481,8 +9581,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>the source's own pixels, {0} in {1}, enlarged {2} times</source>
-        <translation>los píxeles propios de la fuente, {0} en {1}, ampliados {2} veces</translation>
+        <source>the source's own pixels, {0} in {1}, upsampled {2} times</source>
+        <translation>los píxeles propios de la fuente, de {0} en {1}, sobremuestreados {2} veces</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -9839,13 +9939,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>ask for that or more, or allow enlarged pixels ({0})</source>
-        <translation>pedir eso o más, o permitir píxeles ampliados ({0})</translation>
+        <source>ask for that or more, or allow upsampling ({0})</source>
+        <translation>pedir ese o más, o permitir el sobremuestreo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
-        <source>ask for that, or allow enlarged pixels ({0})</source>
-        <translation>pedir ese, o permitir píxeles ampliados ({0})</translation>
+        <source>ask for that, or allow upsampling ({0})</source>
+        <translation>pedir ese, o permitir el sobremuestreo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -10647,18 +10747,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>allow enlarged pixels</source>
-        <translation>permitir píxeles ampliados</translation>
+        <source>allow exceeding the error budget</source>
+        <translation>permitir superar el error admisible</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>also take zooms above the source's native one: images get more pixels, and show nothing more</source>
-        <translation>tomar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no muestran nada más</translation>
+        <source>allow upsampling</source>
+        <translation>permitir sobremuestreo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>as the source writes it, where it has imagery of several dates</source>
-        <translation>como la escribe la fuente, donde tiene imágenes de varias fechas</translation>
+        <source>also use zooms above the source's native one: images get more pixels, but no more detail</source>
+        <translation>usar también zooms superiores al nativo de la fuente: las imágenes tienen más píxeles, pero no más detalle</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10697,8 +10797,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>capture time of the first image, in UTC as 2024-06-21T10:30:00Z; the clock of the simulated flight starts then</source>
+        <translation>hora de captura de la primera imagen, en UTC como 2024-06-21T10:30:00Z; entonces arranca el reloj del vuelo simulado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>clearance</source>
         <translation>distancia de seguridad</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>clearance distance</source>
+        <translation>alcance de la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10727,8 +10837,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>date of the imagery</source>
-        <translation>fecha de las imágenes</translation>
+        <source>date of the imagery in the source's own format, where it offers several</source>
+        <translation>fecha de las imágenes en el formato de la fuente, si ofrece varias</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10744,11 +10854,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
         <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde la perpendicular a las pasadas donde estas se apartan del este, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>distance of the clearance</source>
-        <translation>alcance de la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10787,8 +10892,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>fly an area a second time, in rows across the first ones: about twice the images</source>
-        <translation>volar un área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+        <source>fly the area a second time, in rows across the first: about twice as many images</source>
+        <translation>volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>format of the image files, all of which are georeferenced; tif and png are lossless</source>
+        <translation>formato de los archivos de imagen, todos georreferenciados; tif y png no tienen pérdida</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>frame</source>
+        <translation>encuadre</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10797,18 +10912,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>go on beyond the budget</source>
-        <translation>seguir aunque se supere el error</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>ground height</source>
         <translation>altura del terreno</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>ground that a pixel of the source is to show; the zoom nearest to it is taken</source>
-        <translation>terreno que debe mostrar un píxel de la fuente; se toma el zoom más próximo</translation>
+        <source>ground sample distance (GSD) wanted of the source; the closest zoom is used</source>
+        <translation>distancia de muestreo del terreno (GSD) que se pide a la fuente; se usa el zoom más próximo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10842,23 +10952,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>height offset</source>
+        <translation>desplazamiento de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>height unit</source>
+        <translation>unidad de altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>heights {0!r}: must be a file, terrarium, world or a number</source>
         <translation>alturas {0!r}: debe ser un archivo, terrarium, world o un número</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>holes in heights</source>
-        <translation>huecos en las alturas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how camera frames take their values between the source's pixels; map frames are not resampled</source>
-        <translation>cómo toman los encuadres de cámara sus valores entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>how far around a capture everything counts for its clearance</source>
-        <translation>hasta qué distancia de una captura cuenta todo para su distancia de seguridad</translation>
+        <source>how camera frames interpolate between the source's pixels; map frames are not resampled</source>
+        <translation>cómo interpolan los encuadres de cámara entre los píxeles de la fuente; los encuadres de mapa no se remuestrean</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10927,6 +11037,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>imagery date</source>
+        <translation>fecha de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>imagery {0!r}: must be text, such as 2014=world</source>
         <translation>imágenes {0!r}: debe ser texto, por ejemplo 2014=world</translation>
     </message>
@@ -10937,13 +11052,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>kind of image</source>
-        <translation>clase de imagen</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>kinds of imagery, each captured into a folder of its own</source>
-        <translation>clases de imágenes, cada una capturada en una carpeta propia</translation>
+        <source>kinds of imagery, each captured into its own folder</source>
+        <translation>clases de imágenes, cada una capturada en su propia carpeta</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10972,8 +11082,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>longest side</source>
-        <translation>lado mayor</translation>
+        <source>limit of every image's longer side, in pixels of 256 px tiles: where an image would exceed it, all take a lower zoom; without it there is no limit, or 640 in the layout paper</source>
+        <translation>límite del lado mayor de cada imagen, en píxeles de teselas de 256 px: si una imagen lo superara, todas toman un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -10997,33 +11107,38 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>maximum image side</source>
+        <translation>lado máximo de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>maximum number of images</source>
+        <translation>número máximo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>maximum sum of the error bounds of all stages, in pixels of the planned image; the cheapest methods within it are used</source>
+        <translation>suma máxima de las cotas de error de todas las etapas, en píxeles de la imagen planificada; se usan los métodos más económicos que caben en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>mesh</source>
         <translation>malla</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>missions of more images are refused</source>
-        <translation>las misiones de más imágenes se rechazan</translation>
+        <source>missing heights</source>
+        <translation>alturas que faltan</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>most images</source>
-        <translation>máximo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>most that the errors of all stages may sum to, by their bounds, in pixels of the planned image; the cheapest methods that fit are taken</source>
-        <translation>máximo que pueden sumar los errores de todas las etapas, según sus cotas, en píxeles de la imagen planificada; se toman los métodos más económicos que caben</translation>
+        <source>missions with more images are refused</source>
+        <translation>las misiones con más imágenes se rechazan</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>name it as the elevation{0}</source>
         <translation>indíquela como elevación{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>no image gets a longer side than so many pixels of a source's 256 px tiles: where one would, a lower zoom is taken for all; without it there is no limit, or 640 in the layout paper</source>
-        <translation>ninguna imagen tendrá un lado mayor de tantos píxeles de teselas de 256 px de la fuente: si alguna lo tuviera, se toma para todas un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11034,11 +11149,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>of a raster file, by name or by number from 1, in the order they are written in: 4 1 2 is infrared, red and green where those are so numbered; without it GeoTIFF has all of them, and JPEG and PNG those of colours</source>
         <translation>de un archivo ráster, por nombre o por número desde 1, en el orden en que se escriben: 4 1 2 es infrarrojo, rojo y verde donde tienen esos números; sin ello GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>of the image files, all of which state their coordinate reference system: tif and png are lossless</source>
-        <translation>de los archivos de imagen, que indican todos su sistema de referencia de coordenadas: tif y png no tienen pérdida</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11057,23 +11167,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>offset of heights</source>
-        <translation>desplazamiento de alturas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>order of rows</source>
         <translation>orden de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>over relief, least height above everything within the clearance's distance</source>
-        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
+        <source>over relief, maximum rate of climb and descent: the flight is higher where the ground is steeper</source>
+        <translation>sobre relieve, velocidad máxima de ascenso y descenso: el vuelo va más alto donde el terreno es más empinado</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>over relief, no faster does the flight climb or sink: it flies higher where the ground is steeper</source>
-        <translation>sobre relieve, el vuelo no sube ni baja más rápido: vuela más alto donde el terreno es más empinado</translation>
+        <source>over relief, minimum height above everything within the clearance distance</source>
+        <translation>sobre relieve, altura mínima sobre todo lo que haya dentro del alcance de la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11082,8 +11187,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>pixels along the longer side of the camera's image: the source's pixels are taken that come nearest to the camera's; a camera by name brings its own</source>
-        <translation>píxeles en el lado mayor de la imagen de la cámara: se toman los píxeles de la fuente más próximos a los de la cámara; una cámara con nombre trae los suyos</translation>
+        <source>pixels along the longer side of the camera's image; the zoom closest to its GSD is used; a named camera has its own</source>
+        <translation>píxeles en el lado mayor de la imagen de la cámara; se usa el zoom más próximo a su GSD; una cámara con nombre tiene los suyos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11094,6 +11199,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>products {0}: each may be named once</source>
         <translation>productos {0}: cada uno puede nombrarse una vez</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>radius around each capture within which the clearance is kept</source>
+        <translation>radio en torno a cada captura en el que se mantiene la distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11192,11 +11302,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>take the most accurate methods where none fit the error budget, instead of refusing</source>
-        <translation>tomar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>take-off</source>
         <translation>despegue</translation>
     </message>
@@ -11218,11 +11323,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>time of the first image, in UTC as 2024-06-21T10:30:00Z: the clock of the simulated flight</source>
-        <translation>hora de la primera imagen, en UTC como 2024-06-21T10:30:00Z: el reloj del vuelo simulado</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>trigger</source>
         <translation>disparo</translation>
     </message>
@@ -11233,8 +11333,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>unit of heights</source>
-        <translation>unidad de las alturas</translation>
+        <source>use the most accurate methods where none stay within the error budget, instead of refusing the mission</source>
+        <translation>usar los métodos más exactos si ninguno cabe en el error admisible, en lugar de rechazar la misión</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11293,8 +11393,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>zoom of the source, instead of the one whose pixels come nearest to the camera's</source>
-        <translation>zoom de la fuente, en lugar de aquel cuyos píxeles se acercan más a los de la cámara</translation>
+        <source>zoom of the source, instead of the one closest to the camera's GSD</source>
+        <translation>zoom de la fuente, en lugar del más próximo a la GSD de la cámara</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11490,6 +11590,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/pose_table.py"/>
         <source>{0}: its column pitch may count from the horizon or from straight down</source>
         <translation>{0}: su columna pitch puede contarse desde el horizonte o desde la vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>For machine learning</source>
+        <translation>Para aprendizaje automático</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>For mapping</source>
+        <translation>Para cartografía</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>For navigation</source>
+        <translation>Para navegación</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>No overlap, square images of {0} × {0} px, lossless PNG; satellite and roadmap where the source has both</source>
+        <translation>Sin solape, imágenes cuadradas de {0} × {0} px, PNG sin pérdida; satélite y callejero si la fuente tiene ambos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Overlap {0:g} %, true perspective as the camera sees it, lossless GeoTIFF with the pose</source>
+        <translation>Solape {0:g} %, perspectiva real como la ve la cámara, GeoTIFF sin pérdida con la pose</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>Overlap {0:g}/{1:g} %, camera along the track, JPEG with the pose in EXIF and XMP, which drone photogrammetry software reads</source>
+        <translation>Solape {0:g}/{1:g} %, cámara en el sentido del vuelo, JPEG con la pose en EXIF y XMP, que leen los programas de fotogrametría con drones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/presets.py"/>
+        <source>preset {0!r}: must be one of {1}</source>
+        <translation>ajuste {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>

@@ -330,15 +330,15 @@ class LineDialog(LayerDialog):
     def _words(self, layer: QgsVectorLayer) -> str:
         selected, count = layer.selectedFeatureCount(), layer.featureCount()
         if selected > 1:
-            which = tr("{n} lines are selected, which are flown one after the other.").format(
+            which = tr("{n} lines are selected and will be flown one after the other.").format(
                 n=number_text(selected)
             )
         elif selected == 1:
             which = tr("1 line is selected.")
         elif count == 1:
-            which = tr("It has one line, which is flown.")
+            which = tr("Its only line will be flown.")
         else:
-            which = tr("Nothing is selected in it: all {n} lines are flown one after the other.").format(
+            which = tr("Nothing is selected: all {n} lines will be flown one after the other.").format(
                 n=number_text(count)
             )
         turns = tr("Corners become turns of a radius of {radius} m.").format(

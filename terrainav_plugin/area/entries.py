@@ -12,16 +12,16 @@ from qgis.PyQt.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QLineEdit,
     QPushButton,
     QToolButton,
     QWidget,
 )
 
 from ..form.state import BOX_FIELDS, FormState
+from ..form.text import short_degrees
 from ..i18n import number_text, tr
 from ..paths import icon
-from ..widgets import FieldMarks, line_edit, named, row, tool_button
+from ..widgets import FieldMarks, ShortLine, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
 from .no_fly import NoFlyMenu
@@ -44,7 +44,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     Attributes
     ----------
-    edges : dict of str to QLineEdit
+    edges : dict of str to ShortLine
     shape, no_fly : str
         Of polygons or points, and of no-fly areas, as `FormState` has them.
     draw_box, draw_polygon, edit : QPushButton
@@ -100,7 +100,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
     def values(self) -> dict[str, str]:
         """Return what is entered, by field."""
         return {
-            **{name: edit.text() for name, edit in self.edges.items()},
+            **{name: edit.whole() for name, edit in self.edges.items()},
             "shape": self.shape,
             "no_fly": self.no_fly,
         }
@@ -114,9 +114,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         """Show edges, for one while they are dragged, telling nobody."""
         for name, edit in self.edges.items():
             with QSignalBlocker(edit):
-                edit.setText(getattr(state, name))
-                # Long numbers show their first digits.
-                edit.setCursorPosition(0)
+                edit.enter(getattr(state, name))
 
     def show_words(self, text: str, is_shape: bool, was_shape: bool = False, is_ground: bool = False) -> None:
         """Say what the area is; empty for none.
@@ -216,7 +214,7 @@ def _tool_button(name: str, image: str) -> QToolButton:
     return button
 
 
-def _edge(name: str) -> QLineEdit:
+def _edge(name: str) -> ShortLine:
     tips = {
         "north": tr("Northern edge: latitude in degrees, up to 90"),
         "west": tr(
@@ -229,7 +227,8 @@ def _edge(name: str) -> QLineEdit:
         "Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of "
         "lat lon agl [yaw]. An edge typed makes a polygon or points a box."
     )
-    edit = line_edit(name, f"{tips[name]}\n{paste}", tr("degrees"))
+    edit = named(ShortLine(short_degrees), name, f"{tips[name]}\n{paste}")
+    edit.setPlaceholderText(tr("degrees"))
     edit.setMinimumWidth(_EDGE_PX)
     edit.setMaxLength(_LONGEST_PASTE)
     return edit

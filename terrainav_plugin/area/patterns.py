@@ -104,7 +104,7 @@ class _PatternDialog(LayerDialog):
         if selected:
             which = tr("Selected features are taken: {n}.").format(n=number_text(selected))
         elif count == 1:
-            which = tr("Its only feature is taken.")
+            which = tr("Its only feature will be used.")
         else:
             which = tr("Nothing is selected in it: all {n} features are taken.").format(n=number_text(count))
         return f"{which} {self._of_panel()}"

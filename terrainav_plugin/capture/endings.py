@@ -120,7 +120,8 @@ class Endings(QObject):
 
     def _load_test_shot(self, run: Run) -> None:
         lat, lon, _ = run.mission.area.poses[0]
-        title = tr("Test shot {lat:.5f} {lon:.5f}").format(lat=lat, lon=lon)
+        lat_text, lon_text = (number_text(degrees, ".5f") for degrees in (lat, lon))
+        title = tr("Test shot {lat} {lon}").format(lat=lat_text, lon=lon_text)
         self.test_shot_shown.emit(load_test_shot(self._group(), run.task.picture, title))
 
     def _say(self, run: Run, is_open: bool) -> None:
@@ -154,7 +155,7 @@ class Endings(QObject):
     def _tell_failed(self, run: Run) -> None:
         failed = run.result.failed
         reason = translate(failed[0].reason) if failed else tr("in an earlier run")
-        text = tr("{name}: {failed} of {total} images could not be made ({reason}).").format(
+        text = tr("{name}: {failed} of {total} images could not be captured ({reason}).").format(
             name=run.name,
             failed=number_text(run.task.failed or len(failed)),
             total=number_text(len(run.plan) * len(run.mission.imagery.map_types)),

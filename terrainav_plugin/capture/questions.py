@@ -54,7 +54,7 @@ class Questions:
         """Whether there is a folder to write to; says so at the field where there is none."""
         if text.strip():
             return True
-        message = tr("folder is empty: choose where the images go")
+        message = tr("no folder: choose where to save the images")
         self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False
@@ -92,9 +92,9 @@ class Questions:
         if found is None:
             return False
         if found.mission == mission:
-            self._messages.info(tr("{name} is being captured already.").format(name=folder.name))
+            self._messages.info(tr("{name} is already being captured.").format(name=folder.name))
             return True
-        text = tr("{folder} is being captured already; a second mission needs a folder of its own.")
+        text = tr("{folder}: a capture into it is already running; a second mission needs its own folder.")
         self._offer_other(folder, text, may_count_on=True)
         return True
 
@@ -117,6 +117,11 @@ class Questions:
             text.format(folder=folder),
             action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
         )
+
+    def within_limits(self, mission: Mission, requests: int) -> bool:
+        """Whether a run is within what the source's terms allow at all, agreed to or not; says so where it is not."""
+        problem = terms_problem(mission, requests)
+        return problem is None or problem[1] or self.terms_allow(mission, requests)
 
     def terms_allow(self, mission: Mission, requests: int) -> bool:
         """Whether the source's terms allow a run; asks the user where agreeing to them is enough."""

@@ -121,9 +121,13 @@ class Runs(QObject):
 
     def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
+        requests = self._requests(planned.plan)
+        # What no folder can change is said before folders are asked about.
+        if not self.questions.within_limits(planned.plan.mission, requests):
+            return
         if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
             return
-        self._enqueue(planned.plan, folder, only_failed, self._requests(planned.plan))
+        self._enqueue(planned.plan, folder, only_failed, requests)
 
     def capture_failed(self, run: Run) -> None:
         """Capture the images again that have failed in a run that is over, and nothing else."""

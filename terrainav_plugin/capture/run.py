@@ -213,11 +213,7 @@ def row_text(run: Run, place: int = 0) -> str:
         Runs before it in the queue.
     """
     if run.stage is Stage.WAITING:
-        return (
-            tr("Waiting: next in line")
-            if place <= 1
-            else tr("Waiting: {place} before it").format(place=place)
-        )
+        return tr("Waiting: next") if place <= 1 else tr("Waiting: {place} ahead of it").format(place=place)
     if run.stage is Stage.STOPPING:
         return tr("Stopping…") if run.result is None else tr("Stopped; making the mosaic…")
     if run.over:
@@ -232,11 +228,11 @@ def row_text(run: Run, place: int = 0) -> str:
 def done_text(result: CaptureResult) -> str:
     """What a run that came to its end has done."""
     if not result.total:
-        return tr("No image was missing.")
+        return tr("No images were missing.")
     if not result.written:
         if result.total == 1:
-            return tr("The image was there already.")
-        return tr("All {total} images were there already.").format(total=number_text(result.total))
+            return tr("The image already exists.")
+        return tr("All {total} images already exist.").format(total=number_text(result.total))
     time = duration_text(result.seconds)
     if result.skipped:
         return tr("All {total} images captured: {written} now, in {time}; {skipped} in earlier runs.").format(
@@ -252,7 +248,7 @@ def done_text(result: CaptureResult) -> str:
 
 def with_kept(error: str, result: CaptureResult | None) -> str:
     """Error of a run, and that its images are there all the same."""
-    return error if result is None else tr("{error} (the images are written)").format(error=error)
+    return error if result is None else tr("{error} (the images were saved)").format(error=error)
 
 
 def _counts(progress: Progress) -> str:

@@ -131,7 +131,7 @@ class CleanPanel(QgsDockWidget):
         self.bar.setVisible(self._busy)
         self._footprints = footprints
         self.on_map.setToolTip(
-            tr("Cross out the images on the map that would be rejected") if footprints else no_footprints()
+            tr("Mark on the map the images that would be rejected") if footprints else no_footprints()
         )
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
@@ -183,7 +183,7 @@ class CleanPanel(QgsDockWidget):
                 )
             )
         if found.failed:
-            notes.append(tr("{count} images could not be made.").format(count=number_text(found.failed)))
+            notes.append(tr("{count} images could not be captured.").format(count=number_text(found.failed)))
         if found.marked or found.moved:
             notes.append(
                 tr("Cleaned before: {marked} images marked, {moved} files moved away.").format(
@@ -304,9 +304,7 @@ class CleanPanel(QgsDockWidget):
                 tr("Move &away"),
                 tr("Mark rejected images, and move their files to a folder “rejected” beside the others"),
             ),
-            UNDO: push_button(
-                UNDO, tr("U&ndo"), tr("Take all marks away, and put all files back in their place")
-            ),
+            UNDO: push_button(UNDO, tr("U&ndo"), tr("Remove all marks and move all files back")),
         }
         for action, button in self.buttons.items():
             button.clicked.connect(lambda _=False, action=action: self.action_wanted.emit(action))

@@ -220,7 +220,7 @@ def _camera(state: FormState, checks: _Checks) -> Any:
             return None
     checks(field, lambda: camera_as_typed(state, ratio if sound else 1.0))
     if state.height_by == "gsd" and not state.camera_gsd > 0.0:
-        checks.messages["camera_gsd"] = tr("ground per px: must be above 0")
+        checks.messages["camera_gsd"] = tr("GSD: must be above 0")
     # The diagonal itself, which the numbers typed may stand for with other digits.
     return (
         checks(field, lambda: Camera(state.fov_deg, ratio))

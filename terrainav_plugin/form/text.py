@@ -6,6 +6,10 @@ import math
 import re
 from fractions import Fraction
 
+_DEGREE_DECIMALS = 7
+#: Aspect ratios have parts as small as those of 4:3, 16:9 or 3000:2000; others are quotients of what was measured.
+_LARGEST_DENOMINATOR = 100
+_RATIO_DECIMALS = 4
 #: Between the numbers of pasted coordinates.
 SEPARATORS = re.compile(r"[_,;\s]+")
 
@@ -62,6 +66,23 @@ def exact_degrees_text(value: float) -> str:
     """Degrees that read back as the very same number."""
     text = degrees_text(value)
     return text if float(text) == value else repr(value)
+
+
+def short_degrees(text: str) -> str:
+    """Text of degrees with the decimals that mean something: 7 are a centimetre on the ground."""
+    _, _, decimals = text.partition(".")
+    return degrees_text(float(text)) if len(decimals) > _DEGREE_DECIMALS and decimals.isdigit() else text
+
+
+def short_aspect(text: str) -> str:
+    """Text of an aspect ratio to four digits, where it is a fraction that nobody would write, or has more."""
+    first, colon, second = text.partition(":")
+    if colon and first.isdigit() and second.isdigit():
+        fraction = Fraction(int(first), int(second) or 1)
+        written = (fraction.numerator, fraction.denominator) == (int(first), int(second))
+        return f"{float(fraction):.4g}" if written and fraction.denominator > _LARGEST_DENOMINATOR else text
+    _, point, decimals = text.partition(".")
+    return f"{float(text):.4g}" if point and decimals.isdigit() and len(decimals) > _RATIO_DECIMALS else text
 
 
 def looks_like_coordinates(text: str) -> bool:

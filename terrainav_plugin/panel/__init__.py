@@ -2,6 +2,9 @@
 
 dock            entries, figures, buttons and captures, one below the other
 form            the entries together, as the state that they make, remembered between sessions
+start           the entry of the first image's capture time
+headings        titles of groups, with what they hold
+presets         the chooser of a preset
 entries         groups of entries that are fields of the state
 sections        flight, output, and what most missions leave as it is
 elevation       the entry of sources of heights

@@ -14,10 +14,10 @@ from qgis.PyQt.QtWidgets import QInputDialog, QMenu, QToolButton
 from ...core.errors import InvalidInput, OutputError
 from ..form.camera import camera_of, given_by, with_height
 from ..form.state import DIAGONAL, HORIZONTAL, SENSOR, VERTICAL, FormState
-from ..form.text import aspect_text, parse_aspect
+from ..form.text import aspect_text, parse_aspect, short_aspect
 from ..i18n import number_text, tr, translate
 from ..plain import shown_plain
-from ..widgets import FieldMarks, combo, line_edit, row, spin, tool_button
+from ..widgets import FieldMarks, ShortLine, combo, named, row, spin, tool_button
 from .choices import CameraChoice
 from .entries import Entries
 
@@ -53,7 +53,8 @@ class CameraEntries(Entries):
         self._trouble = ""
         self._add_chooser()
         self._add_field_of_view()
-        self.aspect = line_edit("aspect", tr("Image width to height, without unit: 4:3, 4000x3000 or 1.333"))
+        tip = tr("Width to height of the image, such as 4:3, 4000x3000 or 1.333")
+        self.aspect = named(ShortLine(short_aspect), "aspect", tip)
         self.add("aspect", tr("Aspect ra&tio"), self.aspect)
         self.add_declared("image_px")
         self._fill_chooser()
@@ -89,7 +90,7 @@ class CameraEntries(Entries):
 
     def _add_chooser(self) -> None:
         self.camera = combo("camera", (), _chooser_tip())
-        tip = tr("Save the values entered as a camera of your own, or remove one")
+        tip = tr("Save these values as your own camera, or remove one")
         self.more = tool_button("more_cameras", QgsApplication.getThemeIcon("/symbologyAdd.svg"), tip)
         self.more.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         menu = QMenu(self.more)
@@ -110,13 +111,13 @@ class CameraEntries(Entries):
         )
         tip = tr(
             "How to enter the field of view: in degrees across the image's diagonal, width or height, or as "
-            "focal length and sensor in mm. Choosing another way converts the values."
+            "focal length and sensor in mm. A change converts the values."
         )
         self.fov_mode = combo("fov_mode", modes, tip)
         self.fov_mode.setMinimumContentsLength(_MODE_LETTERS)
         tip = tr("Field of view across the image's diagonal, in degrees")
         self.fov = spin("fov_deg", 0.0, _DEGREES, 6, " °", tip)
-        tip = tr("Field of view across the image's width or height, as chosen beside, in degrees")
+        tip = tr("Field of view across the image's width or height, as selected, in degrees")
         self.fov_typed = spin("fov_typed_deg", 0.0, _DEGREES, 6, " °", tip)
         for name, widget in (
             ("fov_mode", self.fov_mode),
@@ -127,7 +128,7 @@ class CameraEntries(Entries):
         shown = row(self.fov_mode, self.fov, self.fov_typed, stretch=(1, 2))
         field = self._marks.field("fov_deg", self.fov, shown)
         self._form.addRow(tr("F&ield of view"), self._marks.field("fov_typed_deg", self.fov_typed, field))
-        tip = tr("Focal length of the lens in millimetres: the real one, not that for full frame")
+        tip = tr("Actual focal length of the lens in millimetres, not its full-frame equivalent")
         name = "focal_length_mm"
         focal = self.add(name, tr("Focal length"), spin(name, 0.0, _MM, 6, " mm", tip))
         tips = (tr("Width of the sensor in millimetres"), tr("Height of the sensor in millimetres"))
@@ -153,7 +154,7 @@ class CameraEntries(Entries):
             self.camera.setItemData(
                 self.camera.count() - 1, shown_plain(choice.tip), Qt.ItemDataRole.ToolTipRole
             )
-        self.camera.addItem(tr("Own values"), None)
+        self.camera.addItem(tr("Custom"), None)
         self._name_camera(self._state)
 
     def _choose(self) -> None:
@@ -175,9 +176,7 @@ class CameraEntries(Entries):
         self.remove.setEnabled(current is not None and current.user)
 
     def _save(self) -> None:
-        name, given = QInputDialog.getText(
-            self, tr("Save camera"), tr("Name of the camera with the values entered:")
-        )
+        name, given = QInputDialog.getText(self, tr("Save camera"), tr("Name of the camera:"))
         if given:
             self._change(lambda: save_camera(name, self._state), name.strip())
 
@@ -230,9 +229,7 @@ def save_camera(name: str, state: FormState) -> None:
 
     camera = camera_of(state)
     if camera is None:
-        raise InvalidInput(
-            tr("The values entered are not a valid camera: correct the marked entries, then save.")
-        )
+        raise InvalidInput(tr("These values are not a valid camera: fix the highlighted fields, then save."))
     fraction = Fraction(camera.aspect_ratio).limit_denominator(_MOST_IN_RATIO)
     exact = fraction.numerator / fraction.denominator == camera.aspect_ratio
     ratio = [fraction.numerator, fraction.denominator] if exact else [camera.aspect_ratio, 1]

@@ -108,7 +108,7 @@ def source_choices(project: QgsProject) -> tuple[list[SourceChoice], str]:
         SourceChoice(SERVICE_PREFIX + name, tr("{name}…").format(name=name), group=SERVICE, limits=asked)
         for name in service_names()
     ]
-    drawn = tr("QGIS draws it as on the map, and reads it from the layer's own data source.")
+    drawn = tr("QGIS draws it as on the map, from the layer's own data source.")
     choices += [
         SourceChoice(name, title, group=PROJECT, limits=html.escape(drawn))
         for name, title in layer_choices(project)
@@ -146,28 +146,29 @@ def template_limits(template: str) -> str:
 def limits_html(entry: CatalogueEntry) -> str:
     """What a source's provider allows, in a few lines."""
     if entry.kind == "world":
-        return html.escape(tr("Computed on this computer, for any place; no limits."))
+        return html.escape(tr("Computed on this computer for any place, without limits."))
     policy = entry.policy
     if policy.bulk_allowed == "yes" or policy.max_tiles is None:
-        bulk = tr("any number of requests")
+        bulk = tr("unlimited requests")
     elif policy.bulk_allowed == "ask":
-        bulk = tr("more than {count} requests after agreeing to the terms").format(
+        bulk = tr("over {count} requests require accepting the terms").format(
             count=number_text(policy.max_tiles)
         )
     else:
         bulk = tr("at most {count} requests").format(count=number_text(policy.max_tiles))
     words = [bulk, tr("zoom {least} to {most}").format(least=entry.min_zoom, most=entry.max_zoom)]
     if entry.native_zoom < entry.max_zoom:
-        words[-1] += tr(" (full detail to zoom {native})").format(native=entry.native_zoom)
+        words[-1] += tr(" (native up to zoom {native})").format(native=entry.native_zoom)
     if policy.max_connections is not None:
         words.append(tr("{count} connections").format(count=policy.max_connections))
     if policy.requests_per_s is not None:
         words.append(tr("{rate} requests a second").format(rate=number_text(policy.requests_per_s, "g")))
-    words.append(tr("kept in the cache") if policy.cache_allowed else tr("not kept in the cache"))
+    words.append(tr("tiles are cached") if policy.cache_allowed else tr("tiles are not cached"))
     words[0] = words[0][:1].upper() + words[0][1:]
     text = html.escape("; ".join(words))
     if entry.user and not (policy.licence or policy.terms or policy.terms_url):
-        return f"{text}.<br/>{html.escape(tr('TerrAInav does not know its terms: check them yourself.'))}"
+        unknown = tr("Its terms are unknown: check them yourself.")
+        return f"{text}.<br/>{html.escape(unknown)}"
     licence = html.escape(policy.licence or tr("Licence not stated"))
     if policy.terms_url:
         terms = f'<a href="{html.escape(policy.terms_url)}">{html.escape(tr("terms"))}</a>'

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from qgis.core import QgsApplication
+from qgis.core import QgsApplication, QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsDockWidget
-from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, pyqtSignal
-from qgis.PyQt.QtGui import QShowEvent
+from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtGui import QResizeEvent, QShowEvent
 from qgis.PyQt.QtWidgets import (
     QFrame,
     QGridLayout,
     QHBoxLayout,
     QScrollArea,
+    QSplitter,
     QStyle,
     QToolButton,
     QVBoxLayout,
@@ -27,6 +28,10 @@ from .choices import CameraChoice, SourceChoice
 from .figures import Figures
 from .form import DockForm
 from .runs import RunList
+
+_SHARE_KEY = "TerrAInav/estimates_share"
+#: Most of the panel that figures and captures take by themselves.
+_MOST_BELOW = 0.5
 
 
 class Dock(QgsDockWidget):
@@ -56,7 +61,7 @@ class Dock(QgsDockWidget):
         self.hint.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         self.hint.linkActivated.connect(self.hint_followed)
         self.figures = Figures()
-        self.figures.enlarging_wanted.connect(self.form.allow_enlarged_pixels)
+        self.figures.upsampling_wanted.connect(self.form.allow_upsampling)
         self.estimates, self.problem = self.figures.estimates, self.figures.problem
         self.run_list = RunList()
         self._make_buttons()
@@ -100,7 +105,7 @@ class Dock(QgsDockWidget):
         self.capture = push_button(
             "capture",
             tr("Capture"),
-            tr("Write all images; goes on where an earlier run was stopped"),
+            tr("Capture all images; resumes where an earlier run stopped"),
             icon("capture"),
         )
         self.capture.clicked.connect(self.capture_clicked)
@@ -112,7 +117,7 @@ class Dock(QgsDockWidget):
             of_qgis("/mActionSharingExport.svg"),
         )
         self.export_plan.clicked.connect(lambda _checked: self.export_plan_clicked.emit())
-        tip = tr("Missions of this project, mission files and datasets: open, save, begin")
+        tip = tr("Open, save and start missions: of this project, from files or from datasets")
         self.missions = tool_button("missions", of_qgis("/mActionFileOpen.svg"), tip, tr("Missions"))
         self.missions.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.missions.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -135,17 +140,84 @@ class Dock(QgsDockWidget):
         top.addWidget(self.missions)
         top.addStretch(1)
         top.addWidget(self.help)
+        below = QWidget()
+        inside_below = QVBoxLayout(below)
+        inside_below.setContentsMargins(0, 0, 0, 0)
+        inside_below.addWidget(figures)
+        inside_below.addWidget(self.run_list)
+        inside_below.addStretch(1)
+        above = QWidget()
+        inside_above = QVBoxLayout(above)
+        inside_above.setContentsMargins(0, 0, 0, 0)
+        inside_above.addWidget(self.hint)
+        inside_above.addWidget(self.form, 1)
+        self.parts = Parts(FormScroll(above), below)
         contents = QWidget()
         contents.setStyleSheet(self.form.styleSheet())
         layout = QVBoxLayout(contents)
         layout.setContentsMargins(4, 4, 4, 6)
         layout.addLayout(top)
-        layout.addWidget(self.hint)
-        layout.addWidget(FormScroll(self.form), 1)
-        layout.addWidget(figures)
+        layout.addWidget(self.parts, 1)
         layout.addLayout(buttons)
-        layout.addWidget(self.run_list)
         return contents
+
+
+class Parts(QSplitter):
+    """Entries above, figures and captures below: these as high as they are, until a person moves the border.
+
+    A border that was moved stays where it is, also in the next session; a double click on it frees it again.
+    """
+
+    def __init__(self, above: QWidget, below: QWidget) -> None:
+        super().__init__(Qt.Orientation.Vertical)
+        self.setObjectName("parts")
+        self.setChildrenCollapsible(False)
+        self._below = below
+        for part in (above, below):
+            self.addWidget(part)
+        self.setStretchFactor(0, 1)
+        self.setStretchFactor(1, 0)
+        self._share = QgsSettings().value(_SHARE_KEY, 0.0, type=float)
+        self.splitterMoved.connect(self._moved)
+        handle = self.handle(1)
+        handle.setToolTip(tr("Drag to give the entries or the estimates more room; double-click to reset"))
+        handle.installEventFilter(self)
+        below.installEventFilter(self)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Keep the border where it is wanted."""
+        super().resizeEvent(event)
+        self.fit()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Follow the height of what is below; free the border by a double click."""
+        if event.type() == QEvent.Type.MouseButtonDblClick:
+            self._keep(0.0)
+        elif event.type() == QEvent.Type.LayoutRequest and watched is self._below:
+            self.fit()
+        return super().eventFilter(watched, event)
+
+    def fit(self) -> None:
+        """Give what is below its height, or its share where a person has chosen that."""
+        room = self.height() - self.handleWidth()
+        if room <= 0:
+            return
+        layout = self._below.layout()
+        wanted = layout.totalSizeHint().height()
+        if layout.hasHeightForWidth():
+            wanted = layout.totalHeightForWidth(self.width())
+        most = round(room * (self._share or _MOST_BELOW))
+        below = most if self._share else min(wanted, most)
+        self.setSizes([room - below, below])
+
+    def _moved(self) -> None:
+        above, below = self.sizes()
+        self._keep(below / max(above + below, 1))
+
+    def _keep(self, share: float) -> None:
+        self._share = share
+        QgsSettings().setValue(_SHARE_KEY, share)
+        self.fit()
 
 
 class FormScroll(QScrollArea):
@@ -180,6 +252,11 @@ class FormScroll(QScrollArea):
         if event.type() == QEvent.Type.LayoutRequest and watched is self.widget():
             self._fit()
         return super().eventFilter(watched, event)
+
+    def sizeHint(self) -> QSize:
+        """As wide as the entries would like to be."""
+        bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)
+        return QSize(self.widget().sizeHint().width() + bar, super().sizeHint().height())
 
     def _fit(self) -> None:
         bar = self.style().pixelMetric(QStyle.PixelMetric.PM_ScrollBarExtent)

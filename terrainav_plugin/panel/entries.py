@@ -13,7 +13,20 @@ from ...core.mission.parts import NORTH, TRACK
 from ..form.fields import choices_of, label_of, tip_of
 from ..form.state import DECLARED, ENTERED_AS_DECLARED, FormState
 from ..i18n import tr
-from ..widgets import FieldMarks, NumberBox, choose, combo, form_layout, line_edit, named, row, spin, tick
+from ..widgets import (
+    FieldMarks,
+    NumberBox,
+    ShortLine,
+    choose,
+    combo,
+    form_layout,
+    line_edit,
+    named,
+    row,
+    spin,
+    tick,
+)
+from .start import StartEntry
 
 #: Numbers are taken as typed, and judged in words: what a spin box lets through is far more than what is right.
 _MOST = 1e6
@@ -241,6 +254,10 @@ def _access(widget: QWidget) -> _Access:
         return _Access(widget.filePath, widget.setFilePath, widget.fileChanged)
     if isinstance(widget, WordsLine):
         return _Access(widget.words, widget.enter, widget.textChanged)
+    if isinstance(widget, ShortLine):
+        return _Access(lambda: widget.whole().strip(), widget.enter, widget.textChanged)
+    if isinstance(widget, StartEntry):
+        return _Access(widget.text, widget.enter, widget.changed)
     if isinstance(widget, QLineEdit):
         return _Access(lambda: widget.text().strip(), widget.setText, widget.textChanged)
     raise TypeError(f"{type(widget).__name__}: not a widget that entries know")

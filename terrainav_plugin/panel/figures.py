@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
 
 #: Lines of text that are always to be seen.
-_LEAST_LINES = 6
+_LEAST_LINES = 3
 _FOLDED_KEY = "TerrAInav/folded/details"
-_ENLARGE = "enlarge"
+_UPSAMPLE = "upsample"
 #: A source whose pixels are coarser than the camera's by no more than this share is as fine as the camera.
 _COARSER = 1.02
 
@@ -39,8 +39,8 @@ class Figures(QScrollArea):
 
     Signals
     -------
-    enlarging_wanted()
-        Pictures are to have enlarged pixels.
+    upsampling_wanted()
+        Images are to be upsampled.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Figures(QScrollArea):
         Shows and hides the details.
     """
 
-    enlarging_wanted = pyqtSignal()
+    upsampling_wanted = pyqtSignal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -58,7 +58,7 @@ class Figures(QScrollArea):
         for label in (self.problem, self.warnings):
             label.setProperty("terrainavMark", "true")
         self.problem.setTextFormat(Qt.TextFormat.PlainText)
-        self.warnings.linkActivated.connect(self.enlarging_wanted)
+        self.warnings.linkActivated.connect(self.upsampling_wanted)
         tip = tr("Image size, methods with their error bounds, and what is left out")
         self.fold = tool_button("fold_details", QIcon(), tip, tr("Details"))
         self.fold.setCheckable(True)
@@ -85,10 +85,10 @@ class Figures(QScrollArea):
     def show_readout(self, readout: Readout) -> None:
         """Show the figures of a plan."""
         warnings = [html.escape(text) for text in readout.warnings]
-        if readout.offers_enlarging:
-            offer = tr("The source has no finer pixels of its own here.")
-            link = tr("Allow enlarged pixels")
-            warnings.append(f'{html.escape(offer)} <a href="{_ENLARGE}">{html.escape(link)}</a>')
+        if readout.offers_upsampling:
+            offer = tr("The source has no finer detail here.")
+            link = tr("Allow upsampling")
+            warnings.append(f'{html.escape(offer)} <a href="{_UPSAMPLE}">{html.escape(link)}</a>')
         self._show(
             warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html()
         )
@@ -100,7 +100,7 @@ class Figures(QScrollArea):
 
     def show_problem(self, text: str) -> None:
         """Show why there are no figures; an empty text where fields say so themselves."""
-        self._show(problem=text, warnings="" if text else tr("Correct the entries marked above."))
+        self._show(problem=text, warnings="" if text else tr("Fix the highlighted fields."))
 
     def sizeHint(self) -> QSize:
         """All of the text at this width."""
@@ -153,15 +153,15 @@ class Readout:
         What everybody asks, and the rest.
     why : str
         Why the methods were chosen, as HTML.
-    offers_enlarging : bool
-        Whether pictures could have more pixels if the mission allowed enlarged ones.
+    offers_upsampling : bool
+        Whether images could have more pixels if the mission allowed upsampling.
     """
 
     warnings: tuple[str, ...]
     figures: tuple[tuple[str, str], ...]
     details: tuple[tuple[str, str], ...]
     why: str = ""
-    offers_enlarging: bool = False
+    offers_upsampling: bool = False
 
     def figures_html(self) -> str:
         """What everybody asks, as a table for a label."""
@@ -188,13 +188,13 @@ def readout(
     """
     mission, grid, own_m = plan.mission, plan.grid, plan.source_gsd_m_per_px
     coarser = own_m > _COARSER * summary.requested_gsd_m_per_px
-    enlargeable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
+    upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
         tuple(translate(text) for text in summary.warnings),
         (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(summary, cost)),
         _why_html(plan.accuracy),
-        coarser and enlargeable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
+        coarser and upsampleable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
     )
 
 
@@ -215,13 +215,13 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
     if summary.covered_share is not None:
         lines.append((tr("Coverage"), _coverage(summary, unit)))
     if summary.imagery_share is not None and summary.imagery_share < 1.0:
-        share = tr("the source has imagery of {share} of the area")
+        share = tr("The source covers {share} of the area")
         lines.append(
             (tr("Imagery"), share.format(share=translate(percent(summary.imagery_share, exact=False))))
         )
     if mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0:
         lines += _overlap(summary)
-    lines.append((tr("Ground per px"), _gsd(summary, unit, coarser_m)))
+    lines.append((tr("GSD"), _gsd(summary, unit, coarser_m)))
     lines += _relief(summary, unit)
     flight = tr("{distance}, {duration}").format(
         distance=length_text(summary.flight_distance_m, unit), duration=duration_text(summary.flight_s)
@@ -235,7 +235,7 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         (tr("Flight"), flight),
         *((begun(translate(label)), translate(text)) for label, text in summary.piloting()),
         (tr("Download"), _download(summary)),
-        (tr("Time"), tr("about {duration}").format(duration=duration_text(summary.seconds))),
+        (tr("Time"), tr("About {duration}").format(duration=duration_text(summary.seconds))),
     ]
     return lines
 
@@ -246,12 +246,12 @@ def _relief(summary: Summary, unit: str) -> list[tuple[str, str]]:
     finest, coarsest = summary.finest_gsd_m_per_px, summary.coarsest_gsd_m_per_px
     if lowest is None or highest is None or clearance is None or finest is None or coarsest is None:
         return []
-    ground = tr("ground from {lowest} to {highest}, {clearance} clear at least").format(
+    ground = tr("Ground from {lowest} to {highest}, clearance at least {clearance}").format(
         lowest=length_text(lowest, unit),
         highest=length_text(highest, unit),
         clearance=length_text(clearance, unit),
     )
-    pixels = tr("{finest} per px at the highest, {coarsest} at the lowest").format(
+    pixels = tr("GSD {finest} at the highest point, {coarsest} at the lowest").format(
         finest=gsd_text(finest, unit), coarsest=gsd_text(coarsest, unit)
     )
     return [(tr("Relief"), f"{ground}; {pixels}")]
@@ -265,13 +265,11 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
     if not policy.stops(requests):
         text = tr("{count} of the {most} requests that the provider allows")
     elif policy.bulk_allowed == "ask":
-        text = tr(
-            "{count} requests; more than {most} need your consent: Capture will ask you to agree to the terms"
-        )
+        text = tr("{count} requests. Over {most} requests require accepting the terms: Capture asks you to.")
     else:
         text = tr(
-            "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or "
-            "another source"
+            "{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another "
+            "source"
         )
     return [(tr("Limit"), text.format(count=number_text(requests), most=number_text(policy.max_tiles)))]
 
@@ -283,7 +281,7 @@ def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
         (tr("Tiles"), _tiles(summary)),
         (tr("On disk"), translate(size_text(summary.output_bytes))),
         *_accuracy_lines(summary.accuracy),
-        (tr("Cost"), translate(cost) or tr("being timed…")),
+        (tr("Cost"), translate(cost) or tr("Measuring…")),
     ]
 
 
@@ -307,7 +305,7 @@ def _accuracy_lines(accuracy: Accuracy) -> list[tuple[str, str]]:
             )
             + ("" if accuracy.bound_px <= accuracy.budget_px else tr(", which is exceeded")),
         ),
-        (tr("Left out"), ", ".join(translate(what) for what, _ in accuracy.left_out) or tr("nothing")),
+        (tr("Left out"), ", ".join(translate(what) for what, _ in accuracy.left_out) or tr("Nothing")),
         (tr("Terrain"), _unbroken(terrain)),
     ]
 
@@ -336,9 +334,7 @@ def _why_html(accuracy: Accuracy) -> str:
 
 
 def _ground_text(bound_m: float) -> str:
-    return (
-        f"≤ {length_text(bound_m, METRES)}" if math.isfinite(bound_m) else tr("without limit at the horizon")
-    )
+    return f"≤ {length_text(bound_m, METRES)}" if math.isfinite(bound_m) else tr("unlimited at the horizon")
 
 
 def _table(lines: Iterable[tuple[str, str]]) -> str:
@@ -371,10 +367,10 @@ def _gsd(summary: Summary, unit: str, coarser_m: float | None) -> str:
         gsd_text(value_m, unit)
         for value_m in (summary.requested_gsd_m_per_px, summary.delivered_gsd_m_per_px)
     )
-    text = tr("requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
+    text = tr("Requested {requested}, delivered {delivered}").format(requested=requested, delivered=delivered)
     if coarser_m is None:
         return text
-    hint = tr("the source's own pixels are {source}: images show no finer detail")
+    hint = tr("the source's GSD is {source}: images show no finer detail")
     return f"{text} ({hint.format(source=gsd_text(coarser_m, unit))})"
 
 
@@ -396,7 +392,7 @@ def _held(summary: Summary, unit: str) -> str:
         return text.format(area=area_text(summary.area_m2, unit))
     # Rounded down: what is not complete never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
-    return tr("{share} % of {area}; {uncovered} left out").format(
+    return tr("{share} % of {area}; {uncovered} not covered").format(
         share=number_text(share, ".2f"),
         area=area_text(summary.area_m2, unit),
         uncovered=area_text(summary.uncovered_m2, unit),
@@ -412,7 +408,7 @@ def _overlap(summary: Summary) -> list[tuple[str, str]]:
     ):
         if least is not None:
             parts.append(text.format(share=number_text(100.0 * least, ".1f") + " %"))
-    return [(tr("Overlap"), tr("at least {shares}").format(shares=", ".join(parts)))] if parts else []
+    return [(tr("Overlap"), tr("At least {shares}").format(shares=", ".join(parts)))] if parts else []
 
 
 def _tiles(summary: Summary) -> str:
@@ -424,9 +420,7 @@ def _tiles(summary: Summary) -> str:
 
 def _download(summary: Summary) -> str:
     count = number_text(summary.unique_tiles * len(summary.map_types))
-    if summary.pixels_from == "file":
-        return tr("nothing ({count} tiles read from the file)").format(count=count)
-    if not summary.download_bytes:
-        return tr("nothing ({count} tiles from this computer)").format(count=count)
+    if summary.pixels_from == "file" or not summary.download_bytes:
+        return tr("No download ({count} local tiles)").format(count=count)
     size = translate(size_text(summary.download_bytes))
-    return tr("about {size} in {count} tiles").format(size=size, count=count)
+    return tr("About {size} in {count} tiles").format(size=size, count=count)

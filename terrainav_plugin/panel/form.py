@@ -11,17 +11,22 @@ from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QObject, QSignalBlocker, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
 
+from ...core.mission.presets import Preset
 from ..area.editing import AreaEditing
 from ..area.entries import AreaEntries
 from ..form.camera import settled
+from ..form.headings import headings
 from ..form.mission_form import beyond_text, without_beyond
+from ..form.presets import preset_of, with_preset, without_preset
 from ..form.state import FormState, with_unchanged
 from ..settings import Settings
 from ..tasks import single_shot
 from ..widgets import STYLE_SHEET, FieldMarks, named
 from .camera import CameraEntries
 from .choices import CameraChoice, SourceChoice
+from .headings import Heading
 from .imagery import ImageryEntries
+from .presets import PresetChooser
 from .sections import (
     AccuracySection,
     AttitudeSection,
@@ -57,14 +62,18 @@ class DockForm(QWidget):
         self.marks = FieldMarks()
         self._setting = False
         self._given = self._shown = FormState()
+        #: What was entered before a preset; None once values are one's own again.
+        self._before_preset: FormState | None = None
         self.setStyleSheet(STYLE_SHEET)
         self._make_groups(sources, cameras)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
+        layout.addWidget(self.presets)
         for box in self.boxes:
             layout.addWidget(box)
         layout.addStretch(1)
         self._folds = Folds(self.boxes)
+        self._headings = {box.objectName(): Heading(box) for box in self.boxes}
         self._show(FormState())
         self.area_editing = AreaEditing(self.area, self.state, self.set_state, self)
         self._connect()
@@ -137,14 +146,43 @@ class DockForm(QWidget):
             with QSignalBlocker(self.key):
                 self.key.setConfigId(authcfg)
 
-    def allow_enlarged_pixels(self) -> None:
+    def allow_upsampling(self) -> None:
         """Tick what lets pictures have finer pixels than the source, and show where."""
         self.pixels.setCollapsed(False)
         self.pixels.upsample.setChecked(True)
 
+    # --- presets
+
+    def _take_preset(self, preset: Preset) -> None:
+        """Enter a preset's values, in place of those of the one before it."""
+        state, last = self.state(), self.presets.preset
+        if last is not None and self._before_preset is not None:
+            state = without_preset(state, last, self._before_preset)
+        else:
+            self._before_preset = state
+        # Groups that open as their values are no longer the usual ones must not carry the chooser out of sight.
+        scrolls = [box for box in self.boxes if box.scrollOnExpand()]
+        for box in scrolls:
+            box.setScrollOnExpand(False)
+        self.set_state(with_preset(state, preset, self.imagery.offered()))
+        for box in scrolls:
+            box.setScrollOnExpand(True)
+
+    def _show_preset(self) -> None:
+        preset = preset_of(self.state(), self.imagery.offered())
+        if preset is None:
+            self._before_preset = None
+        self.presets.show_preset(preset)
+
+    def _show_headings(self) -> None:
+        """Say beside the titles of groups what they hold."""
+        for name, words in headings(self.state(), self.imagery.title()).items():
+            self._headings[name].say(words)
+
     # --- groups
 
     def _make_groups(self, sources: Sequence[SourceChoice], cameras: Sequence[CameraChoice]) -> None:
+        self.presets = PresetChooser()
         area = self.area = named(AreaEntries(self.marks), "area_group")
         self.edges, self.draw_box = area.edges, area.draw_box
         imagery = self.imagery = named(ImageryEntries(self.marks, sources), "imagery_group")
@@ -175,6 +213,9 @@ class DockForm(QWidget):
         self.area_editing.typed.connect(self.changed)
         self.changed.connect(self.area_editing.note)
         self.imagery.changed.connect(self._changed)
+        self.presets.chosen.connect(self._take_preset)
+        self.changed.connect(self._show_preset)
+        self.changed.connect(self._show_headings)
         for group in self.groups:
             group.edited.connect(self._edited)
         self.camera_group.chosen.connect(self._take_camera)

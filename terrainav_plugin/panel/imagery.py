@@ -42,8 +42,8 @@ from .choices import (
     unlisted,
 )
 
-#: Room for "Synthetic (offline)", the widest title most people see.
-_TITLE_LETTERS = 16
+#: Least room for titles; in a panel of the usual width there is more.
+_TITLE_LETTERS = 9
 #: Entries that are seen without scrolling.
 _ROWS = 24
 
@@ -126,6 +126,11 @@ class ImageryEntries(QgsCollapsibleGroupBoxBasic):
         """Return the map types that are ticked, of those that the source has."""
         boxes = self.map_types.items()
         return tuple(name for name, check in boxes if check.isChecked() and check.isEnabled())
+
+    def offered(self) -> tuple[str, ...]:
+        """Return the map types that the chosen source has; none of one that writes whichever is ticked."""
+        choice = self.choice()
+        return choice.map_types if choice is not None else ()
 
     def enter_map_types(self, names: Sequence[str]) -> None:
         """Tick map types, telling nobody; one that is ticked for its source's sake stays no wish of the user's."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QObject, QSize, Qt, pyqtSignal
-from qgis.PyQt.QtGui import QResizeEvent
 from qgis.PyQt.QtWidgets import (
     QFrame,
     QHBoxLayout,
@@ -23,15 +22,16 @@ from qgis.PyQt.QtWidgets import (
 from ..capture.run import Run, Stage, row_text, title_of
 from ..i18n import tr
 from ..paths import icon
-from ..plain import shown_plain
-from ..widgets import named, tool_button, wrapped_label
+from ..widgets import ElidedLabel, named, push_button, tool_button
 
 if TYPE_CHECKING:
     from ..capture.queue import Runs
 
 #: Rows to be seen at once; others are scrolled to.
-_ROWS = 3
-_BAR_HEIGHT_PX = 6
+_ROWS = 4
+_BAR_HEIGHT_PX = 4
+#: Characters of a run's name and of what is said of it that there is always room for.
+_TITLE_LETTERS, _TEXT_LETTERS = 10, 8
 
 
 class RunPanel(QObject):
@@ -67,6 +67,7 @@ class RunPanel(QObject):
         runs.listed.connect(self._add)
         runs.dismissed.connect(self._remove)
         runs.moved.connect(self._show_all)
+        shown.clear_clicked.connect(self._clear)
 
     def row(self, run: Run) -> RunRow:
         """Row of a run."""
@@ -83,6 +84,7 @@ class RunPanel(QObject):
         row = self._rows.pop(run, None)
         if row is not None:
             self._list.remove(row)
+            self._fit()
 
     def _show_all(self) -> None:
         for run in self._rows:
@@ -95,11 +97,70 @@ class RunPanel(QObject):
         line = self._runs.waiting
         row.show_progress(run.percent, row_text(run, line.index(run) if run in line else 0))
         row.show_actions(_actions_of(run), run.can_pause, underway=not run.over)
-        self._list.fit()
+        self._fit()
+
+    def _fit(self) -> None:
+        self._list.fit(any(run.over for run in self._rows))
+
+    def _clear(self) -> None:
+        """Take those that are over off the list."""
+        for run in [run for run in self._rows if run.over]:
+            self._runs.dismiss(run)
 
 
-class RunList(QScrollArea):
-    """Rows below each other, as high as they are up to a few of them; hidden while there are none."""
+class RunList(QWidget):
+    """Runs below a heading with a button that clears those that are over; hidden while there are none.
+
+    Signals
+    -------
+    clear_clicked()
+    """
+
+    clear_clicked = pyqtSignal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.scroll = RunRows()
+        self.clear = push_button(
+            "clear_finished",
+            tr("Clear finished"),
+            tr("Remove finished captures from the list (files are kept)"),
+        )
+        self.clear.clicked.connect(self.clear_clicked)
+        top = QHBoxLayout()
+        top.addWidget(QLabel(tr("Captures")))
+        top.addStretch(1)
+        top.addWidget(self.clear)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(2)
+        layout.addLayout(top)
+        layout.addWidget(self.scroll)
+        self.hide()
+
+    @property
+    def rows(self) -> list[RunRow]:
+        """From the top."""
+        return self.scroll.rows
+
+    def add(self, row: RunRow) -> None:
+        """Put a row below the others."""
+        self.scroll.add(row)
+        self.show()
+
+    def remove(self, row: RunRow) -> None:
+        """Take a row away."""
+        self.scroll.remove(row)
+        self.setVisible(bool(self.rows))
+
+    def fit(self, finished: bool) -> None:
+        """Ask for room after rows have changed; ``finished`` is whether one is over."""
+        self.clear.setEnabled(finished)
+        self.scroll.fit()
+
+
+class RunRows(QScrollArea):
+    """Rows below each other, as high as they are up to a few of them."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -116,7 +177,6 @@ class RunList(QScrollArea):
         self.setWidget(contents)
         self._to_newest = False
         self.verticalScrollBar().rangeChanged.connect(self._grown)
-        self.hide()
 
     @property
     def rows(self) -> list[RunRow]:
@@ -128,7 +188,6 @@ class RunList(QScrollArea):
         """Put a row below the others."""
         self._layout.insertWidget(self._layout.count() - 1, row)
         self._to_newest = True
-        self.show()
         self.fit()
 
     def remove(self, row: RunRow) -> None:
@@ -136,7 +195,6 @@ class RunList(QScrollArea):
         self._layout.removeWidget(row)
         row.hide()
         row.deleteLater()
-        self.setVisible(bool(self.rows))
         self.fit()
 
     def fit(self) -> None:
@@ -190,23 +248,23 @@ class RunRow(QFrame):
     def __init__(self, title: str) -> None:
         super().__init__()
         self.setFrameShape(QFrame.Shape.StyledPanel)
-        self.title = named(_ElidedLabel(), "run_title")
+        self.title = named(ElidedLabel(Qt.TextElideMode.ElideMiddle, _TITLE_LETTERS), "run_title")
         font = self.title.font()
         font.setBold(True)
         self.title.setFont(font)
-        self.title.set_text(title)
+        self.title.say(title)
         self.bar = named(QProgressBar(), "run_progress")
         self.bar.setRange(0, 100)
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.text = wrapped_label("run_text")
+        self.text = named(ElidedLabel(Qt.TextElideMode.ElideRight, _TEXT_LETTERS), "run_text")
         self.buttons = self._make_buttons(title)
         self._lay_out()
 
     def show_progress(self, percent: float, text: str) -> None:
         """Show how far the run is."""
         self.bar.setValue(int(percent))
-        self.text.setText(text)
+        self.text.say(text)
 
     def show_actions(self, actions: set[str], enabled: bool = True, underway: bool = True) -> None:
         """Offer what can be done now.
@@ -230,15 +288,15 @@ class RunRow(QFrame):
         looks = {
             self.PAUSE: (
                 of_qgis("/temporal_navigation/pause.svg"),
-                tr("Pause: hold this capture in its place"),
+                tr("Pause this capture"),
             ),
             self.RESUME: (of_qgis("/mActionPlay.svg"), tr("Resume this capture")),
-            self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel; images that are finished are kept")),
+            self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel (finished images are kept)")),
             self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
             self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),
             self.CLEAN: (icon("clean_dataset"), tr("Reject low-detail images of this dataset")),
             self.OPEN: (of_qgis("/mActionFileOpen.svg"), tr("Open the folder of the images")),
-            self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Take this capture off the list; its images stay")),
+            self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Remove from list (files are kept)")),
         }
         buttons = {}
         for name, (image, tip) in looks.items():
@@ -254,15 +312,16 @@ class RunRow(QFrame):
     def _lay_out(self) -> None:
         top = QHBoxLayout()
         top.setSpacing(0)
-        top.addWidget(self.title, 1)
+        top.addWidget(self.title)
+        top.addSpacing(6)
+        top.addWidget(self.text, 1)
         for button in self.buttons.values():
             top.addWidget(button)
         layout = QVBoxLayout(self)
-        layout.setContentsMargins(6, 2, 4, 4)
-        layout.setSpacing(2)
+        layout.setContentsMargins(6, 1, 4, 1)
+        layout.setSpacing(1)
         layout.addLayout(top)
         layout.addWidget(self.bar)
-        layout.addWidget(self.text)
 
 
 def _actions_of(run: Run) -> set[str]:
@@ -282,25 +341,3 @@ def _actions_of(run: Run) -> set[str]:
     if run.stage in (Stage.STOPPED, Stage.BROKEN) and not run.test_shot:
         actions.add(RunRow.RESUME)
     return actions | ({RunRow.FAILED} if run.task.failed else set())
-
-
-class _ElidedLabel(QLabel):
-    """A line that is cut where the panel is narrow, and told whole by its tooltip."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setTextFormat(Qt.TextFormat.PlainText)
-        self._whole = ""
-        self.setMinimumWidth(self.fontMetrics().averageCharWidth() * 8)
-
-    def set_text(self, text: str) -> None:
-        self._whole = text
-        self.setToolTip(shown_plain(text))
-        self._fit()
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        super().resizeEvent(event)
-        self._fit()
-
-    def _fit(self) -> None:
-        self.setText(self.fontMetrics().elidedText(self._whole, Qt.TextElideMode.ElideMiddle, self.width()))

@@ -26,6 +26,7 @@ from ..widgets import (
     named,
     push_button,
     row,
+    short_number,
     spin,
     tick,
     tool_button,
@@ -42,6 +43,7 @@ from .entries import (
     declared_tick,
     declared_widget,
 )
+from .start import StartEntry
 
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
@@ -84,7 +86,8 @@ class FlightEntries(Entries):
     def enter(self, state: FormState) -> None:
         """Enter the fields of a state; shows the ground sample distance that follows from a height."""
         self.camera_gsd.setSuffix(" " + (tr("in") if state.agl_unit == "ft" else tr("cm")))
-        super().enter(replace(state, camera_gsd=shown_gsd(state)))
+        gsd = shown_gsd(state)
+        super().enter(replace(state, camera_gsd=gsd if state.height_by == "gsd" else short_number(gsd)))
         # Last, as every entry above counts as typed.
         self.height_by = state.height_by
         self.show_low(state)
@@ -93,8 +96,8 @@ class FlightEntries(Entries):
         """Say what a ground sample distance comes to where that is a flight close to the ground."""
         is_low = state.height_by == "gsd" and 0.0 < state.agl_m < _LOW_M
         text = tr(
-            "With {px} px along the image's longer side this is {height} above ground. To fly higher, enter more under "
-            "“Image's longer side” of the camera."
+            "With {px} px along the image's longer side, this means flying {height} above ground. To fly "
+            "higher, increase “Image's longer side” under Camera."
         ).format(px=number_text(state.image_px), height=length_text(state.agl_m, state.agl_unit))
         self.low.say(text if is_low else "")
 
@@ -105,26 +108,24 @@ class FlightEntries(Entries):
             _HEIGHT,
             4,
             "",
-            tr("Height above the ground (AGL), in metres or feet as chosen beside"),
+            tr("Height above ground (AGL), in the unit selected beside it"),
         )
         self.agl_unit = combo(
             "agl_unit",
             (("m", tr("m")), ("ft", tr("ft"))),
-            tr(
-                "Metres or international feet: for the height, and for the lengths and areas of the estimates"
-            ),
+            tr("Metres or international feet, for this height and for lengths and areas in the estimates"),
         )
         self.agl.valueChanged.connect(lambda: setattr(self, "height_by", "agl"))
         self.take("agl_unit", self.agl_unit)
         self.add("agl", label_of(DECLARED["agl"]), self.agl, row(self.agl, self.agl_unit, stretch=0))
         tip = tr(
-            "Ground sample distance of the camera, straight down, in cm per px (inches with feet). Height "
-            "and ground sample distance depend on each other; the one typed last stays. The estimates show "
-            "the ground sample distance of the source."
+            "Ground sample distance (GSD) of the camera, straight down, in cm per px (inches with feet). "
+            "Height and GSD depend on each other; the one entered last is kept. The estimates show the GSD of "
+            "the source."
         )
         self.camera_gsd = spin("camera_gsd", 0.0, _GSD, 4, "", tip)
         self.camera_gsd.valueChanged.connect(lambda: setattr(self, "height_by", "gsd"))
-        self.add("camera_gsd", tr("&Ground per px"), self.camera_gsd)
+        self.add("camera_gsd", tr("&GSD"), self.camera_gsd)
         self.low = named(FieldMessage(), "camera_gsd_hint")
         self.low.setWordWrap(True)
         self.low.hide()
@@ -161,7 +162,7 @@ class OutputEntries(Entries):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("output", tr("Output"), marks)
-        tip = tr("Folder for the images; its last part names the mission on the map")
+        tip = tr("Folder for the images; the mission takes its name on the map")
         self.folder = folder_entry("folder", tr("Folder for the images"), tip)
         self.add("folder", tr("Folder"), self.folder)
         self.image_format = declared_choice("image_format")
@@ -175,9 +176,7 @@ class AttitudeSection(Section):
         super().__init__("attitude", tr("Attitude, ground and time"), marks)
         for name in ("yaw_deg", "tilt_deg", "roll_deg", "ground_height_m"):
             self.add_declared(name)
-        start = declared_line("start")
-        start.setPlaceholderText("2024-06-21T10:30:00Z")
-        self.add_declared("start", start)
+        self.add_declared("start", StartEntry(tip_of(DECLARED["start"])))
 
 
 class PixelsSection(Section):
@@ -188,15 +187,15 @@ class PixelsSection(Section):
         ways = (
             ("auto", tr("Automatic")),
             ("zoom", tr("Zoom")),
-            ("gsd", tr("Ground per px")),
+            ("gsd", tr("GSD")),
         )
         tip = tr(
-            "Zoom of the source. Automatic: the zoom whose ground per px is nearest to the camera's, which "
-            "follows from the height and the image's longer side."
+            "Zoom of the source. Automatic: the zoom whose GSD is closest to the camera's, which follows from "
+            "the height and the image's longer side."
         )
         ways_chosen = combo("resolution", ways, tip)
         ways_chosen.activated.connect(self._way_chosen)
-        self.add("resolution", tr("Source's pixels"), ways_chosen)
+        self.add("resolution", tr("Source resolution"), ways_chosen)
         self._zoom_entry = declared_number("zoom")
         self._zoom = self.add_declared("zoom", self._zoom_entry)
         self._zooms = named(plain_label(), "zooms")
@@ -211,7 +210,7 @@ class PixelsSection(Section):
         self.add_declared("upsample", self.upsample)
         self.add_declared("max_px")
         bands = declared_line("bands")
-        bands.setPlaceholderText(tr("all, or those of colours"))
+        bands.setPlaceholderText(tr("all, or the colour bands"))
         self.add_declared("bands", bands)
         self.add_declared("stretch")
         tip = tr("Resize every image to the width and height below, in pixels (px)")
@@ -222,9 +221,9 @@ class PixelsSection(Section):
             tr("Height of the resized images in pixels (px)"),
         )
         sizes = {name: spin(name, 0, _SIZE_PX, 0, " px", tip) for name, tip in zip(names, tips)}
-        self._size = self.add_two(tr("To"), *names, sizes, "×")
-        tip = tr("Write one channel of grey values instead of three of colours (without unit)")
-        self._grey = self.add("resize_grey", "", tick("resize_grey", tr("Grey"), tip))
+        self._size = self.add_two(tr("Size"), *names, sizes, "×")
+        tip = tr("Write one grey channel instead of three colour channels")
+        self._grey = self.add("resize_grey", "", tick("resize_grey", tr("Greyscale"), tip))
         self.edited.connect(self._show_rows)
         self._show_rows()
 
@@ -232,8 +231,8 @@ class PixelsSection(Section):
         """Say which zooms the source of a plan has, and what its pixels show of the ground; ``unit`` is m or ft."""
         self._plan, grid = plan, plan.grid
         text = tr(
-            "Zoom {native} has the source's own pixels, which show {size} of the ground each; those of each zoom "
-            "below, down to {least}, show twice as much."
+            "Zoom {native} is the source's native resolution, with a GSD of {size}. Each zoom below it, down "
+            "to {least}, doubles the GSD."
         )
         size = gsd_text(plan.source_gsd_m_per_px, unit)
         self._zooms.setText(text.format(native=grid.native_zoom, size=size, least=grid.min_zoom))
@@ -265,7 +264,9 @@ class ReliefSection(Section):
         super().__init__("relief", tr("Relief"), marks)
         for name in ("elevation", "surface"):
             line = HeightsLine(name, tip_of(DECLARED[name]))
-            line.setPlaceholderText(tr("level ground") if name == "elevation" else tr("as the elevation"))
+            line.setPlaceholderText(
+                tr("level ground") if name == "elevation" else tr("same as the elevation")
+            )
             self.take(name, line)
             self._form.addRow(label_of(DECLARED[name]), self._marks.field(name, line, row(line, line.button)))
         self.add_declared("height_above")
@@ -369,7 +370,7 @@ class AccuracySection(Section):
 
     def show_more(self, text: str) -> None:
         """Show what goes beyond the entries; nothing for an empty text."""
-        link = tr("forget")
+        link = tr("reset")
         shown = tr("Also set: {text}").format(text=html.escape(text))
         self.more.setText(f'{shown} (<a href="forget">{link}</a>)' if text else "")
         self.more.setVisible(bool(text))

@@ -123,7 +123,7 @@ class MakeBenchmark(WithImagery):
             {
                 "IMAGES": tr("Images"),
                 "REQUESTS": tr("Requests"),
-                "FAILED": tr("Images that could not be made"),
+                "FAILED": tr("Images that could not be captured"),
                 "QUERY_COUNT": tr("Queries"),
                 "TILE_COUNT": tr("Tiles of the reference"),
                 "WITHOUT_TILE": tr("Queries without a right tile"),

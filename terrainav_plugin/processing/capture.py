@@ -65,8 +65,8 @@ class _Capturing(WithImagery):
             {
                 "TOTAL": tr("Images asked for"),
                 "WRITTEN": tr("Images written"),
-                "SKIPPED": tr("Images that were there"),
-                "FAILED": tr("Images that could not be made"),
+                "SKIPPED": tr("Images that already existed"),
+                "FAILED": tr("Images that could not be captured"),
                 "REQUESTS": tr("Requests"),
             }
         )
@@ -200,7 +200,7 @@ class CaptureFailed(_Capturing):
         """Return what people read of it."""
         return Words(
             tr("Capture failed images again"),
-            tr("Only those that an earlier capture could not make."),
+            tr("Only those that failed in an earlier capture."),
             tr("uav,drone,capture,failed,retry,resume,dataset"),
             (
                 tr(
@@ -246,7 +246,7 @@ def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> No
 def tell_result(result: CaptureResult, watch: Watch) -> None:
     """Say what a capture has made, what has failed, and which tiles came for many places."""
     watch.say(
-        tr("{written} images written, {skipped} were there, {failed} failed, in {seconds} s.").format(
+        tr("{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.").format(
             written=number_text(result.written),
             skipped=number_text(result.skipped),
             failed=number_text(len(result.failed)),

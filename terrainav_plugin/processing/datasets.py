@@ -83,7 +83,7 @@ class Clean(_OfDataset):
         self.add(
             QgsProcessingParameterNumber(
                 "ENTROPY",
-                tr("Least entropy (bits)"),
+                tr("Minimum entropy (bits)"),
                 QgsProcessingParameterNumber.Type.Double,
                 DEFAULT_ENTROPY,
                 False,
@@ -93,7 +93,7 @@ class Clean(_OfDataset):
             tr("Images below it are rejected; 0 to 8."),
         )
         self.add(
-            Choice("ACTION", tr("What to do"), {one: one for one in (_MARK, _MOVE, _UNDO)}, _MARK),
+            Choice("ACTION", tr("Action"), {one: one for one in (_MARK, _MOVE, _UNDO)}, _MARK),
             tr("Mark rejected images in the table, move them as well, or put all back."),
         )
         self.add(
@@ -233,7 +233,7 @@ class Split(_OfDataset):
 
     def _define_own(self) -> None:
         self.add(
-            Choice("HOW", tr("How to split"), {way: way for way in WAYS}, WAYS[0]),
+            Choice("HOW", tr("Splitting method"), {way: way for way in WAYS}, WAYS[0]),
             tr(
                 "By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need."
             ),
@@ -246,7 +246,7 @@ class Split(_OfDataset):
         )
         self.add(
             QgsProcessingParameterNumber(
-                "BLOCK", tr("Side of the blocks (m)"), number.Double, None, True, 0.0, _WIDEST_M
+                "BLOCK", tr("Block size (m)"), number.Double, None, True, 0.0, _WIDEST_M
             ),
             tr("With blocks only. If empty, a size is found that gives parts close to the shares."),
         )

@@ -216,18 +216,18 @@ def _add_area(algorithm: Algorithm) -> None:
     algorithm.add(number_of("AGL", field, field.starts_with), sentence_of(field))
     any_type = QgsProcessingParameterField.DataType.Any
     for name, title, text in (
-        ("AGL_FIELD", tr("Field of heights"), tr("Height above ground of each point, metres.")),
-        ("YAW_FIELD", tr("Field of yaws"), tr("Yaw of each point, degrees clockwise from north.")),
-        ("TILT_FIELD", tr("Field of tilts"), tr("Tilt of each point, degrees: 0 looks straight down.")),
+        ("AGL_FIELD", tr("Height field"), tr("Height above ground of each point, metres.")),
+        ("YAW_FIELD", tr("Yaw field"), tr("Yaw of each point, degrees clockwise from north.")),
+        ("TILT_FIELD", tr("Tilt field"), tr("Tilt of each point, degrees: 0 looks straight down.")),
         (
             "GIMBAL_PITCH_FIELD",
-            tr("Field of gimbal pitches"),
+            tr("Gimbal pitch field"),
             tr("Pitch of each point instead of a tilt, degrees: -90 looks straight down."),
         ),
-        ("ROLL_FIELD", tr("Field of rolls"), tr("Roll of each point, degrees, right side down.")),
+        ("ROLL_FIELD", tr("Roll field"), tr("Roll of each point, degrees, right side down.")),
         (
             "TIME_FIELD",
-            tr("Field of times"),
+            tr("Capture time field"),
             tr(
                 "Time of each point: a date with its time, text such as 2024-06-21T10:30:00Z, or seconds after 1970; "
                 "in UTC where no zone is stated. Captures are in the order of their times."

@@ -237,8 +237,8 @@ def _figures() -> dict[str, str]:
     return {
         "IMAGES": tr("Images of one map type"),
         "COVERAGE": tr("Coverage (percent)"),
-        "OVERLAP_LEAST_ALONG": tr("Least overlap along rows (share)"),
-        "OVERLAP_LEAST_ACROSS": tr("Least overlap across rows (share)"),
+        "OVERLAP_LEAST_ALONG": tr("Minimum overlap along rows (share)"),
+        "OVERLAP_LEAST_ACROSS": tr("Minimum overlap across rows (share)"),
         "REQUESTED_GSD": tr("Ground sample distance requested (metres)"),
         "DELIVERED_GSD": tr("Ground sample distance delivered (metres)"),
         "CHOSEN_ZOOM": tr("Zoom of the plan"),

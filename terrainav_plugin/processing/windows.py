@@ -91,6 +91,6 @@ class BenchmarkWindows(QObject):
         )
         failed = results["FAILED"]
         if failed:
-            text += " " + tr("{count} images could not be made.").format(count=number_text(failed))
+            text += " " + tr("{count} images could not be captured.").format(count=number_text(failed))
         tell = self._messages.warning if failed else self._messages.success
         tell(text, action=(tr("Score"), self.score))

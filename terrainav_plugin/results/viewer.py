@@ -80,9 +80,9 @@ class Viewer(QgsDockWidget):
         self.setObjectName("terrainav_viewer")
         self.view = PictureView("picture")
         self.depth = DepthPane(self.view)
-        self.under_click = named(QComboBox(), "under_click", tr("Images that show the place of the click"))
+        self.under_click = named(QComboBox(), "under_click", tr("Images that show the clicked place"))
         self.under_click.activated.connect(self.chosen)
-        self.map_type = named(QComboBox(), "shown_map_type", tr("Kind of map that is shown"))
+        self.map_type = named(QComboBox(), "shown_map_type", tr("Map type shown"))
         self.map_type.activated.connect(
             lambda index: self.map_type_wanted.emit(self.map_type.itemData(index))
         )
@@ -150,18 +150,18 @@ class Viewer(QgsDockWidget):
         self.previous = push_button(
             "previous",
             tr("Prev&ious"),
-            tr("Image before this one in the flight"),
+            tr("Previous image of the flight"),
             of_qgis("/mActionArrowLeft.svg"),
         )
         self.previous.clicked.connect(lambda: self.step_wanted.emit(-1))
         self.following = push_button(
-            "next", tr("Ne&xt"), tr("Image after this one in the flight"), of_qgis("/mActionArrowRight.svg")
+            "next", tr("Ne&xt"), tr("Next image of the flight"), of_qgis("/mActionArrowRight.svg")
         )
         self.following.clicked.connect(lambda: self.step_wanted.emit(1))
         self.open = push_button(
             "open",
             tr("Ope&n"),
-            tr("Open the image in the program for such files"),
+            tr("Open the image in its default program"),
             of_qgis("/mActionFileOpen.svg"),
         )
         self.open.clicked.connect(lambda _checked: self.open_wanted.emit())
@@ -413,7 +413,7 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
     yield tr("Height"), _height(pose, row)
     angles = (_number(pose, name, 2) for name in ("yaw_deg", "tilt_deg", "roll_deg"))
     yield tr("Yaw, tilt, roll"), tr("{}°, {}°, {}°").format(*angles)
-    yield tr("Time"), _time(pose)
+    yield tr("Capture time"), _time(pose)
     if seen.picture.width_px:
         yield (
             tr("Size"),

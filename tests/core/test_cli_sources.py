@@ -74,7 +74,7 @@ def test_a_source_by_url_from_adding_to_capturing_without_a_network(run, tmp_pat
         shown = dict(line.split("  ", 1) for line in good(run("sources", "show", "town")).splitlines())
         shown = {label.strip(): text.strip() for label, text in shown.items()}
         assert shown["name"] == "town (your own)"
-        assert shown["bulk download"] == "yes: any number of requests; 3 connections, 500 requests/s"
+        assert shown["bulk download"] == "yes: unlimited requests; 3 connections, 500 requests/s"
         assert (shown["zooms"], shown["licence"]) == ("0 to 18, detail to 18", "CC0")
         assert shown["URL"] == server.url_template
         assert "Town (your own)" in good(run("sources"))
@@ -283,7 +283,7 @@ def test_the_catalogue_with_all_limits(run):
 
 def test_consent(run):
     plan = good(run("plan", "--coords", LARGE, "--source", "swisstopo"))
-    assert "more than 1,000 requests after agreeing to the terms (--accept-terms)" in plan
+    assert "over 1,000 requests require accepting the terms (--accept-terms)" in plan
     assert "this mission takes" in plan
     ask = one_line(run("capture", "--coords", LARGE, "--source", "swisstopo", "--data-dir", "out"), 3)
     assert "refrain from automatic requests of high intensity" in ask
@@ -309,11 +309,11 @@ def test_agreeing_lets_a_run_begin(run, tmp_path):
         assert server.requests
 
 
-def test_enlarged_pixels_are_warned_of(run):
+def test_upsampling_is_warned_of(run):
     small = ("plan", "--coords", POINT, "--source", "usgs")
     assert "warning" not in good(run(*small))
     warned = good(run(*small, "--zoom", "16", "--img-size", "8000", "6000", "3"))
-    assert "times, images show nothing more; ask for --img-size " in warned
+    assert "times, images show no more detail; ask for --img-size " in warned
     assert json.loads(good(run(*small, "--json")))["warnings"] == []
 
 

@@ -82,7 +82,7 @@ def test_figures_hold_every_part_of_the_accuracy(high):
 
 def test_cost_is_said_to_come_until_it_is_there():
     planned = plan(Mission(area=AREA, agl_m=HIGH_M), grid_of(Mission(area=AREA, agl_m=HIGH_M)))
-    assert dict(readout(planned, estimate(planned)).details)["Cost"] == "being timed…"
+    assert dict(readout(planned, estimate(planned)).details)["Cost"] == "Measuring…"
     assert dict(readout(planned, estimate(planned), cost="nothing").details)["Cost"] == "nothing"
 
 
@@ -101,7 +101,7 @@ def test_budget_that_nothing_fits_is_marked_and_can_be_accepted(high):
     high.form.set_state(replace(high.session.state(), error_budget_px=1e-12))
     high.wait(lambda: "no methods fit" in high.message("error_budget_px"))
     # In words of the panel.
-    assert "Go on beyond the budget" in high.message("error_budget_px")
+    assert "Allow exceeding the error budget" in high.message("error_budget_px")
     assert "--" not in high.message("error_budget_px")
     assert not high.form.accuracy.isCollapsed()
     assert high.dock.estimates.text() == ""
@@ -272,7 +272,7 @@ def test_one_changed_entry_changes_nothing_else(desk):
 
 def test_what_the_panel_has_no_entry_for_is_shown_and_can_be_forgotten(desk):
     desk.form.set_state(state_of(EVERYTHING, ""))
-    assert "most images: 1000" in desk.form.accuracy.more.text()
+    assert "maximum number of images: 1000" in desk.form.accuracy.more.text()
     assert "mesh: rays" in desk.form.accuracy.more.text()
     desk.form.accuracy.more.linkActivated.emit("forget")
     assert desk.form.accuracy.more.text() == ""

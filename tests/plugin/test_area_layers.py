@@ -525,7 +525,7 @@ def test_line_is_flown_at_a_speed(desk, screenshot):
     desk.form.agl.setValue(150.0)
     choose_way(desk, "line")
     dialog = dialog_of(desk)
-    assert "Nothing is selected in it: all 2 lines" in dialog.words.text()
+    assert "Nothing is selected: all 2 lines" in dialog.words.text()
     layer.selectByIds([1])
     dialog.show_layer(layer)
     dialog.speed.setValue(10.0)
@@ -592,7 +592,7 @@ def test_line_that_is_too_sharp_is_refused(desk):
     desk.iface.setActiveLayer(layer)
     choose_way(desk, "line")
     dialog = dialog_of(desk)
-    assert dialog.words.text().startswith("It has one line, which is flown.")
+    assert dialog.words.text().startswith("Its only line will be flown.")
     accept(desk, dialog)
     desk.wait(lambda: any("turns by 180 degrees at 0.001000, 0.000000" in text for text in desk.messages()))
 

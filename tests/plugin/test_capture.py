@@ -211,7 +211,7 @@ def test_capture_of_what_is_there_makes_nothing_anew(prepared, server):
     asked = sum(server.requests.values())
     capture(prepared)
     assert sum(server.requests.values()) == asked
-    assert any("were there already" in text for text in prepared.messages())
+    assert any("already exist" in text for text in prepared.messages())
     assert [prepared.layer(name).id() for name in prepared.layer_names()] == layers
 
 
@@ -231,7 +231,9 @@ def test_failed_images_are_named_and_the_others_written(prepared, server):
     failed = set(planned.names) - there
     assert planned.names[0] in failed
     assert 0 < len(failed) < 8
-    assert any(f"{len(failed)} of {len(planned)} images could not be made" in t for t in prepared.messages())
+    assert any(
+        f"{len(failed)} of {len(planned)} images could not be captured" in t for t in prepared.messages()
+    )
     assert {"Details", "Capture only the failed ones"} <= set(prepared.buttons_in_message_bar())
     # What is there is on the map; where the failed image would be one sees through.
     mosaic = gdal.Open(str(prepared.folder / "satellite.vrt"))
@@ -330,7 +332,7 @@ def test_capture_without_an_area_or_folder_says_so(desk):
     desk.enter_coarse_mission()
     desk.form.folder.setFilePath("")
     desk.click(desk.dock.capture)
-    assert "folder is empty" in desk.message("folder")
+    assert "no folder" in desk.message("folder")
     assert desk.session.runs.task is None
 
 

@@ -153,7 +153,7 @@ def test_camera_presets_fill_in_their_values(desk):
 
 def test_changed_camera_values_are_own_values(desk):
     desk.form.fov.setValue(50.0)
-    assert desk.form.camera.currentText() == "Own values"
+    assert desk.form.camera.currentText() == "Custom"
     desk.form.fov.setValue(78.8)
     assert desk.form.camera.currentText() == cameras()[0].name
 
@@ -171,7 +171,7 @@ def test_mission_beyond_the_limit_is_refused_in_words(desk):
     desk.enter_box("60", "-120", "-60", "120")
     desk.form.agl.setValue(1.0)
     desk.wait(lambda: "the limit is 10,000,000" in desk.dock.problem.text())
-    assert "“Most images” of the algorithm “Plan a mission”" in desk.dock.problem.text()
+    assert "“Maximum number of images” of the algorithm “Plan a mission”" in desk.dock.problem.text()
     assert "--" not in desk.dock.problem.text()
     assert desk.dock.problem.isVisibleTo(desk.dock)
 

@@ -36,27 +36,27 @@ def test_zoom_beyond_the_source_is_refused_in_words_of_the_panel_and_allowed_by_
     desk.choose(pixels.entries["resolution"], "zoom")
     type_number(pixels.entries["zoom"], "19")
     desk.wait(lambda: "pixels end at zoom 17" in desk.message("zoom"))
-    assert "“Allow enlarged pixels”" in desk.message("zoom")
+    assert "“Allow upsampling”" in desk.message("zoom")
     assert not pixels.isCollapsed()
     QTest.keyClick(pixels.entries["upsample"], Qt.Key.Key_Space)
     planned = desk.wait_planned()
     assert planned.plan.zoom == 19
     # Enlarged pixels are said to be such, in words of the panel.
     warning = desk.dock.figures.warnings.text()
-    assert "enlarged" in warning
+    assert "upsampled" in warning
     assert "--" not in warning
 
 
-def test_enlarged_pixels_are_offered_beside_the_figures(desk):
+def test_upsampling_is_offered_beside_the_figures(desk):
     desk.enter_small_mission()
     desk.choose(desk.form.source, "esri-world-imagery")
     desk.form.agl.setValue(30.0)
     desk.wait_planned()
     warnings = desk.dock.figures.warnings
     assert warnings.isVisibleTo(desk.dock)
-    assert "Allow enlarged pixels" in warnings.text()
+    assert "Allow upsampling" in warnings.text()
     assert "show no finer detail" in html.unescape(desk.dock.estimates.text())
-    warnings.linkActivated.emit("enlarge")
+    warnings.linkActivated.emit("upsample")
     assert desk.form.pixels.entries["upsample"].isChecked()
     planned = desk.wait_planned()
     assert planned.mission.pixels.upsample
@@ -166,6 +166,8 @@ def test_tab_key_goes_as_the_eye_reads(desk):
             break
         visited.append(widget)
         QTest.keyClick(widget, Qt.Key.Key_Tab)
+    # Layouts settle, now that groups are open.
+    QTest.qWait(50)
     entries = [w for group in inside for w in group.entries.values() if w.isVisibleTo(form) and w.isEnabled()]
     found = [w for w in visited if any(w is entry for entry in entries)]
     assert set(map(id, found)) == {id(w) for w in entries if w.focusPolicy() & Qt.FocusPolicy.TabFocus}

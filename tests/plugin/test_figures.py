@@ -48,9 +48,9 @@ def test_figures_of_a_covered_area():
     summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
     assert lines["Images"] == f"{summary.images:,} in {summary.rows} rows"
     assert lines["Coverage"].startswith("100 % of 35.03 km²")
-    assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles from this computer)"
+    assert lines["Download"] == f"No download ({summary.unique_tiles:,} local tiles)"
     _, lines = lines_of(Mission(area=AREA, agl_m=120.0), FROM_FILE)
-    assert lines["Download"] == f"nothing ({summary.unique_tiles:,} tiles read from the file)"
+    assert lines["Download"] == f"No download ({summary.unique_tiles:,} local tiles)"
 
 
 def test_what_is_left_out_is_said_and_never_reads_as_everything():
@@ -58,7 +58,7 @@ def test_what_is_left_out_is_said_and_never_reads_as_everything():
     assert not summary.complete
     share = float(lines["Coverage"].partition(" %")[0])
     assert 0.0 < share <= 100.0 * summary.covered_share < 100.0
-    assert "left out" in lines["Coverage"]
+    assert "not covered" in lines["Coverage"]
 
 
 def test_several_map_types_count_together():
@@ -78,31 +78,29 @@ def test_points_have_neither_coverage_nor_overlap():
 def test_what_matters_comes_first_and_the_rest_is_behind_the_fold():
     _, shown = readout_of(Mission(area=AREA, agl_m=300.0, overlap_along=0.6))
     assert [label for label, _ in shown.figures] == [
-        *("Images", "Coverage", "Overlap", "Ground per px", "Flight", "Download", "Time")
+        *("Images", "Coverage", "Overlap", "GSD", "Flight", "Download", "Time")
     ]
-    assert {"Picture", "Tiles", "On disk", "Methods", "Error", "Terrain", "Cost"} <= dict(
-        shown.details
-    ).keys()
+    assert {"Image", "Tiles", "On disk", "Methods", "Error", "Terrain", "Cost"} <= dict(shown.details).keys()
     for table, lines in ((shown.figures_html(), shown.figures), (shown.details_html(), shown.details)):
         assert all(html.escape(label) in table and html.escape(value) in table for label, value in lines)
 
 
-def test_ground_per_px_is_the_two_figures_of_the_command():
+def test_gsd_is_the_two_figures_of_the_command():
     summary, lines = lines_of(Mission(area=AREA, agl_m=120.0))
     # By the formula, from the diagonal of 640 x 480 px.
     camera_cm = 100.0 * 2.0 * 120.0 * math.tan(math.radians(78.8 / 2.0)) / 800.0
     delivered_cm = 100.0 * summary.delivered_gsd_m_per_px
-    assert lines["Ground per px"] == f"requested {camera_cm:.4g} cm, delivered {delivered_cm:.4g} cm"
-    assert lines["Ground per px"] == dict(summary.lines())["ground sample distance"]
+    assert lines["GSD"] == f"Requested {camera_cm:.4g} cm, delivered {delivered_cm:.4g} cm"
+    assert lines["GSD"].lower() == dict(summary.lines())["ground sample distance"]
 
 
 def test_source_that_is_coarser_than_the_camera_is_said_to_be():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
     summary, lines = lines_of(near)
     own = f"{100.0 * summary.delivered_gsd_m_per_px:.4g} cm"
-    hint = f"(the source's own pixels are {own}: images show no finer detail)"
-    assert lines["Ground per px"].endswith(hint)
-    assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["Ground per px"]
+    hint = f"(the source's GSD is {own}: images show no finer detail)"
+    assert lines["GSD"].endswith(hint)
+    assert "detail" not in lines_of(near.with_(agl_m=2000.0))[1]["GSD"]
 
 
 def test_feet_come_with_inches_miles_and_acres():
@@ -110,9 +108,9 @@ def test_feet_come_with_inches_miles_and_acres():
     summary, lines = lines_of(there, unit="ft")
     assert lines["Flight"].startswith(f"{summary.flight_distance_m / 1609.344:.4g} mi, ")
     inches = summary.delivered_gsd_m_per_px / 0.0254
-    assert f"delivered {inches:.4g} in" in lines["Ground per px"]
+    assert f"delivered {inches:.4g} in" in lines["GSD"]
     assert f"of {summary.area_m2 / 2589988.110336:.4g} sq mi" in lines["Coverage"]
-    assert f"{summary.uncovered_m2 / 4046.8564224:.4g} acres left out" in lines["Coverage"]
+    assert f"{summary.uncovered_m2 / 4046.8564224:.4g} acres not covered" in lines["Coverage"]
     assert " m," not in lines["Flight"]
     assert "km" not in "".join(value for label, value in lines.items() if label != "Terrain")
 
@@ -125,12 +123,12 @@ def test_warnings_speak_of_entries_not_of_options():
     assert not any("--" in text for text in shown.warnings)
 
 
-def test_enlarged_pixels_are_offered_where_the_source_is_what_limits_a_picture():
+def test_upsampling_is_offered_where_the_source_is_what_limits_a_picture():
     near = Mission(area=Box(35.14, -89.87, 35.1395, -89.8695), agl_m=20.0, source=COARSE)
-    assert readout_of(near)[1].offers_enlarging
-    assert not readout_of(near.with_(upsample=True))[1].offers_enlarging
+    assert readout_of(near)[1].offers_upsampling
+    assert not readout_of(near.with_(upsample=True))[1].offers_upsampling
     # From high up the camera is the limit.
-    assert not readout_of(near.with_(agl_m=2000.0))[1].offers_enlarging
+    assert not readout_of(near.with_(agl_m=2000.0))[1].offers_upsampling
 
 
 @pytest.mark.parametrize("option", sorted(options_in_messages()))

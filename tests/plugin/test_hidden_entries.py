@@ -6,6 +6,7 @@ import itertools
 from dataclasses import fields, replace
 
 import pytest
+from qgis.PyQt.QtCore import QDate, QDateTime, Qt, QTime
 from terrainav.terrainav_plugin.form.state import FOV_MODES, FormState
 
 # What no mission takes, in each entry that a choice can hide.
@@ -35,7 +36,7 @@ def test_date_is_not_asked_for_where_the_source_has_none(desk):
     desk.choose(desk.form.source, DATED)
     type_date(desk, WRONG["date"])
     desk.wait(lambda: bool(desk.message("date")))
-    assert desk.dock.figures.warnings.text() == "Correct the entries marked above."
+    assert desk.dock.figures.warnings.text() == "Fix the highlighted marked above."
     desk.choose(desk.form.source, UNDATED)
     planned = desk.wait_planned()
     assert planned is not None
@@ -89,7 +90,8 @@ def test_folded_groups_are_asked_for_all_the_same(desk):
     for box in desk.form.boxes:
         box.setCollapsed(True)
     desk.form.flight.entries["row_azimuth_deg"].setValue(127.0)
-    desk.form.attitude.entries["start"].setText("2024-06-21T10:30:00Z")
+    start = QDateTime(QDate(2024, 6, 21), QTime(10, 30), Qt.TimeSpec.UTC)
+    desk.form.attitude.entries["start"].edit.setDateTime(start)
     mission = desk.wait_planned().mission
     assert (mission.flight.row_azimuth_deg, mission.flight.start) == (127.0, "2024-06-21T10:30:00Z")
     for box in desk.form.boxes:

@@ -18,7 +18,7 @@ from tests.plugin.steps import PATIENCE_MS
 SMALL_PX, WIDE_PX = (1280, 720), (1600, 950)
 TEXTS = (
     "mission-1: stopped with 18 of 93 images.",
-    "mission-1: 12 of 93 images could not be made (tile 18/65612/103456: the server answers 404; asked thrice).",
+    "mission-1: 12 of 93 images could not be captured (tile 18/65612/103456: the server answers 404; asked thrice).",
 )
 
 

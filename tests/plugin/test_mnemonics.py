@@ -18,7 +18,7 @@ IN_THE_PANEL = {
     "Aspect ratio": "T",
     "Image's longer side": "N",
     "Height above ground": "U",
-    "Ground per px": "G",
+    "GSD": "G",
     "Layout": "Y",
 }
 

@@ -62,7 +62,7 @@ def test_it_is_said_and_treated_as_missing_by_a_press(desk, server, settings, sc
     screenshot("repeated-tiles")
 
     desk.click(desk.buttons_in_message_bar()["Treat as missing"])
-    desk.wait(lambda: any("could not be made" in text for text in desk.messages()))
+    desk.wait(lambda: any("could not be captured" in text for text in desk.messages()))
     desk.wait_for_run()
     assert settings.missing_tiles == (DIGEST,)
     # Nothing grey is left, neither as a file nor in the mosaic, and it is not said again.

@@ -55,7 +55,7 @@ def row_of(desk, run):
 def press(desk, run, action):
     """Press a button of a run's row with the mouse."""
     button = row_of(desk, run).buttons[action]
-    desk.dock.run_list.ensureWidgetVisible(button)
+    desk.dock.run_list.scroll.ensureWidgetVisible(button)
     assert button.isVisible(), action
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
@@ -63,10 +63,10 @@ def press(desk, run, action):
 @pytest.mark.parametrize(
     ("total", "written", "text"),
     [
-        (0, 0, "No image was missing."),
-        (1, 0, "The image was there already."),
+        (0, 0, "No images were missing."),
+        (1, 0, "The image already exists."),
         (1, 1, "One image captured in 2 s."),
-        (9, 0, "All 9 images were there already."),
+        (9, 0, "All 9 images already exist."),
         (1_200, 1_200, "1,200 images captured in 2 s."),
         (93, 75, "All 93 images captured: 75 now, in 2 s; 18 in earlier runs."),
     ],
@@ -83,8 +83,8 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
     folders = [prepared.folder.with_name(f"flight-{number}") for number in (1, 2, 3)]
     runs = [press_capture(prepared, folder) for folder in folders]
     assert [run.stage for run in runs] == [Stage.RUNNING, Stage.WAITING, Stage.WAITING]
-    assert "next in line" in row_of(prepared, runs[1]).text.text()
-    assert "2 before it" in row_of(prepared, runs[2]).text.text()
+    assert "Waiting: next" in row_of(prepared, runs[1]).text.text()
+    assert "2 ahead of it" in row_of(prepared, runs[2]).text.text()
     # QGIS's own list has the one at work.
     assert QgsApplication.taskManager().countActiveTasks() == 1
     prepared.wait(lambda: len(pictures(folders[0])) >= 12)
@@ -152,7 +152,7 @@ def test_same_folder_is_not_queued_twice(prepared, server):
     server.latency_s = SLOW_S
     run = press_capture(prepared)
     prepared.click(prepared.dock.capture)
-    prepared.wait(lambda: "mission is being captured already." in prepared.messages())
+    prepared.wait(lambda: "mission is already being captured." in prepared.messages())
     # As little as by a double click.
     assert prepared.buttons_in_message_bar() == {}
     assert prepared.session.runs.runs == [run]
@@ -255,8 +255,8 @@ def test_list_leaves_room_for_the_entries(prepared, server):
     assert prepared.dock.widget().minimumSizeHint().height() < 600
     row = prepared.dock.run_list.rows[-1]
     prepared.qtbot.wait(50)
-    top = row.mapTo(prepared.dock.run_list.viewport(), QPoint(0, 0)).y()
-    assert 0 <= top < prepared.dock.run_list.viewport().height()
+    top = row.mapTo(prepared.dock.run_list.scroll.viewport(), QPoint(0, 0)).y()
+    assert 0 <= top < prepared.dock.run_list.scroll.viewport().height()
 
 
 @pytest.fixture

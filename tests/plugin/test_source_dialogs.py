@@ -125,7 +125,7 @@ def test_limits_are_those_that_are_entered(dialog, screenshot):
     dialog.connections.setValue(3)
     dialog.rate.setValue(7.0)
     dialog.cached.setChecked(False)
-    for words in ("zoom 0 to 18", "3 connections", "7 requests a second", "not kept in the cache"):
+    for words in ("zoom 0 to 18", "3 connections", "7 requests a second", "tiles are not cached"):
         assert words in dialog.limits.text()
     screenshot("add-source", dialog)
 

@@ -218,7 +218,7 @@ def test_advice_names_the_panels_own_entries(spanish_desk):
     desk.form.set_state(replace(desk.form.state(), error_budget_px=1e-9))
     desk.wait(lambda: bool(desk.message("error_budget_px")))
     message = desk.message("error_budget_px")
-    assert "subir «Error admisible», o seguir con «Seguir aunque se supere el error»" in message
+    assert "subir «Error admisible», o seguir con «Permitir superar el error admisible»" in message
     assert "--" not in message
 
 
@@ -323,7 +323,7 @@ def test_options_are_called_what_the_panel_calls_them(spanish):
     remedy = Message("raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error"))
     error = InvalidInput("{0}: is a folder", "g", remedy=remedy)
     assert translate(error) == (
-        "g: es una carpeta; subir «Error admisible», o seguir con «Seguir aunque se supere el error»"
+        "g: es una carpeta; subir «Error admisible», o seguir con «Permitir superar el error admisible»"
     )
     assert str(error).endswith("; raise --error-budget, or go on with --accept-error")
 

@@ -387,7 +387,7 @@ def _checked_zoom(zoom: int, mission: Mission, grid: PixelGrid) -> int:
             zoom,
             grid.native_zoom,
             field="zoom",
-            remedy=Message("ask for that, or allow enlarged pixels ({0})", OptionName("upsample")),
+            remedy=Message("ask for that, or allow upsampling ({0})", OptionName("upsample")),
         )
     return zoom
 
@@ -554,7 +554,7 @@ def _too_fine(gsd_m_per_px: float, finest_m: float) -> InvalidInput:
         gsd_m_per_px,
         finest_m,
         field="gsd_m_per_px",
-        remedy=Message("ask for that or more, or allow enlarged pixels ({0})", OptionName("upsample")),
+        remedy=Message("ask for that or more, or allow upsampling ({0})", OptionName("upsample")),
     )
 
 

@@ -88,12 +88,12 @@ def test_pictures_of_the_source_s_own_pixels_are_not_warned_of():
     assert warnings(frame="camera", zoom=16) == ()
 
 
-def test_enlarged_pixels_are_named_with_both_distances_and_the_way_out():
+def test_upsampling_is_named_with_both_distances_and_the_way_out():
     (text,) = warnings(zoom=18, upsample=True)
     # 1.953 m is 2 pi a cos(lat) / (256 * 2**16) on the ellipsoid.
-    assert "pixels of 48.8" in text
-    assert "the source's own are 1.95" in text
-    assert "(zoom 16): enlarged 4 times" in text
+    assert "requested 48.8" in text
+    assert "but the source has 1.95" in text
+    assert "(zoom 16): upsampled 4 times" in text
     assert text.endswith("ask for --zoom 16 or a finer source")
     assert "\n" not in text
 
@@ -102,14 +102,14 @@ def test_resizing_counts():
     worked_out = plan(Mission(Points(((35.16, -89.90, HIGH_M),)), HIGH_M, zoom=16), COARSE)
     width, height = int(worked_out.width_px[0]), int(worked_out.height_px[0])
     (text,) = warnings(zoom=16, img_size=(3 * width, 3 * height, 3))
-    assert "enlarged 3 times" in text
+    assert "upsampled 3 times" in text
     assert f"--img-size {width} {height} 3 or less" in text
     assert warnings(zoom=18, upsample=True, img_size=(width, height, 3)) == ()
 
 
 def test_camera_frames_count_by_the_ground_below():
     (text,) = warnings(frame="camera", zoom=18, upsample=True)
-    assert "enlarged 4 times" in text
+    assert "upsampled 4 times" in text
     (text,) = warnings(frame="camera", image_px=2560, upsample=True)
     # Pixels of a camera of 640 px are 1.951 m here, and the source's 1.955 m.
     assert text.endswith("ask for --image-px 638 or less, or fly higher")

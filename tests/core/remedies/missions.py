@@ -234,14 +234,13 @@ def _beyond(case: Case) -> None:
     case.follow("another source", lambda: not warned(mission, GRID))
 
 
-ENLARGED = (
-    "pixels of {} are asked for, and the source's own are {} here (zoom {}): enlarged {} times, images "
-    "show nothing more; "
+UPSAMPLED = (
+    "requested {}, but the source has {} here (zoom {}): upsampled {} times, images show no more detail; "
     "ask for {}"
 )
 
 
-@remedy("mission/estimate.py", ENLARGED)
+@remedy("mission/estimate.py", UPSAMPLED)
 def _enlarged(case: Case) -> None:
     mission, coarse = Mission(AREA, 120.0, zoom=19, upsample=True), PixelGrid(native_zoom=17)
     case.says(_warned(mission, coarse))

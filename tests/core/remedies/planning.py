@@ -124,21 +124,20 @@ planned(
 )
 planned(
     "layout/framing.py",
-    "zoom {}: the source's own pixels end at zoom {}; ask for that, or allow enlarged pixels (--upsample)",
+    "zoom {}: the source's own pixels end at zoom {}; ask for that, or allow upsampling (--upsample)",
     Mission(AREA, 120.0, zoom=20),
-    {"ask for that": {"zoom": 16}, "allow enlarged pixels (--upsample)": {"upsample": True}},
+    {"ask for that": {"zoom": 16}, "allow upsampling (--upsample)": {"upsample": True}},
     PixelGrid(native_zoom=16),
 )
 planned(
     "layout/framing.py",
     "ground sample distance {} m: the source's own pixels are {} m here; ask for that or more, or allow "
-    "enlarged pixels "
-    "(--upsample)",
+    "upsampling (--upsample)",
     Mission(AREA, 120.0, gsd_m_per_px=0.5),
     {
         "ask for that": {"gsd_m_per_px": NAMED},
         "more": {"gsd_m_per_px": 3.0},
-        "allow enlarged pixels (--upsample)": {"upsample": True},
+        "allow upsampling (--upsample)": {"upsample": True},
     },
     PixelGrid(native_zoom=16),
 )

@@ -305,7 +305,7 @@ def _no_area(case: Case) -> None:
     case.follow("enter coordinates", enter)
 
 
-@remedy("session.py", "show the imagery chosen below and draw a box")
+@remedy("session.py", "show the selected imagery and draw a box")
 def _empty_map(case: Case) -> None:
     case.fixture("small_pictures")
     desk = case.fixture("desk")
@@ -313,7 +313,7 @@ def _empty_map(case: Case) -> None:
     follow_hint(desk)
     desk.wait_for_tasks()
     case.follow(
-        "show the imagery chosen below", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
+        "show the selected imagery", lambda: desk.wait(lambda: bool(QgsProject.instance().mapLayers()))
     )
     desk.wait(lambda: desk.canvas.mapTool() is desk.session.box_tool)
 

@@ -130,8 +130,7 @@ FIELDS = Box(35.16, -89.90, 35.115, -89.823)
 
 @remedy(
     "panel/figures.py",
-    "{count} requests, more than the {most} that the provider allows: take a smaller area, coarser pixels or another "
-    "source",
+    "{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another source",
 )
 def _beyond_the_limit(case: Case) -> None:
     def limit(box=FIELDS, source="osm", **options):
@@ -144,14 +143,14 @@ def _beyond_the_limit(case: Case) -> None:
     text, kept = limit()
     assert not kept
     case.says(text)
-    case.follow("take a smaller area", lambda: limit(Box(35.16, -89.90, 35.158, -89.898))[1])
-    case.follow("coarser pixels", lambda: limit(gsd_m_per_px=8.0)[1])
+    case.follow("choose a smaller area", lambda: limit(Box(35.16, -89.90, 35.158, -89.898))[1])
+    case.follow("a coarser GSD", lambda: limit(gsd_m_per_px=8.0)[1])
     case.follow("another source", lambda: limit(source="s2cloudless")[1])
 
 
 @remedy(
     "panel/camera.py",
-    "The values entered are not a valid camera: correct the marked entries, then save.",
+    "These values are not a valid camera: fix the highlighted fields, then save.",
 )
 def _no_camera(case: Case) -> None:
     case.fixture("desk")
@@ -161,12 +160,12 @@ def _no_camera(case: Case) -> None:
         mission_form.mission(state)
     (field,) = marked.value.messages
     state = replace(state, **{field: "3:2"})
-    case.follow("correct the marked entries", lambda: mission_form.mission(state))
+    case.follow("fix the highlighted fields", lambda: mission_form.mission(state))
     case.follow("then save.", lambda: save_camera("mine", state))
     assert [preset.name for preset in camera_shelf().entries] == ["mine"]
 
 
-@remedy("capture/questions.py", "folder is empty: choose where the images go")
+@remedy("capture/questions.py", "no folder: choose where to save the images")
 def _no_folder(case: Case) -> None:
     desk = case.fixture("desk")
     single(desk)
@@ -174,7 +173,7 @@ def _no_folder(case: Case) -> None:
     desk.click(desk.dock.capture)
     case.says(desk.message("folder"))
     desk.form.folder.setFilePath(str(desk.folder))
-    case.follow("choose where the images go", lambda: captured(desk))
+    case.follow("choose where to save the images", lambda: captured(desk))
 
 
 @remedy("panel/planning.py", "The entries changed while the plan was being computed: press the button again.")
@@ -189,7 +188,7 @@ def _changed_meanwhile(case: Case) -> None:
     case.follow("press the button again.", lambda: captured(desk))
 
 
-@remedy("panel/figures.py", "Correct the entries marked above.")
+@remedy("panel/figures.py", "Fix the highlighted fields.")
 def _marked(case: Case) -> None:
     desk = case.fixture("desk")
     desk.enter_box(**{**SMALL_BOX, "north": "99"})
@@ -201,7 +200,7 @@ def _marked(case: Case) -> None:
         desk.type_text(desk.form.edges["north"], SMALL_BOX["north"])
         return desk.wait_planned() is not None and bool(desk.dock.estimates.text())
 
-    case.follow("Correct the entries marked above.", mend)
+    case.follow("Fix the highlighted fields.", mend)
 
 
 @remedy("panel/options_page.py", "{folder}: {file} is a file; choose a folder")

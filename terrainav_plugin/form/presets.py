@@ -1,0 +1,70 @@
+"""Presets in the panel: what one enters, and whether what is entered is that of one. Knows no widget."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import replace
+from typing import Any
+
+from ...core.mission.presets import PRESETS, Preset
+from .camera import settled
+from .state import ENTERED_AS_DECLARED, FormState
+from .text import aspect_text
+
+
+def with_preset(state: FormState, preset: Preset, offered: Collection[str] = ()) -> FormState:
+    """State with the values of a preset.
+
+    Parameters
+    ----------
+    offered : collection of str
+        Map types that the source has; empty for one that writes whichever is asked for.
+    """
+    entries = _entries(preset, offered)
+    aspect = entries.pop("aspect", state.aspect)
+    state = replace(state, **entries)
+    return state if aspect == state.aspect else settled(state, replace(state, aspect=aspect), "aspect")
+
+
+def without_preset(state: FormState, preset: Preset, before: FormState) -> FormState:
+    """State with what had been entered before a preset, in place of that preset's values."""
+    entries = {name: getattr(before, name) for name in _entries(preset, ())}
+    aspect = entries.pop("aspect", state.aspect)
+    state = replace(state, **entries)
+    return state if aspect == state.aspect else settled(state, replace(state, aspect=aspect), "aspect")
+
+
+def preset_of(state: FormState, offered: Collection[str] = ()) -> Preset | None:
+    """Preset whose values are entered; None for values of one's own. ``offered`` is as in `with_preset`."""
+    return next((preset for preset in PRESETS if _has(state, _entries(preset, offered))), None)
+
+
+def _has(state: FormState, entries: Mapping[str, Any]) -> bool:
+    """Whether entries are those of a state; the size of images that are not resized says nothing."""
+    size = ("resize_width_px", "resize_height_px", "resize_grey")
+    return all(
+        set(value) == set(state.map_types) if name == "map_types" else value == getattr(state, name)
+        for name, value in entries.items()
+        if state.resize or name not in size
+    )
+
+
+def _entries(preset: Preset, offered: Collection[str]) -> dict[str, Any]:
+    """Entries of the panel that a preset sets."""
+    values = dict(preset.values)
+    entries: dict[str, Any] = {name: value for name, value in values.items() if name in ENTERED_AS_DECLARED}
+    if "aspect_ratio" in values:
+        entries["aspect"] = aspect_text(values["aspect_ratio"])
+    if "img_size" in values:
+        size = values["img_size"]
+        entries["resize"] = size is not None
+        if size is not None:
+            width_px, height_px, channels = size
+            entries.update(resize_width_px=width_px, resize_height_px=height_px, resize_grey=channels == 1)
+    if offered:
+        had = tuple(name for name in values["map_types"] if name in offered)
+        entries["map_types"] = had or tuple(offered)[:1]
+    elif len(values["map_types"]) > 1:
+        # A source that has one kind of image writes the same under every name.
+        entries["map_types"] = values["map_types"][:1]
+    return entries

@@ -1,0 +1,58 @@
+"""Titles of groups that say what the group holds while it is folded."""
+
+from __future__ import annotations
+
+from qgis.gui import QgsCollapsibleGroupBoxBasic
+from qgis.PyQt.QtCore import QEvent, QObject, Qt
+from qgis.PyQt.QtWidgets import QGroupBox, QStyle, QStyleOptionGroupBox
+
+from ..i18n import tr
+from ..plain import shown_plain
+
+#: What a group's title leaves free on both sides, for its arrow and its frame.
+_AROUND_PX = 24
+
+
+class Heading(QObject):
+    """The title of a group: alone while it is open, with what it holds while it is folded, cut to the room there is."""
+
+    def __init__(self, box: QgsCollapsibleGroupBoxBasic) -> None:
+        super().__init__(box)
+        # Groups may have a title of another thing, such as their source's.
+        self._box, self._title, self._tip, self._words = box, QGroupBox.title(box), box.toolTip(), ""
+        box.collapsedStateChanged.connect(self._show)
+        box.installEventFilter(self)
+
+    def say(self, words: str) -> None:
+        """Show what the group holds."""
+        if words != self._words:
+            self._words = words
+            self._show()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Cut the title anew where there is another width."""
+        if event.type() in (QEvent.Type.Resize, QEvent.Type.FontChange):
+            self._show()
+        return super().eventFilter(watched, event)
+
+    def _show(self, _folded: bool = False) -> None:
+        box = self._box
+        if not box.isCollapsed() or not self._words:
+            title, tip = self._title, self._tip
+        else:
+            whole = tr("{title}: {values}").format(title=self._title.replace("&", ""), values=self._words)
+            room = max(box.width() - _AROUND_PX - self._mark_px(), 0)
+            shown = box.fontMetrics().elidedText(whole, Qt.TextElideMode.ElideRight, room)
+            title, tip = shown.replace("&", "&&"), shown_plain("\n".join(filter(None, (whole, self._tip))))
+        if title != QGroupBox.title(box):
+            box.setTitle(title)
+        box.setToolTip(tip)
+
+    def _mark_px(self) -> int:
+        """Width of the box to tick, of a group that has one."""
+        if not self._box.isCheckable():
+            return 0
+        style, option = self._box.style(), QStyleOptionGroupBox()
+        return style.pixelMetric(QStyle.PixelMetric.PM_IndicatorWidth, option, self._box) + style.pixelMetric(
+            QStyle.PixelMetric.PM_CheckBoxLabelSpacing, option, self._box
+        )

@@ -1,0 +1,124 @@
+"""The entry of the capture time of the first image: a day and a time in UTC, beside the local one."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+
+from qgis.gui import QgsDateTimeEdit
+from qgis.PyQt.QtCore import QDate, QDateTime, QLocale, QSignalBlocker, Qt, QTime, pyqtSignal
+from qgis.PyQt.QtGui import QWheelEvent
+from qgis.PyQt.QtWidgets import QVBoxLayout, QWidget
+
+from ...core.errors import InvalidInput
+from ...core.mission.parts import Flight, utc_time
+from ..i18n import tr
+from ..widgets import FieldMessage, named
+
+_SHOWN = "yyyy-MM-dd HH:mm:ss 'UTC'"
+_US_PER_MS = 1000
+
+
+class _DayAndTime(QgsDateTimeEdit):
+    """An entry that Tab leaves at once, and that a wheel turns only when it has been entered."""
+
+    def focusNextPrevChild(self, forward: bool) -> bool:
+        """Go on to the next entry: the arrow keys go from part to part."""
+        return QWidget.focusNextPrevChild(self, forward)
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Step, or leave the wheel to the panel."""
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+
+class StartEntry(QWidget):
+    """A day and a time in UTC; not set, they are the mission's default.
+
+    A text that was entered stays as it is, decimals of a second included, until a person changes it.
+
+    Signals
+    -------
+    changed()
+    """
+
+    changed = pyqtSignal()
+
+    def __init__(self, tip: str) -> None:
+        super().__init__()
+        self.setToolTip(tip)
+        self.edit = named(_DayAndTime(), "start", tip)
+        self.edit.setTimeSpec(Qt.TimeSpec.UTC)
+        self.edit.setDisplayFormat(_SHOWN)
+        self.edit.setCalendarPopup(True)
+        self.edit.setAllowNull(True)
+        self.edit.setNullRepresentation(tr("not set"))
+        self.edit.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.local = named(FieldMessage(), "start_local")
+        self.local.setWordWrap(True)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(self.edit)
+        layout.addWidget(self.local)
+        self.setFocusProxy(self.edit)
+        self._text = Flight.start
+        self._show()
+        self.edit.valueChanged.connect(self._edited)
+
+    def text(self) -> str:
+        """Return what is entered, as a mission has it."""
+        return self._text
+
+    def enter(self, text: str) -> None:
+        """Enter a text, telling nobody; one that is no time is kept, for what is wrong with it to be said."""
+        if text != self._text:
+            self._text = text
+            self._show()
+
+    def _show(self) -> None:
+        with QSignalBlocker(self.edit):
+            try:
+                time = None if self._text == Flight.start else utc_time(self._text)
+            except InvalidInput:
+                time = None
+            if time is None:
+                self.edit.clear()
+            else:
+                at = QTime(time.hour, time.minute, time.second, time.microsecond // _US_PER_MS)
+                self.edit.setDateTime(QDateTime(QDate(time.year, time.month, time.day), at, Qt.TimeSpec.UTC))
+        self._show_local()
+
+    def _edited(self) -> None:
+        time = self.edit.dateTime()
+        if self.edit.isNull() or not time.isValid():
+            self._text = Flight.start
+        else:
+            form = "yyyy-MM-ddTHH:mm:ss.zzz" if time.time().msec() else "yyyy-MM-ddTHH:mm:ss"
+            self._text = time.toString(form) + "Z"
+        self._show_local()
+        self.changed.emit()
+
+    def _show_local(self) -> None:
+        """Say what the clock of this computer shows then."""
+        text = ""
+        if self._text != Flight.start:
+            try:
+                text = local_text(utc_time(self._text))
+            except InvalidInput:
+                text = ""
+        self.local.say(text)
+
+
+def local_text(time: datetime) -> str:
+    """What the clock of this computer shows at a time, as the user writes times; empty beyond what it knows."""
+    try:
+        seconds = int(time.replace(tzinfo=timezone.utc).timestamp())
+    except (OverflowError, OSError, ValueError):
+        return ""
+    local = QDateTime.fromSecsSinceEpoch(seconds)
+    shown = QLocale().toString(local, QLocale.FormatType.ShortFormat)
+    return tr("{time} {zone}, local time of this computer").format(
+        time=shown, zone=local.timeZoneAbbreviation()
+    )

@@ -1,0 +1,247 @@
+"""The mission panel: presets, headings of folded groups, room on small screens, the list of captures, the start."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from qgis.PyQt.QtCore import QDate, QDateTime, QLocale, Qt, QTime
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QGroupBox
+from terrainav.core.mission.parts import Flight
+from terrainav.core.mission.presets import PRESETS
+from terrainav.core.mission.settings import mission_from, resolve
+from terrainav.terrainav_plugin.form import mission_form
+from terrainav.terrainav_plugin.form.text import aspect_text, parse_aspect, short_aspect, short_degrees
+from terrainav.terrainav_plugin.widgets import short_number
+
+from tests.plugin.steps import COARSE, SMALL_BOX
+
+BOX = "_".join(SMALL_BOX[edge] for edge in ("north", "west", "south", "east")) + "_120"
+#: A small screen, and what QGIS's own menu, toolbars, title and status bar take of it.
+SMALL_PX = (1280, 720)
+
+
+def choose_preset(desk, name):
+    """Choose a preset as a person does: also one that is shown already."""
+    choice = desk.form.presets.choice
+    choice.setCurrentIndex(choice.findData(name))
+    choice.activated.emit(choice.currentIndex())
+
+
+@pytest.mark.parametrize("preset", PRESETS, ids=lambda preset: preset.name)
+def test_panel_and_command_make_the_same_of_a_preset(desk, preset):
+    desk.enter_box(**SMALL_BOX)
+    choose_preset(desk, preset.name)
+    of_command = mission_from(resolve({"coords": BOX, "preset": preset.name}, {}, None))
+    assert mission_form.mission(desk.session.state()) == of_command
+    assert desk.form.presets.preset == preset
+    assert desk.form.presets.note.text() == f"{preset.note}."
+    assert desk.form.presets.note.isVisibleTo(desk.dock)
+
+
+def test_values_of_a_preset_are_open_to_change_and_then_custom(desk):
+    desk.enter_box(**SMALL_BOX)
+    before = desk.session.state()
+    choose_preset(desk, "learning")
+    assert desk.form.aspect.text() == "1:1"
+    # Another preset takes the values of the one before it back.
+    choose_preset(desk, "mapping")
+    assert desk.session.state() == replace(
+        before, overlap_along=0.75, overlap_across=0.65, facing="track", image_format="jpg", resize=False
+    )
+    desk.form.overlap_along.setValue(80.0)
+    assert desk.form.presets.choice.currentText() == "Custom"
+    assert not desk.form.presets.note.isVisibleTo(desk.dock)
+    assert desk.session.state().image_format == "jpg"
+    # From values of one's own, the next preset begins with them.
+    choose_preset(desk, "learning")
+    choose_preset(desk, "navigation")
+    assert desk.session.state().aspect == before.aspect
+
+
+def test_a_source_of_one_map_type_is_asked_for_no_other(desk):
+    desk.enter_box(**SMALL_BOX)
+    desk.choose(desk.form.source, "osm")
+    choose_preset(desk, "learning")
+    assert desk.session.state().map_types == ("roadmap",)
+    assert desk.form.presets.choice.currentData() == "learning"
+
+
+def test_a_folded_group_says_what_it_holds(desk):
+    desk.enter_small_mission()
+    form = desk.form
+    form.set_state(replace(form.state(), fov_deg=65.0, overlap_along=0.75, overlap_across=0.65, aspect="3:2"))
+    for box in form.boxes:
+        box.setCollapsed(False)
+    assert [QGroupBox.title(box) for box in (form.camera_group, form.flight, form.wind)] == [
+        "Camera",
+        "Flight",
+        "Wind",
+    ]
+    for box in form.boxes:
+        box.setCollapsed(True)
+    assert QGroupBox.title(form.camera_group) == "Camera: 65°, 3:2"
+    assert QGroupBox.title(form.flight) == "Flight: 120 m, overlap 75/65 %"
+    assert QGroupBox.title(form.wind) == "Wind: off"
+    assert QGroupBox.title(form.imagery) == "Imagery: Synthetic (offline)"
+    assert form.flight.toolTip() == "Flight: 120 m, overlap 75/65 %"
+    assert "Gusts" in form.wind.toolTip()
+    # Where there is no room the title is cut, and the tooltip is not.
+    form.set_state(replace(form.state(), folder="/somewhere/" + "long-" * 40, start="2024-06-21T10:30:00Z"))
+    title = QGroupBox.title(form.output)
+    assert title.startswith("Output: long-")
+    assert title.endswith("…")
+    assert form.output.fontMetrics().horizontalAdvance(title) <= form.output.width()
+    assert "long-" * 40 in form.output.toolTip()
+    # A group opens where a value is not the usual one.
+    assert QGroupBox.title(form.attitude) == "Attitude, ground and time"
+    form.attitude.setCollapsed(True)
+    assert form.attitude.toolTip() == "Attitude, ground and time: straight down, 2024-06-21T10:30:00Z"
+
+
+def test_the_panel_fits_a_small_screen_without_a_horizontal_bar(desk, iface, screenshot):
+    window = iface.mainWindow()
+    before = window.size()
+    desk.enter_small_mission()
+    try:
+        window.resize(*SMALL_PX)
+        for box in desk.form.boxes:
+            box.setCollapsed(False)
+        QTest.qWait(50)
+        screenshot("small-screen", window)
+        assert (window.width(), window.height()) == SMALL_PX
+        form = desk.form
+        for box in form.boxes:
+            assert box.width() >= box.minimumSizeHint().width(), box.objectName()
+            assert form.width() >= box.geometry().right(), box.objectName()
+        for part in (desk.dock.preview, desk.dock.capture, desk.dock.figures):
+            shown = part.mapTo(desk.dock, part.rect().bottomRight())
+            assert desk.dock.rect().contains(shown), part.objectName()
+    finally:
+        window.resize(before)
+        for box in desk.form.boxes:
+            box.setCollapsed(box in desk.form.sections)
+
+
+def test_a_border_that_is_moved_stays_until_it_is_freed(desk):
+    parts = desk.dock.parts
+    desk.enter_small_mission()
+    QTest.qWait(50)
+    of_itself = parts.sizes()
+    handle = parts.handle(1)
+    # What a drag of the border does.
+    parts.moveSplitter(parts.height() // 4, 1)
+    moved = parts.sizes()
+    assert moved[1] > of_itself[1]
+    # Other figures do not move it.
+    desk.form.overlap_along.setValue(50.0)
+    desk.wait_planned()
+    QTest.qWait(50)
+    assert parts.sizes() == moved
+    QTest.mouseDClick(handle, Qt.MouseButton.LeftButton)
+    assert parts.sizes()[1] < moved[1]
+
+
+def test_finished_captures_are_cleared_and_their_files_kept(desk):
+    desk.form.set_state(replace(desk.session.state(), **COARSE))
+    desk.enter_small_mission()
+    desk.session.capture()
+    desk.wait(lambda: bool(desk.session.runs.runs))
+    runs = desk.dock.run_list
+    assert not runs.clear.isEnabled()
+    desk.wait_for_run()
+    (row,) = runs.rows
+    # One line: name and words side by side.
+    assert row.title.geometry().center().y() == pytest.approx(row.text.geometry().center().y(), abs=2)
+    assert row.height() < 3 * row.fontMetrics().height()
+    assert "images captured" in row.text.toolTip()
+    assert row.buttons["dismiss"].toolTip() == "Remove from list (files are kept)"
+    desk.click(runs.clear)
+    assert runs.rows == []
+    assert not runs.isVisible()
+    assert list((desk.folder / "satellite").glob("*.tif"))
+
+
+def test_the_start_is_chosen_in_utc_with_the_local_time_beside(desk):
+    start = desk.form.attitude.entries["start"]
+    assert start.text() == Flight.start
+    assert start.edit.isNull()
+    assert not start.local.text()
+    desk.enter_small_mission()
+    # A time that was entered comes back to the last decimal, also beyond what the entry shows.
+    desk.form.set_state(replace(desk.session.state(), start="2024-06-21T10:30:00.123456Z"))
+    assert desk.session.state().start == "2024-06-21T10:30:00.123456Z"
+    assert start.edit.text() == "2024-06-21 10:30:00 UTC"
+    local = QDateTime(QDate(2024, 6, 21), QTime(10, 30), Qt.TimeSpec.UTC).toLocalTime()
+    assert QLocale().toString(local, QLocale.FormatType.ShortFormat) in start.local.text()
+    assert start.local.text().endswith("local time of this computer")
+    # Half an hour that clocks skip elsewhere is one like any other.
+    start.edit.setDateTime(QDateTime(QDate(2024, 3, 31), QTime(2, 30), Qt.TimeSpec.UTC))
+    assert mission_form.mission(desk.session.state()).flight.start == "2024-03-31T02:30:00Z"
+    start.edit.clear()
+    assert desk.session.state().start == Flight.start
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (330.266666666, 330.27),
+        (393.700787401575, 393.7),
+        (123.4567, 123.4567),
+        (4.62934123456, 4.6293),
+        (123456.7891234, 123456.8),
+        (7.000000000000001, 7.0),
+        (0.0, 0.0),
+        (-73.739795291688, -73.74),
+    ],
+)
+def test_numbers_have_the_digits_that_mean_something(value, shown):
+    assert short_number(value) == shown
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("1320:989", "1.335"),
+        ("4:3", "4:3"),
+        ("4000x3000", "4000x3000"),
+        ("6000:4000", "6000:4000"),
+        ("1.3346814964", "1.335"),
+        ("1,5", "1,5"),
+        ("x:y", "x:y"),
+        ("", ""),
+    ],
+)
+def test_aspect_ratios_are_short(text, shown):
+    assert short_aspect(text) == shown
+
+
+def test_degrees_are_short():
+    assert short_degrees("35.1454915269515") == "35.1454915"
+    assert short_degrees("-89.86") == "-89.86"
+    assert short_degrees("35.14549152x") == "35.14549152x"
+
+
+def test_what_is_shown_short_stays_whole_until_it_is_edited(desk):
+    north, ratio = "35.1454915269515", 1320 / 989
+    whole = replace(
+        desk.session.state(),
+        **{**SMALL_BOX, "north": north},
+        aspect=aspect_text(ratio),
+        agl=393.70078740157,
+        fov_deg=73.739795291688,
+    )
+    desk.form.set_state(whole)
+    state = desk.session.state()
+    assert (state.north, parse_aspect(state.aspect), state.agl) == (north, ratio, whole.agl)
+    assert mission_form.mission(state) == mission_form.mission(whole)
+    assert desk.form.edges["north"].text() == "35.1454915"
+    assert desk.form.aspect.text() == "1.335"
+    assert desk.form.agl.text() == "393.7"
+    # Of others an edit says nothing; what is typed counts as typed, even where it reads as before.
+    desk.type_text(desk.form.aspect, "1.335")
+    assert parse_aspect(desk.session.state().aspect) == 1.335
+    assert desk.session.state().north == north
+    desk.type_text(desk.form.edges["north"], "35.1454915")
+    assert desk.session.state().north == "35.1454915"
