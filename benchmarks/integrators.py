@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from terrainav.core.drawing import BLUE, FONT, GREEN, ORANGE, VERMILION, dress, new_figure, png
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.gusts import LinearSystem, factor, flight_system
+from terrainav.core.mission.flight.gusts import LinearSystem, factor, flight_system
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.plan import Plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.report.plots import Look, logarithmic, whisker
 from terrainav.core.report.tables import NOTHING, Table, number_text, seconds_text
 from terrainav.core.timing import QUICK, Effort, Seconds, timed

@@ -18,9 +18,9 @@ from integrators import Flight, flight_diagram, flight_of, flight_table, integra
 from terrainav.core.drawing import check_matplotlib
 from terrainav.core.files import make_folder, write_whole
 from terrainav.core.mission.area import Area, Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.report import plots, sentences
 from terrainav.core.report.machine import machine, versions
 from terrainav.core.report.measure import Measurement, measure

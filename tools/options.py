@@ -20,21 +20,22 @@ from terrainav.core.fields import Field, declared_fields, field_named
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.limits import MAX_WHOLE_NUMBER
 from terrainav.core.mission.area import ANGLES
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import SCHEMA, Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.parts import FLAT_PARTS, Attitude, Flight
 from terrainav.core.mission.presets import PRESETS
-from terrainav.core.mission.wind import Wind
 
 ROOT = Path(__file__).resolve().parent.parent
 SCHEMA_FILE, PAGE = ROOT / "resources" / "mission.schema.json", ROOT / "docs" / "options.md"
 _TYPES = {float: "number", int: "integer", bool: "boolean", str: "string", tuple: "array"}
 _HEAD = """# Every option of a mission
 
-Made by `python tools/options.py` from what `core/mission/parts.py`, `core/mission/wind.py` and `core/geodesy/lens.py`
-declare. An option is given to the command as `--name value`, in the environment as `TERRAINAV_NAME`, or in
-`config.json` as `"name"`; the command line comes first. A mission file holds the same in its parts, as
-`resources/mission.schema.json` has it, and a program writes it flat: `Mission(area, agl_m=120.0, overlap_along=0.6)`.
+Made by `python tools/options.py` from what `core/mission/parts.py`, `core/mission/flight/wind.py` and
+`core/geodesy/lens.py` declare. An option is given to the command as `--name value`, in the environment as
+`TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line comes first. A mission file holds the same in its
+parts, as `resources/mission.schema.json` has it, and a program writes it flat:
+`Mission(area, agl_m=120.0, overlap_along=0.6)`.
 """
 _PRESETS = """`--preset NAME` gives these values wherever no other option does. With a camera, a sensor or an aspect
 ratio of your own, the preset `learning` keeps that shape, 256 px along the longer side; with a source of your own, it

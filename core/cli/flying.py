@@ -151,7 +151,7 @@ def _aligned(
     """Mission whose rows are aligned as asked for; says what that gains."""
     if arguments.align is None:
         return mission
-    from ..mission.alignment import aligned
+    from ..mission.flight.alignment import aligned
 
     one = next(iter(mission.by_imagery.values()), mission)
     found = aligned(one, grid, _heights(one, values), arguments.align)

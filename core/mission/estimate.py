@@ -10,9 +10,9 @@ import numpy as np
 
 from ..errors import Message, OptionName
 from .area import Polygon, Polygons
+from .flight.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
-from .pilot import Sun, interval_s, sorties_text, sun_of, too_fast
 from .plan import Plan
 
 #: Share by which pixels may be finer than the source's: sizes that differ by a pixel of some hundred are no upsampling.

@@ -16,6 +16,7 @@ from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon, Polygons
 from .earlier import of_schema_1, with_row_azimuth
+from .flight.wind import Wind
 from .imageries import NamedImagery
 from .parts import (
     BY_DISTANCE,
@@ -34,7 +35,6 @@ from .parts import (
     Route,
     Terrain,
 )
-from .wind import Wind
 
 _Part = TypeVar("_Part", Box, Camera, Wind)
 #: Version of the mission file; readers accept this one and the one before, and refuse newer ones.

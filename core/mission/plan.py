@@ -29,7 +29,8 @@ from ..geodesy.planes import TurnedPlane
 from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View, view
 from .area import Points
-from .flight import Legs, fly, intervals_s, legs
+from .flight.motion import Legs, fly, intervals_s, legs
+from .flight.path import FlightPath, flight_path
 from .layout.coverage import (
     Coverage,
     Imagery,
@@ -53,7 +54,6 @@ from .layout.rows import Layout
 from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
 from .parts import ELLIPSOID
-from .path import FlightPath, flight_path
 from .relief import Flown, Heights, ReliefBelow, check_clearance
 
 Floats = NDArray[np.float64]

@@ -20,7 +20,7 @@ from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
 from .area import ANGLES, Points, Polygon, Polygons
 from .area import inside as inside_area
-from .flight import legs
+from .flight.motion import legs
 from .layout.rows import Layout, point_angles_deg
 from .mission import Mission
 from .parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF

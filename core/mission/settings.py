@@ -23,11 +23,11 @@ from .area import Area, Points
 from .area_files import load_area, load_no_fly
 from .cameras import camera_named
 from .coords import parse_coords
+from .flight.wind import Wind
 from .mission import Mission, flat_fields
 from .options import OPTIONS
 from .parts import Pixels
 from .presets import preset_named
-from .wind import Wind
 
 ENVIRONMENT_PREFIX = "TERRAINAV_"
 CONFIG_FILE = "config.json"

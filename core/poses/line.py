@@ -23,7 +23,7 @@ from ..geodesy.projections import along_geodesics, geodesics
 from ..limits import MAX_MISSION_BYTES, MAX_POSES
 from ..mission.area import Points, check_agl, check_lat_lon
 from ..mission.area_files import listed
-from ..mission.gusts import GRAVITY_M_PER_S2
+from ..mission.flight.gusts import GRAVITY_M_PER_S2
 from ..safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS

@@ -21,7 +21,7 @@ from ..errors import InvalidInput
 from ..files import csv_bytes, json_bytes, write_whole
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..mission.flight import intervals_s, legs, normal, uniform
+from ..mission.flight.motion import intervals_s, legs, normal, uniform
 from ..mission.mission import Mission
 from ..mission.parts import Flight
 from .settings import Sensors

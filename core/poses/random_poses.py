@@ -18,7 +18,7 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
 from ..mission.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, inside
-from ..mission.flight import normal, uniform
+from ..mission.flight.motion import normal, uniform
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 Floats = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message, OptionName
 from ..fields import field_named
 from ..mission.area import Points, check_agl
-from ..mission.flight import legs
+from ..mission.flight.motion import legs
 from ..mission.parts import Flight
 
 Floats = NDArray[np.float64]

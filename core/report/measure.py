@@ -15,7 +15,8 @@ from ..errors import Message
 from ..geodesy.accuracy import Scene, outside_flat_domain
 from ..geodesy.footprint import ground_corners
 from ..imagery.source import Source
-from ..mission.flight import fly, intervals_s, legs
+from ..mission.flight.motion import fly, intervals_s, legs
+from ..mission.flight.wind import Wind
 from ..mission.methods import (
     COARSEST_MESH_PX,
     TRACED,
@@ -29,7 +30,6 @@ from ..mission.methods import (
 )
 from ..mission.parts import Flight
 from ..mission.plan import Plan
-from ..mission.wind import Wind
 from ..picture.resampling import KERNELS
 from ..timing import QUICK, THOROUGH, Effort, Seconds, timed, timed_together
 from . import positions

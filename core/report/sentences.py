@@ -7,9 +7,9 @@ import math
 from ..imagery.source import Source
 from ..mission.area import Box, Points, Polygon, Polygons
 from ..mission.estimate import area_text, length_text, percent
+from ..mission.flight.wind import Wind
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..mission.wind import Wind
 from .measure import Measurement
 from .tables import displaced_text, metres_text, px_text, share_text
 from .wind import MOVED, TOGETHER, TURNED, Spread, WindEffect

@@ -7568,7 +7568,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
-        <location filename="../../core/mission/path.py"/>
+        <location filename="../../core/mission/flight/path.py"/>
         <source>move it outside</source>
         <translation>moverlo fuera</translation>
     </message>
@@ -8975,59 +8975,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
     </message>
     <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>alignment: stopped</source>
-        <translation>alineación: detenida</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>points have no rows that could be aligned</source>
-        <translation>los puntos no tienen pasadas que alinear</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>rows to be aligned: the layout {0} is north-up</source>
-        <translation>pasadas por alinear: la disposición {0} tiene el norte arriba</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <location filename="../../core/mission/layout/polygons.py"/>
-        <location filename="../../core/mission/layout/rotated.py"/>
-        <location filename="../../core/mission/layout/rows.py"/>
-        <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>{0} row</source>
-        <translation>{0} pasada</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/alignment.py"/>
-        <source>{0} rows</source>
-        <translation>{0} pasadas</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/area.py"/>
         <source>area of no polygons: needs at least one</source>
         <translation>área sin polígonos: necesita al menos uno</translation>
@@ -9888,24 +9835,247 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} partes de un vuelo, de {1} a {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/flight.py"/>
-        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
-        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>alignment: stopped</source>
+        <translation>alineación: detenida</translation>
     </message>
     <message>
-        <location filename="../../core/mission/flight.py"/>
-        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
-        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>points have no rows that could be aligned</source>
+        <translation>los puntos no tienen pasadas que alinear</translation>
     </message>
     <message>
-        <location filename="../../core/mission/gusts.py"/>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>rows to be aligned: the layout {0} is north-up</source>
+        <translation>pasadas por alinear: la disposición {0} tiene el norte arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <location filename="../../core/mission/layout/polygons.py"/>
+        <location filename="../../core/mission/layout/rotated.py"/>
+        <location filename="../../core/mission/layout/rows.py"/>
+        <source>use {0} {1}</source>
+        <translation>usar {0} {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>{0} row</source>
+        <translation>{0} pasada</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>{0} rows</source>
+        <translation>{0} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/gusts.py"/>
         <source>steps of {0} to {1} s: must be 0 or more, and finite</source>
         <translation>pasos de {0} a {1} s: deben ser 0 o más, y finitos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/gusts.py"/>
+        <location filename="../../core/mission/flight/gusts.py"/>
         <source>system without a stationary covariance: it must be stable</source>
         <translation>sistema sin covarianza estacionaria: debe ser estable</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/motion.py"/>
+        <source>yaws of shape {0}: must be one, or one for each of {1} exposures</source>
+        <translation>guiñadas de forma {0}: debe ser una, o una para cada una de {1} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/motion.py"/>
+        <source>{0} of shape {1}: must be {2} for {3} exposures</source>
+        <translation>{0} de forma {1}: debe ser {2} para {3} exposiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/path.py"/>
+        <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
+        <translation>batería de {0:g} min: el vuelo necesita más de {1:,} salidas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/path.py"/>
+        <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
+        <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/path.py"/>
+        <source>take a smaller area, a nearer take-off or a larger battery</source>
+        <translation>tome un área menor, un despegue más cercano o una batería mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/path.py"/>
+        <source>take off nearer to it, fly faster or take a larger battery</source>
+        <translation>despegue más cerca de ella, vuele más deprisa o tome una batería mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/path.py"/>
+        <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
+        <translation>despegue en la latitud {0:.6f}, longitud {1:.6f}: está dentro de una zona de exclusión aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>east</source>
+        <translation>este</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
+        <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>north</source>
+        <translation>norte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>north-east</source>
+        <translation>noreste</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>north-west</source>
+        <translation>noroeste</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>south</source>
+        <translation>sur</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>south-east</source>
+        <translation>sureste</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>south-west</source>
+        <translation>suroeste</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>west</source>
+        <translation>oeste</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0:.0f}° below the horizon in the {1}</source>
+        <translation>{0:.0f}° bajo el horizonte al {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0:.0f}° high in the {1}</source>
+        <translation>a {0:.0f}° de altura al {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0:.1f} to {1:.1f}</source>
+        <translation>de {0:.1f} a {1:.1f}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}, at the end {1}</source>
+        <translation>{0}, al final {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}: a bright spot, and glint on water, lie in the images</source>
+        <translation>{0}: en las imágenes hay un punto brillante y reflejos en el agua</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}: long shadows</source>
+        <translation>{0}: sombras largas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}: night</source>
+        <translation>{0}: noche</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}: {1} of {2:g} min</source>
+        <translation>{0}: {1} de {2:g} min</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}; fly at {1:g} m/s or slower ({2})</source>
+        <translation>{0}; vuele a {1:g} m/s o más despacio ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/pilot.py"/>
+        <source>{0}; overlap less or fly higher</source>
+        <translation>{0}; reduzca el solape o vuele más alto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>direction the wind blows from, clockwise from north</source>
+        <translation>dirección desde la que sopla el viento, en sentido horario desde el norte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>mean wind at flight height, below the airspeed</source>
+        <translation>viento medio a la altura de vuelo, menor que la velocidad aérea</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>of the gusts</source>
+        <translation>de las ráfagas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>seed of the wind</source>
+        <translation>semilla del viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>standard deviation of the gusts over the mean wind: about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
+        <translation>desviación típica de las ráfagas entre el viento medio: cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>turbulence</source>
+        <translation>turbulencia</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>turbulence intensity {0}: gusts of {1:g} m/s must stay below the airspeed, {2} m/s</source>
+        <translation>intensidad de turbulencia {0}: las ráfagas de {1:g} m/s deben quedar por debajo de la velocidad aérea, {2} m/s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>wind direction</source>
+        <translation>dirección del viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>wind speed</source>
+        <translation>velocidad del viento</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/wind.py"/>
+        <source>wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it</source>
+        <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
     </message>
     <message>
         <location filename="../../core/mission/imageries.py"/>
@@ -11402,126 +11572,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/path.py"/>
-        <source>battery of {0:g} min: the flight needs more than {1:,} sorties</source>
-        <translation>batería de {0:g} min: el vuelo necesita más de {1:,} salidas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/path.py"/>
-        <source>battery of {0:g} min: the way to image {1:,} and back takes {2:.1f} min</source>
-        <translation>batería de {0:g} min: ir hasta la imagen {1:,} y volver lleva {2:.1f} min</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/path.py"/>
-        <source>take a smaller area, a nearer take-off or a larger battery</source>
-        <translation>tome un área menor, un despegue más cercano o una batería mayor</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/path.py"/>
-        <source>take off nearer to it, fly faster or take a larger battery</source>
-        <translation>despegue más cerca de ella, vuele más deprisa o tome una batería mayor</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/path.py"/>
-        <source>take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area</source>
-        <translation>despegue en la latitud {0:.6f}, longitud {1:.6f}: está dentro de una zona de exclusión aérea</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>east</source>
-        <translation>este</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>images every {0:.2g} s: the camera takes one every {1:g} s</source>
-        <translation>imágenes cada {0:.2g} s: la cámara toma una cada {1:g} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>north</source>
-        <translation>norte</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>north-east</source>
-        <translation>noreste</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>north-west</source>
-        <translation>noroeste</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>south</source>
-        <translation>sur</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>south-east</source>
-        <translation>sureste</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>south-west</source>
-        <translation>suroeste</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>west</source>
-        <translation>oeste</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0:.0f}° below the horizon in the {1}</source>
-        <translation>{0:.0f}° bajo el horizonte al {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0:.0f}° high in the {1}</source>
-        <translation>a {0:.0f}° de altura al {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0:.1f} to {1:.1f}</source>
-        <translation>de {0:.1f} a {1:.1f}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}, at the end {1}</source>
-        <translation>{0}, al final {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}: a bright spot, and glint on water, lie in the images</source>
-        <translation>{0}: en las imágenes hay un punto brillante y reflejos en el agua</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}: long shadows</source>
-        <translation>{0}: sombras largas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}: night</source>
-        <translation>{0}: noche</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}: {1} of {2:g} min</source>
-        <translation>{0}: {1} de {2:g} min</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}; fly at {1:g} m/s or slower ({2})</source>
-        <translation>{0}; vuele a {1:g} m/s o más despacio ({2})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pilot.py"/>
-        <source>{0}; overlap less or fly higher</source>
-        <translation>{0}; reduzca el solape o vuele más alto</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/plan.py"/>
         <source>choose one of them as the source</source>
         <translation>elija una de ellas como fuente</translation>
@@ -11720,56 +11770,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/settings.py"/>
         <source>{0} {1}: needs {2} as well</source>
         <translation>{0} {1}: necesita también {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>direction the wind blows from, clockwise from north</source>
-        <translation>dirección desde la que sopla el viento, en sentido horario desde el norte</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>mean wind at flight height, below the airspeed</source>
-        <translation>viento medio a la altura de vuelo, menor que la velocidad aérea</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>of the gusts</source>
-        <translation>de las ráfagas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>seed of the wind</source>
-        <translation>semilla del viento</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>standard deviation of the gusts over the mean wind: about 0.1 over water, 0.2 over fields, 0 for a steady wind</source>
-        <translation>desviación típica de las ráfagas entre el viento medio: cerca de 0.1 sobre el agua, 0.2 sobre campos, 0 con viento constante</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>turbulence</source>
-        <translation>turbulencia</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>turbulence intensity {0}: gusts of {1:g} m/s must stay below the airspeed, {2} m/s</source>
-        <translation>intensidad de turbulencia {0}: las ráfagas de {1:g} m/s deben quedar por debajo de la velocidad aérea, {2} m/s</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>wind direction</source>
-        <translation>dirección del viento</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>wind speed</source>
-        <translation>velocidad del viento</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/wind.py"/>
-        <source>wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it</source>
-        <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
     </message>
     <message>
         <location filename="../../core/mosaic/bigtiff.py"/>

@@ -184,7 +184,7 @@ def refused_fields(error: TerrAInavError) -> dict[str, str]:
 
 def _wind(state: FormState, checks: _Checks) -> Any:
     """Wind that is entered, checked entry by entry; None for none."""
-    from ...core.mission.wind import Wind
+    from ...core.mission.flight.wind import Wind
 
     if not state.wind:
         return None

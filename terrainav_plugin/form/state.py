@@ -10,8 +10,8 @@ from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
 from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
+from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Pixels, Route
-from ...core.mission.wind import Wind
 from ...core.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from .text import aspect_text

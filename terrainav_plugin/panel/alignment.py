@@ -13,7 +13,7 @@ from ..i18n import tr, translate
 from ..tasks import LatestWorker, reason_of
 
 if TYPE_CHECKING:
-    from ...core.mission.alignment import Alignment
+    from ...core.mission.flight.alignment import Alignment
     from ..form.state import FormState
     from ..messages import Messages
     from ..planner import Planned
@@ -74,7 +74,7 @@ class RowAlignment(QObject):
 
 def _found(planned: Planned, way: str, overtaken: Callable[[], bool]) -> Alignment:
     """Look for an azimuth. Runs on a thread of its own."""
-    from ...core.mission.alignment import aligned
+    from ...core.mission.flight.alignment import aligned
     from ..sources import heights_for
 
     mission = planned.mission

@@ -24,8 +24,8 @@ from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
 from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
+from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels
-from ...core.mission.wind import Wind
 from ...core.resources import read_json
 from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect

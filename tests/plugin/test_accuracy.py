@@ -12,11 +12,11 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.form.mission_form import mission, refused_fields, state_of
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.panel.figures import readout

@@ -14,10 +14,10 @@ from terrainav.core.geodesy.footprint import exact
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.map.outlines import metres
 from terrainav.terrainav_plugin.preview.layers import field_names

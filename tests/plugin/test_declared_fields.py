@@ -6,9 +6,9 @@ import pytest
 from qgis.core import QgsApplication, QgsProcessingParameterDefinition
 from qgis.PyQt.QtWidgets import QCheckBox, QComboBox
 from terrainav.core.fields import declared_fields, field_named
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import flat_fields
 from terrainav.core.mission.parts import Flight
-from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.form.fields import choices_of, label_of, sentence_of, tip_of, title_of
 from terrainav.terrainav_plugin.form.state import DECLARED, ENTERED_AS_DECLARED, WITHOUT_ENTRY, FormState
 

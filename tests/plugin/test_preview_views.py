@@ -36,9 +36,9 @@ from qgis.PyQt.QtGui import QColor, QWheelEvent
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
 from terrainav.terrainav_plugin.paths import style
 from terrainav.terrainav_plugin.preview import preview

@@ -434,7 +434,7 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
         MISSION_FILE=str(path),
         FOOTPRINTS="memory:",
     )
-    from terrainav.core.mission.wind import Wind
+    from terrainav.core.mission.flight.wind import Wind
 
     assert Mission.load(str(path)) == Mission(
         BOX,

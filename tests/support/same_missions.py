@@ -15,9 +15,9 @@ import terrainav.core
 from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.world import WorldSource
 
 from tests.support.libraries import inexact

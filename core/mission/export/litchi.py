@@ -12,9 +12,9 @@ from itertools import groupby
 import numpy as np
 
 from ...errors import InvalidInput, Message
-from ..flight import legs
+from ..flight.motion import legs
+from ..flight.path import LANDING, TAKEOFF
 from ..parts import BY_DISTANCE, HOVER
-from ..path import LANDING, TAKEOFF
 from ..plan import Plan
 from .waypoints import Waypoint, not_flown, waypoints
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geodesy.mercator import wrap_lon_deg
-from ..path import CAPTURE, LANDING, TAKEOFF
+from ..flight.path import CAPTURE, LANDING, TAKEOFF
 from ..plan import Plan
 
 Floats = NDArray[np.float64]

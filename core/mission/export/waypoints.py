@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...errors import Message
 from ...geodesy.mercator import wrap_lon_deg
+from ..flight.path import CAPTURE, LANDING, LEAD_IN, TAKEOFF, TRANSIT, TURNAROUND
 from ..outlines import cut_line
-from ..path import CAPTURE, LANDING, LEAD_IN, TAKEOFF, TRANSIT, TURNAROUND
 from ..plan import Plan
 from .rows import clock, parts
 

@@ -12,9 +12,9 @@ from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.world import WorldSource
 
 from tests.core.geodesy.reference import look, see

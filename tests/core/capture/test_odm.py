@@ -11,9 +11,9 @@ from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.table import Table
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 from tests.support.photos import SIXTH_DIGIT, angles, camera_id, exiftool, focal_ratio, position
 from tests.support.sources import FailingSource, PatternSource, missing

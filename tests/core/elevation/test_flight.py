@@ -17,9 +17,9 @@ from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.picture.heights import heights_of
 
 from tests.core.mission.qgc_survey import checked, photos

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 HERE = Mission(
     Box(35.16, -89.90, 35.155, -89.89), 120.0, yaw_deg=-30.0, tilt_deg=20.0, start="2024-06-21T10:30:00.25Z"

@@ -8,12 +8,12 @@ from pyproj import Geod
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.alignment import aligned, longest_side_deg
 from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.flight.alignment import aligned, longest_side_deg
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import LONGEST_SIDE
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 GRID = PixelGrid()
 GEOD = Geod(ellps="WGS84")

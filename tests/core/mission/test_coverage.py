@@ -16,13 +16,13 @@ from terrainav.core.geodesy.frames import map_frame_edges
 from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v
 from terrainav.core.geodesy.projections import LocalPlane
 from terrainav.core.mission.area import Box, Polygon, area_within_m2, crossed_and_held, ground_m2, touching
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import coverage
 from terrainav.core.mission.layout import rows as layout
 from terrainav.core.mission.layout.coverage import Rectangles, gaps
 from terrainav.core.mission.layout.rotated import Shape
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 

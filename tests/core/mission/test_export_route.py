@@ -13,8 +13,8 @@ from pyproj import Geod
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.export.waypoints import waypoints
+from terrainav.core.mission.flight.path import CAPTURE, LANDING, TAKEOFF
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.path import CAPTURE, LANDING, TAKEOFF
 
 from tests.core.mission.flights import worked_out
 

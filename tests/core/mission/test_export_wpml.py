@@ -14,9 +14,17 @@ from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.flight.path import (
+    CAPTURE,
+    LANDING,
+    LEAD_IN,
+    TAKEOFF,
+    TRANSIT,
+    TURNAROUND,
+    FlightPath,
+)
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Route
-from terrainav.core.mission.path import CAPTURE, LANDING, LEAD_IN, TAKEOFF, TRANSIT, TURNAROUND, FlightPath
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
 from tests.core.mission.wpml_reader import Wpml

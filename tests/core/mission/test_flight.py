@@ -12,9 +12,9 @@ from terrainav.core.geodesy.ellipsoid import trace
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import duration_text, estimate
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 GEOD = Geod(ellps="WGS84")

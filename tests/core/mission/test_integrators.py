@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission import gusts
-from terrainav.core.mission.wind import Wind
+from terrainav.core.mission.flight import gusts
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.timing import QUICK
 
 from benchmarks import integrators

@@ -17,10 +17,10 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission, flat_fields
 from terrainav.core.mission.parts import FLAT_PARTS, Flight, utc_time
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 from tests.support.missions import TRIANGLE, missions, schema_1
 

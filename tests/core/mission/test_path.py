@@ -14,8 +14,7 @@ from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.path import (
+from terrainav.core.mission.flight.path import (
     CAPTURE,
     CLIMB_M_PER_S,
     HOVER_S,
@@ -25,8 +24,9 @@ from terrainav.core.mission.path import (
     TRANSIT,
     TURNAROUND,
 )
+from terrainav.core.mission.flight.wind import Wind
+from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 GEOD = Geod(ellps="WGS84")
 GRID = PixelGrid()

@@ -10,11 +10,11 @@ from pyproj import Geod
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.flight.path import HOVER_S
+from terrainav.core.mission.flight.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.path import HOVER_S
-from terrainav.core.mission.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 GRID = PixelGrid()
 FIELD = Mission(Box(35.158, -89.90, 35.155, -89.894), 120.0, overlap_along=0.8, overlap_across=0.5)

@@ -16,11 +16,11 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons, holds
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import polygons as polygons_of_layout
 from terrainav.core.mission.layout.rows import Layout
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.picture.heights import heights_of
 
 

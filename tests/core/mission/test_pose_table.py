@@ -18,9 +18,9 @@ from terrainav.core.imagery.opening import SourceOptions
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.coords import parse_coords
 from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.picture.heights import heights_of
 
 from tests.support.command import command

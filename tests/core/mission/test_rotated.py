@@ -15,10 +15,10 @@ from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout.rotated import rotated_rectangles
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 GEOD = Geod(ellps="WGS84")

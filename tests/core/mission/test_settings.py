@@ -9,9 +9,9 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.cameras import add_camera
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS
 from terrainav.core.mission.settings import mission_from, resolve
-from terrainav.core.mission.wind import Wind
 
 
 @pytest.fixture

@@ -14,12 +14,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission import flight, gusts
 from terrainav.core.mission.area import Points
-from terrainav.core.mission.flight import fly
-from terrainav.core.mission.gusts import LinearSystem, factor
+from terrainav.core.mission.flight import gusts, motion
+from terrainav.core.mission.flight.gusts import LinearSystem, factor
+from terrainav.core.mission.flight.motion import fly
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.wind import Wind
 from terrainav.core.units import M_PER_FT
 
 SIGMA, AIRSPEED, AGL_M = 1.4, 15.0, 120.0
@@ -297,7 +297,7 @@ def test_sampled_moments_are_those_of_the_process():
 
 
 def test_the_seed_decides_and_a_flight_does_not_depend_on_what_follows():
-    count = flight.CHUNK + 100
+    count = motion.CHUNK + 100
     interval_s, heading_deg, agl_m = steady(count)
     whole = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
     again = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
@@ -326,7 +326,7 @@ def test_a_flight_is_the_same_everywhere():
 
 def test_a_flight_does_not_depend_on_how_it_is_cut_up(monkeypatch):
     whole = fly(BREEZE, AIRSPEED, *steady(50, interval_s=0.3))
-    monkeypatch.setattr(flight, "CHUNK", 7)
+    monkeypatch.setattr(motion, "CHUNK", 7)
     parts = fly(BREEZE, AIRSPEED, *steady(50, interval_s=0.3))
     for name, values in vars(whole).items():
         assert getattr(parts, name) == pytest.approx(values, rel=1e-12, abs=1e-12)
@@ -334,7 +334,7 @@ def test_a_flight_does_not_depend_on_how_it_is_cut_up(monkeypatch):
 
 def test_a_flight_goes_to_each_exposure_at_its_height():
     agl_m = np.array([30.0, 120.0, 30.0])
-    steps_taken, which = flight._steps(BREEZE.sigma_m_per_s, AIRSPEED, np.array([2.0, 5.0]), agl_m)
+    steps_taken, which = motion._steps(BREEZE.sigma_m_per_s, AIRSPEED, np.array([2.0, 5.0]), agl_m)
     start = gusts.flight_system(BREEZE.sigma_m_per_s, AIRSPEED, 30.0).stationary_covariance()
     root = steps_taken[which[0], :, SIZE:]
     assert not steps_taken[which[0], :, :SIZE].any()
@@ -349,7 +349,7 @@ def test_a_flight_goes_to_each_exposure_at_its_height():
 
 def test_equal_intervals_but_for_rounding_are_one_step():
     interval_s = 4.0 * (1.0 + 1e-14 * np.arange(1000))
-    steps_taken, which = flight._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, np.full(1001, AGL_M))
+    steps_taken, which = motion._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, np.full(1001, AGL_M))
     assert len(steps_taken) == 2
     assert which[0] == 0
     assert np.all(which[1:] == 1)
@@ -361,7 +361,7 @@ def test_equal_intervals_but_for_rounding_are_one_step():
 )
 def test_rounding_keeps_to_its_number_and_is_no_coarser_than_it_must_be(values, most):
     values = np.array(values)
-    rounded, which = flight._rounded(values, most)
+    rounded, which = motion._rounded(values, most)
     assert 1 <= rounded.size <= most
     assert np.all(rounded[which] <= values)
     if np.unique(values).size <= 1:
@@ -372,8 +372,8 @@ def test_a_flight_of_many_heights_and_intervals():
     count = 6000
     draw = np.random.default_rng(1)
     interval_s, agl_m = 10.0 ** draw.uniform(-4, 2, count - 1), 10.0 ** draw.uniform(0, 4, count)
-    steps_taken, which = flight._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, agl_m)
-    assert len(steps_taken) <= flight.MOST_STEPS + 1
+    steps_taken, which = motion._steps(BREEZE.sigma_m_per_s, AIRSPEED, interval_s, agl_m)
+    assert len(steps_taken) <= motion.MOST_STEPS + 1
     assert which.max() == len(steps_taken) - 1
     flown = fly(BREEZE, AIRSPEED, interval_s, draw.uniform(-360, 360, count), agl_m)
     for values in vars(flown).values():
@@ -388,7 +388,7 @@ def test_no_time_between_exposures_is_no_change():
 
 
 def test_without_gusts_nothing_is_drawn(monkeypatch):
-    monkeypatch.setattr(flight, "_sampled", None)
+    monkeypatch.setattr(motion, "_sampled", None)
     for calm in (Wind(), Wind(speed_m_per_s=8.0), Wind(turbulence=0.3)):
         for count in (0, 1, 10):
             for values in vars(fly(calm, AIRSPEED, *steady(count))).values():

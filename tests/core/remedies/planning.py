@@ -12,12 +12,12 @@ from terrainav.core.geodesy.frames import map_windows
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.ways import way_around
-from terrainav.core.mission.alignment import aligned
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.flight.alignment import aligned
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import LONGEST_SIDE
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.world import WorldSource
 
 from tests.support.remedies import Case, remedy
@@ -343,7 +343,7 @@ planned(
 )
 
 
-@remedy("mission/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
+@remedy("mission/flight/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
 def _aligned_on_paper(case: Case) -> None:
     mission = Mission(AREA, 120.0, layout="paper")
     case.refused(partial(aligned, mission, GRID))

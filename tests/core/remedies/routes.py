@@ -7,10 +7,10 @@ from functools import partial
 
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.flight.pilot import too_fast
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.pilot import too_fast
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 from tests.support.remedies import Case, remedy
 
@@ -28,7 +28,8 @@ def _no_takeoff(case: Case) -> None:
 
 
 @remedy(
-    "mission/path.py", "take-off at latitude {}, longitude {}: lies inside a no-fly area; move it outside"
+    "mission/flight/path.py",
+    "take-off at latitude {}, longitude {}: lies inside a no-fly area; move it outside",
 )
 def _takeoff_in_no_fly(case: Case) -> None:
     mission = FIELD.with_(
@@ -39,7 +40,7 @@ def _takeoff_in_no_fly(case: Case) -> None:
 
 
 @remedy(
-    "mission/path.py",
+    "mission/flight/path.py",
     "battery of {} min: the way to image {} and back takes {} min; take off nearer to it, fly faster or take a larger "
     "battery",
 )
@@ -52,7 +53,7 @@ def _too_far(case: Case) -> None:
 
 
 @remedy(
-    "mission/path.py",
+    "mission/flight/path.py",
     "battery of {} min: the flight needs more than {} sorties; take a smaller area, a nearer take-off or a larger "
     "battery",
 )
@@ -74,14 +75,14 @@ def said(**changes):
     return "\n".join(too_fast(plan(mission, PixelGrid())))
 
 
-@remedy("mission/pilot.py", "{}; fly at {} m/s or slower (--airspeed)")
+@remedy("mission/flight/pilot.py", "{}; fly at {} m/s or slower (--airspeed)")
 def _too_fast(case: Case) -> None:
     text = case.says(said())
     (named, speed) = re.findall(r"(fly at ([0-9.]+) m/s or slower \(--airspeed\))", text)[0]
     case.follow(named, lambda: not said(airspeed_m_per_s=float(speed)))
 
 
-@remedy("mission/pilot.py", "{}; overlap less or fly higher")
+@remedy("mission/flight/pilot.py", "{}; overlap less or fly higher")
 def _never_slow_enough(case: Case) -> None:
     against = {"wind": Wind(9.0, 270.0, 0.0), "photo_interval_s": 8.0}
     case.says(said(**against))

@@ -20,9 +20,9 @@ from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import tile_parts
 from terrainav.core.markup import document, element, table
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.report import pictures, plots
 from terrainav.core.report.measure import measure
 from terrainav.core.report.page import PAGE, write_report

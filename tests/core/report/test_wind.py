@@ -12,9 +12,9 @@ from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.footprint import ground_corners
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 from terrainav.core.report import wind as wind_module
 from terrainav.core.report.page import PAGE, write_report
 from terrainav.core.report.sentences import mission_facts, mission_title, wind_effect_text, wind_notes

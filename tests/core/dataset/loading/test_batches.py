@@ -22,9 +22,9 @@ from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.dataset.loading.batches import chunks, optional_module
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.mission.area import Box
+from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.wind import Wind
 
 from tests.support.command import command
 from tests.support.datasets import pixels_of, write_dataset

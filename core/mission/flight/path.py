@@ -10,16 +10,16 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
-from ..geodesy.camera import Poses
-from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import LocalPlane, along_geodesics, geodesics
-from ..geodesy.ways import way_around
-from .area import Points, Polygon, inside
-from .flight import legs
-from .mission import Mission
-from .parts import GROUND, HOVER, ONE_WAY
-from .relief import Overflown, ReliefBelow, no_ground
+from ...errors import InvalidInput
+from ...geodesy.camera import Poses
+from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.projections import LocalPlane, along_geodesics, geodesics
+from ...geodesy.ways import way_around
+from ..area import Points, Polygon, inside
+from ..mission import Mission
+from ..parts import GROUND, HOVER, ONE_WAY
+from ..relief import Overflown, ReliefBelow, no_ground
+from .motion import legs
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
-from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import geodesics
-from ..units import M_PER_FT
+from ...errors import InvalidInput
+from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.projections import geodesics
+from ...units import M_PER_FT
 from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, outputs
 from .wind import Wind
 

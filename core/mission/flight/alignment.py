@@ -9,18 +9,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Cancelled, InvalidInput, Message, OptionName
-from ..geodesy.mercator import PixelGrid
-from ..geodesy.projections import LocalPlane
-from .area import Box, Points, Polygon, Polygons
-from .flight import legs
-from .layout.coverage import rings_of
-from .layout.framing import ground_of
-from .layout.rotated import is_rotated, lay_out_rotated
-from .mission import Mission
-from .parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
-from .plan import Plan, plan
-from .relief import Heights
+from ...errors import Cancelled, InvalidInput, Message, OptionName
+from ...geodesy.mercator import PixelGrid
+from ...geodesy.projections import LocalPlane
+from ..area import Box, Points, Polygon, Polygons
+from ..layout.coverage import rings_of
+from ..layout.framing import ground_of
+from ..layout.rotated import is_rotated, lay_out_rotated
+from ..mission import Mission
+from ..parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
+from ..plan import Plan, plan
+from ..relief import Heights
+from .motion import legs
 
 Floats = NDArray[np.float64]
 

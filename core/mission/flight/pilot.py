@@ -8,11 +8,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Message, OptionName
-from ..geodesy.sun import sun_position
-from .parts import HOVER, Flight
+from ...errors import Message, OptionName
+from ...geodesy.sun import sun_position
+from ..parts import HOVER, Flight
+from ..plan import Plan
 from .path import HOVER_S
-from .plan import Plan
 
 Floats = NDArray[np.float64]
 

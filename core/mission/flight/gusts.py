@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
-from ..units import M_PER_FT
+from ...errors import InvalidInput
+from ...units import M_PER_FT
 
 Floats = NDArray[np.float64]
 GRAVITY_M_PER_S2 = 9.80665

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..errors import InvalidInput
-from ..fields import Part, declared, field_named
-from .parts import Flight, Imagery
+from ...errors import InvalidInput
+from ...fields import Part, declared, field_named
+from ..parts import Flight, Imagery
 
 if TYPE_CHECKING:
     import numpy as np
