@@ -1670,6 +1670,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Block size (m)</source>
+        <translation>Tamaño de los bloques (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>Blocks of ground</source>
         <translation>Bloques de terreno</translation>
     </message>
@@ -1687,11 +1692,6 @@
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>Gap between parts (m)</source>
         <translation>Separación entre partes (m)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>How to split</source>
-        <translation>Cómo dividir</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -1741,8 +1741,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Side of the blocks (m)</source>
-        <translation>Lado de los bloques (m)</translation>
+        <source>Splitting method</source>
+        <translation>Método de división</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>

@@ -50,12 +50,12 @@ def parts() -> dict[str, str]:
 def titles() -> dict[str, str]:
     """What the entries of a split are called."""
     return {
-        "how": tr("How to split"),
+        "how": tr("Splitting method"),
         "train": tr("Share of training"),
         "validation": tr("Share of validation"),
         "test": tr("Share of test"),
         "seed": tr("Seed"),
-        "block": tr("Side of the blocks (m)"),
+        "block": tr("Block size (m)"),
         "gap": tr("Gap between parts (m)"),
         "frame": tr("Frame of the labels"),
         "dry_run": tr("Only count"),

@@ -115,6 +115,11 @@ def _is_ours(node: QgsLayerTreeNode) -> bool:
     return bool(node.customProperty(_FOLDER) or node.customProperty(_SEVERAL))
 
 
+def _is_foreign(node: QgsLayerTreeLayer | None) -> bool:
+    """Whether a layer is there, and none of a mission's own."""
+    return node is not None and node.layer() is not None and not node.layer().customProperty(ROLE)
+
+
 class GroupsOnTop(QObject):
     """Keeps mission groups above layers that are added, which would hide what is planned.
 
@@ -146,9 +151,11 @@ class GroupsOnTop(QObject):
         self._added = set()
 
     def _move(self) -> None:
-        added, self._added = self._added, set()
         root = self._project.layerTreeRoot()
-        for node in filter(None, map(root.findLayer, added)):
+        # What has got a role meanwhile, as Processing's results do once they are loaded, is where it belongs.
+        added = {node.layerId() for node in map(root.findLayer, self._added) if _is_foreign(node)}
+        self._added = set()
+        for node in map(root.findLayer, added):
             group = node.parent()
             if _is_ours(group):
                 while _is_ours(group.parent()):

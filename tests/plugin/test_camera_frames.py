@@ -212,7 +212,7 @@ def test_second_capture_of_what_is_there_keeps_the_layer(tilted):
     capture(tilted)
     layer = tilted.layer("Captured images").id()
     capture(tilted)
-    assert any("were there already" in text for text in tilted.messages())
+    assert any("already exist" in text for text in tilted.messages())
     assert tilted.layer("Captured images").id() == layer
 
 

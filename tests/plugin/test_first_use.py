@@ -204,9 +204,9 @@ def type_number(spin, text):
 @pytest.mark.parametrize(
     ("title", "agl", "words"),
     [
-        ("OpenStreetMap", "50", "more than the 250 that the provider allows"),
+        ("OpenStreetMap", "50", "but the provider allows 250"),
         ("OpenStreetMap", "3000", "of the 250 requests that the provider allows"),
-        ("swisstopo SWISSIMAGE", "20", "Capture will ask you to agree to the terms"),
+        ("swisstopo SWISSIMAGE", "20", "requests require accepting the terms"),
     ],
 )
 def test_limit_of_the_provider_is_compared_with_the_plan(desk, screenshot, title, agl, words):

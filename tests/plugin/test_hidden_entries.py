@@ -36,7 +36,7 @@ def test_date_is_not_asked_for_where_the_source_has_none(desk):
     desk.choose(desk.form.source, DATED)
     type_date(desk, WRONG["date"])
     desk.wait(lambda: bool(desk.message("date")))
-    assert desk.dock.figures.warnings.text() == "Fix the highlighted marked above."
+    assert desk.dock.figures.warnings.text() == "Fix the highlighted fields."
     desk.choose(desk.form.source, UNDATED)
     planned = desk.wait_planned()
     assert planned is not None

@@ -412,7 +412,7 @@ def test_zoom_is_one_of_the_source_s_own(desk, tmp_path):
     assert chosen.mission.pixels.zoom == chosen.plan.zoom == planned.zoom
     assert note.isVisibleTo(pixels)
     # The projection shows 0.5 m of its plane as 2.8 % more of the ground at the pole.
-    assert note.text().startswith(f"Zoom {native} has the source's own pixels, which show 51.4 cm of the")
+    assert note.text().startswith(f"Zoom {native} is the source's native resolution, with a GSD of 51.4 cm.")
     # A zoom that it has stays.
     desk.form.set_state(replace(desk.session.state(), zoom=native - 1, resolution="auto"))
     desk.wait_planned()

@@ -81,7 +81,7 @@ def test_project_moved_with_its_dataset_knows_where_it_is(captured, tmp_path):
     assert captured.session.state().folder == str(moved / "mission")
     # Going on there finds every image.
     captured.click(captured.dock.capture)
-    captured.wait(lambda: any("were there already" in text for text in captured.messages()))
+    captured.wait(lambda: any("already exist" in text for text in captured.messages()))
 
 
 @pytest.fixture
