@@ -80,7 +80,7 @@ class TerrAInavPlugin:
         self._add("test_shot", tr("&Test shot"), self._toggle_point_tool, checkable=True)
         self._add("capture", tr("&Capture"), lambda: self._use(lambda w: w.capture()))
         self._add("view_images", tr("&View images"), self._toggle_view_tool, checkable=True)
-        self._add("clean_dataset", tr("C&lean dataset…"), lambda: self._use(lambda w: w.cleaning.open()))
+        self._add("clean_dataset", tr("D&ataset…"), lambda: self._use(lambda w: w.datasets.open()))
         self._add("make_benchmark", tr("Make &benchmark…"), lambda: self._use(lambda w: w.make_benchmark()))
         self._add(
             "score_benchmark",

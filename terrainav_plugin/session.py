@@ -18,8 +18,8 @@ from ..core.errors import TerrAInavError
 from .area.control import AreaControl
 from .area.tools import BoxTool, PointTool
 from .capture.queue import Runs
-from .cleaning.cleaning import Cleaning
 from .dataset.placing import OpenProject
+from .dataset_window.datasets import CLEAN, Datasets
 from .form.state import FormState
 from .i18n import tr, translate
 from .map.canvas import is_in_sight
@@ -39,6 +39,7 @@ from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
+from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
 from .widgets import free_of_menus
@@ -85,7 +86,7 @@ class Session(QObject):
             self.dock.run_list,
             zoom=lambda run: self.zoom_to(run.mission.area.bounds),
             open_folder=lambda run: open_in_system(run.folder),
-            clean=lambda run: self.cleaning.open(run.folder),
+            clean=lambda run: self.datasets.open(run.folder, CLEAN),
         )
         self.planning = Planning(self.dock, self.planner, messages, lambda: self.runs.idle)
         self.alignment = RowAlignment(form, self.planning, messages)
@@ -98,7 +99,8 @@ class Session(QObject):
             lambda: self.runs.folders,
         )
         self.viewing = Viewing(self.project, iface, messages)
-        self.cleaning = Cleaning(iface, messages, self._datasets)
+        self.compare = Compare(self.project, iface)
+        self.datasets = Datasets(iface, messages, self._datasets)
         self.benchmarks = BenchmarkWindows(iface, messages)
         self.source_list = SourceList(self.project, form.imagery, messages, window, self.background.looked_at)
         self._previewing = self._zoom_to_preview = False
@@ -206,7 +208,8 @@ class Session(QObject):
             self.runs,
             self.missions,
             self.viewing,
-            self.cleaning,
+            self.compare,
+            self.datasets,
             self.benchmarks,
             self.source_on_map,
             self.alignment,
@@ -262,10 +265,14 @@ class Session(QObject):
         missions.zoom_wanted.connect(self.zoom_to)
         missions.refused.connect(form.show_messages)
         missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
-        missions.clean_wanted.connect(self.cleaning.open)
+        missions.clean_wanted.connect(lambda folder: self.datasets.open(folder, CLEAN))
         missions.plan_export.plan_wanted.connect(self.planning.with_plan)
         self.dock.export_plan_clicked.connect(missions.plan_export.ask)
-        self.cleaning.dataset_wanted.connect(missions.open_dataset)
+        self.datasets.dataset_wanted.connect(missions.open_dataset)
+        self.datasets.compare_wanted.connect(self.compare.open)
+        missions.compare_wanted.connect(self.compare.open)
+        self.datasets.benchmark_wanted.connect(self.make_benchmark)
+        self.datasets.score_wanted.connect(self.benchmarks.score)
         preview.closed.connect(lambda: self._show_preview_state(False))
         preview.visibility_changed.connect(lambda _visible: self._show_preview_state(self._previewing))
         preview.failed.connect(self._preview_failed)

@@ -22,7 +22,7 @@ FLOORS = (
     {"form", "map", "network"},
     {"dataset", "qgis_source"},
     {"sources"},
-    {"area", "preview", "capture", "results", "missions", "cleaning"},
+    {"area", "preview", "capture", "results", "missions", "dataset_window"},
     {"panel", "processing"},
     {"top"},
 )

@@ -74,6 +74,10 @@ def test_surroundings_of_a_text_are_kept(translations):
 
 
 _PANEL = "panel/dock.py area/entries.py panel/camera.py panel/sections.py"
+_DATASET = " ".join(
+    f"dataset_window/{name}.py"
+    for name in ("window", "clean_tab", "split_tab", "benchmark_tab", "export_tab", "labels_tab")
+)
 #: Letters of QGIS's own menus, with those that its own plugins bring.
 _MENUS = {"en": "jevlspormchwd", "es": "yevcfmorwb"}
 
@@ -88,7 +92,7 @@ def test_keys_of_a_menu_or_form_differ(translations):
         "missions": "missions/missions.py",
         "viewer": "results/viewer.py",
         "area dialogs": "area/dialogs.py",
-        "cleaning": "cleaning/panel.py",
+        "dataset window": _DATASET,
         "panel": _PANEL,
     }
     declared = _declared_with_keys(translations)
@@ -117,10 +121,10 @@ def _declared_with_keys(translations):
     return sorted(found)
 
 
-@pytest.mark.parametrize("panel", ["panel", "viewer", "cleaning"])
+@pytest.mark.parametrize("panel", ["panel", "viewer", "dataset window"])
 def test_keys_of_a_panel_open_no_menu_of_qgis(translations, panel):
     """A panel shares the window of QGIS; there it drops what collides, and would have fewer keys than it should."""
-    files = {"panel": _PANEL, "viewer": "results/viewer.py", "cleaning": "cleaning/panel.py"}[panel]
+    files = {"panel": _PANEL, "viewer": "results/viewer.py", "dataset window": _DATASET}[panel]
     known = translations.translated("es")
     for file in files.split():
         for text in translations.plugin_texts(ROOT / "terrainav_plugin" / file):

@@ -595,23 +595,23 @@ def cleaning(stage: Stage) -> None:
     stage.begin(FIRST, map_types=("satellite", "roadmap"))
     stage.capture()
     iface.messageBar().clearWidgets()
-    part = stage.session.cleaning
+    part = stage.session.datasets
     stage.plugin.actions["clean_dataset"].trigger()
     wait("entropies", lambda: not part.busy)
-    click(part.panel.suggest)
+    click(part.cleaning.panel.suggest)
     # Over the mission's panel, and no more of the map than it has to be.
     corner = stage.dock.mapToGlobal(stage.dock.rect().topRight())
-    part.panel.move(corner.x() - part.panel.width() - 4, corner.y() + 4)
+    part.window.move(corner.x() - part.window.width() - 4, corner.y() + 4)
     stage.session.zoom_to(stage.session.planned.mission.area.bounds)
     # The mission comes to stand in the part of the map that the window leaves free.
-    free_px = part.panel.x() - stage.canvas.mapToGlobal(QPoint(0, 0)).x() - 4
+    free_px = part.window.x() - stage.canvas.mapToGlobal(QPoint(0, 0)).x() - 4
     extent = stage.canvas.extent()
     west = extent.xMinimum()
     extent.scale(stage.canvas.width() / free_px)
     stage.canvas.setExtent(QgsRectangle(west, extent.yMinimum(), west + extent.width(), extent.yMaximum()))
     wait("crosses", lambda: not part.busy)
     stage.shoot("clean.jpg", stage.part(stage.canvas, stage.dock), most_bytes=FEWER_BYTES)
-    part.panel.hide()
+    part.window.hide()
 
 
 def failed(stage: Stage) -> None:

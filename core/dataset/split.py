@@ -16,9 +16,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, Message
+from ..errors import Cancelled, InvalidInput, Message
 from .clean import held
 from .dataset import ImageSet, read_dataset
+from .entropy import Report
 from .folder import AUTO, PARTS, SEED, SHARES, TABLE_FILE, TEST, TRAIN, WAYS
 from .ground import Boxes, blocks_of, boxes_of, deviation, largest_side_m, near, parted
 from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished, middle_of
@@ -36,6 +37,8 @@ _NEAR_ENOUGH = 0.02
 _ROUNDING = 0.01
 #: Widest gap, metres: beyond, it is no local one, and the sine of its angle no measure.
 _WIDEST_GAP_M = 1_000_000.0
+#: Shares of the work that are done when tables are read, when the ground is known, and when all have their part.
+_READ, _GROUND, _PARTED = 0.3, 0.6, 0.8
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,7 @@ def split(
     gap_m: float = 0.0,
     frame: str = "utm",
     dry_run: bool = False,
+    progress: Report | None = None,
 ) -> Split:
     """Write the part of each image to the tables of a dataset (column ``split``), and its labels' frame and scaler.
 
@@ -118,9 +122,13 @@ def split(
         Of the labels (see `labels.frame_of`).
     dry_run : bool
         Change nothing.
+    progress : callable
+        Told the share done, 0 to 1; an answer of False stops it before anything is changed.
 
     Raises
     ------
+    Cancelled
+        When ``progress`` said so.
     InvalidInput
         A folder that is no dataset, a table that says otherwise than the files, or a split that cannot be made: nothing
         is changed then.
@@ -131,6 +139,7 @@ def split(
     with held(folder, only_read=dry_run):
         dataset = read_dataset(folder)
         sets, place = list(dataset.image_sets.values()), dataset.place_of()
+        _check_goes_on(progress, _READ)
         places = _places(sets, place)
         if not places:
             raise InvalidInput(
@@ -138,6 +147,7 @@ def split(
                 folder,
             )
         boxes = _ground_if_known(Path(folder), sets, places, needed=how == "blocks")
+        _check_goes_on(progress, _GROUND)
         if how == AUTO:
             how = (
                 "blocks"
@@ -156,6 +166,7 @@ def split(
             of_place = dict(zip(order, counted(len(order), wanted)))
         tables = [_with_parts(images, of_place, place) for images in sets]
         labels = labels_of_tables(tables, frame)
+        _check_goes_on(progress, _PARTED)
         if not dry_run:
             # Tables are written one by one: until the last, parts of one map type may be other than another's.
             mark_unfinished(Path(folder) / LABELS_FILE)
@@ -177,6 +188,12 @@ def split(
         seen=None if boxes is None else _seen([of_place[name] for name in places], boxes),
         labels=labels,
     )
+
+
+def _check_goes_on(progress: Report | None, share: float) -> None:
+    """Tell how much is done; raises Cancelled where that is enough."""
+    if progress is not None and not progress(share):
+        raise Cancelled("stopped while images were split: nothing was changed")
 
 
 def shuffled(names: Sequence[str] | Mapping[str, object], seed: int = SEED) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from ..dataset.dataset import ImageSet, read_dataset
+from ..dataset.entropy import Report
 from ..dataset.folder import PARTS
 from ..dataset.table import NUMBER, WHOLE, Column, columns_of, part_of, taken
-from ..errors import InvalidInput
+from ..errors import Cancelled, InvalidInput
 from ..files import link_or_copy, new_folder, write_whole
 from ..map_types import SATELLITE
 from .tables import chosen_sets
@@ -26,7 +28,10 @@ _SIZES = {10**3: "n<1K", 10**4: "1K<n<10K", 10**5: "10K<n<100K", 10**6: "100K<n<
 
 
 def write_huggingface(
-    folder: str | os.PathLike[str], target: str | os.PathLike[str], map_type: str | None = None
+    folder: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    map_type: str | None = None,
+    progress: Report | None = None,
 ) -> list[Path]:
     """Write a dataset as a folder that ``datasets.load_dataset`` takes; returns the card and the tables.
 
@@ -41,9 +46,13 @@ def write_huggingface(
         A new or empty folder.
     map_type : str or None
         One alone.
+    progress : callable
+        Told the share done, 0 to 1, after each image; an answer of False stops it, and removes what is written.
 
     Raises
     ------
+    Cancelled
+        When ``progress`` said so.
     InvalidInput
         A folder that is no dataset, has no such map type, or no images for one.
     OutputError
@@ -53,6 +62,7 @@ def write_huggingface(
     parts = {name: _parts(name, images) for name, images in sets.items()}
     root = new_folder(target)
     card, written = root / CARD_FILE, []
+    count, total = 0, sum(len(rows) for one in parts.values() for rows in one.values())
     features = {}
     for name, images in sets.items():
         columns = _columns(images, np.concatenate([*parts[name].values()]))
@@ -61,6 +71,10 @@ def write_huggingface(
             place = root / name / part
             for row in rows.tolist():
                 link_or_copy(images.path(row), place / images.table.img_names[row])
+                count += 1
+                if progress is not None and not progress(count / total):
+                    shutil.rmtree(root, ignore_errors=True)
+                    raise Cancelled("stopped while images were exported: nothing is left of the export")
             write_whole(place / METADATA_FILE, _lines(images, columns, rows))
             written.append(place / METADATA_FILE)
     write_whole(card, _card(sets, parts, features).encode("utf-8"))

@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import os
+from importlib.util import find_spec
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, TerrAInavError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..dataset.entropy import Report
 
 #: Names of the formats and what people read: of camera frames, of any dataset's tables, and of benchmarks.
 VIEWS = {
@@ -53,6 +59,7 @@ def export_as(
     target: str | os.PathLike[str] | None,
     kind: str,
     map_type: str | None = None,
+    progress: Report | None = None,
 ) -> Exported:
     """Write a dataset, or a benchmark, in a format of other programs.
 
@@ -64,9 +71,13 @@ def export_as(
         One of `KINDS`.
     map_type : str or None
         Of several, the one that is exported; None for all, or for the only one.
+    progress : callable
+        Told the share done, 0 to 1, after each image; an answer of False stops it, and nothing is left then.
 
     Raises
     ------
+    Cancelled
+        When ``progress`` said so.
     InvalidInput
         Another format, no folder to write to, no such map type, no such dataset or benchmark.
     OutputError
@@ -79,14 +90,14 @@ def export_as(
             raise InvalidInput("format {0}: needs the folder to write to", kind)
         target = folder
     if kind in DATASETS:
-        return _export_dataset(folder, target, kind, map_type)
+        return _export_dataset(folder, target, kind, map_type, progress)
     if kind in BENCHMARKS:
         from ..benchmark.folder import Benchmark
         from .localisers import export_benchmark
 
         if map_type is not None:
             raise InvalidInput("map type {0!r}: benchmarks have none to choose from", map_type)
-        return Exported(export_benchmark(Benchmark.read(folder), target, kind), (Path(target),))
+        return Exported(export_benchmark(Benchmark.read(folder), target, kind, progress), (Path(target),))
     from .formats import export
     from .views import Views
 
@@ -94,13 +105,49 @@ def export_as(
     return Exported(len(views), (export(views, target, kind),))
 
 
+def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]:
+    """Why a folder cannot be exported, by format; None where it can. Reads tables, but no image.
+
+    A format may still refuse what only shows when it is written, such as a folder that is not empty.
+    """
+    from ..benchmark.folder import Benchmark
+    from ..dataset.dataset import read_dataset
+    from .views import Views
+
+    checks: tuple[tuple[dict[str, str], Callable[[], Any]], ...] = (
+        (VIEWS, lambda: Views.read(folder)),
+        (DATASETS, lambda: read_dataset(folder)),
+        (BENCHMARKS, lambda: Benchmark.read(folder)),
+    )
+    found: dict[str, TerrAInavError | None] = {}
+    for kinds, check in checks:
+        reason: TerrAInavError | None = None
+        try:
+            check()
+        except TerrAInavError as wrong:
+            reason = wrong
+        found.update(dict.fromkeys(kinds, reason))
+    if found["parquet"] is None and find_spec("pyarrow") is None:
+        found["parquet"] = InvalidInput(
+            "format parquet: needs the Python package pyarrow, which is not installed"
+        )
+    return found
+
+
 def _export_dataset(
-    folder: str | os.PathLike[str], target: str | os.PathLike[str], kind: str, map_type: str | None
+    folder: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    kind: str,
+    map_type: str | None,
+    progress: Report | None,
 ) -> Exported:
     from .croissant import write_croissant
     from .huggingface import write_huggingface
     from .tables import write_parquet
 
-    write = {"parquet": write_parquet, "huggingface": write_huggingface, "croissant": write_croissant}
-    paths = tuple(write[kind](folder, target, map_type))
+    if kind == "huggingface":
+        paths = tuple(write_huggingface(folder, target, map_type, progress))
+    else:
+        write = {"parquet": write_parquet, "croissant": write_croissant}
+        paths = tuple(write[kind](folder, target, map_type))
     return Exported(len(paths), paths)

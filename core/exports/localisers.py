@@ -21,8 +21,9 @@ from PIL import Image
 from ..benchmark.choices import CROSS_AREA
 from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, Queries, write_columns
 from ..dataset.dataset import open_image
+from ..dataset.entropy import Report
 from ..dataset.folder import TEST, TRAIN, VALIDATION
-from ..errors import InvalidInput, OutputError
+from ..errors import Cancelled, InvalidInput, OutputError
 from ..files import (
     PARTIAL_ENDING,
     csv_bytes,
@@ -71,6 +72,7 @@ class _Export:
     folder: Path
     files: dict[int, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    progress: Report | None = None
 
     def rows(self, *parts: str) -> list[int]:
         """Queries of parts; those of a benchmark without parts are all for tests."""
@@ -94,6 +96,9 @@ class _Export:
 
     def image(self, stored: str, file: str) -> None:
         """Give an image of the benchmark a name in the export, in the format of its ending."""
+        share = min(len(self.files) / max(len(self.benchmark.queries), 1), 1.0)
+        if self.progress is not None and not self.progress(share):
+            raise Cancelled("stopped while images were exported: nothing is left of the export")
         target, source = self.folder / file, self.benchmark.folder / stored
         wanted = _FORMATS[target.suffix.lower()]
         make_folder(target.parent)
@@ -128,7 +133,9 @@ class _Export:
         self.write(README_FILE, ("\n\n".join(lines) + "\n").encode("utf-8"))
 
 
-def export_benchmark(benchmark: Benchmark, folder: str | os.PathLike[str], kind: str) -> int:
+def export_benchmark(
+    benchmark: Benchmark, folder: str | os.PathLike[str], kind: str, progress: Report | None = None
+) -> int:
     """Write a benchmark in the layout of another set; returns the number of queries in it.
 
     The folder gets its name when all is written: until then it is called with ``.part`` at its end. Images are hard
@@ -139,9 +146,13 @@ def export_benchmark(benchmark: Benchmark, folder: str | os.PathLike[str], kind:
     ----------
     kind : str
         One of `LAYOUTS`.
+    progress : callable
+        Told the share done, 0 to 1, before each image; an answer of False stops it, and nothing is left then.
 
     Raises
     ------
+    Cancelled
+        When ``progress`` said so.
     InvalidInput
         Another layout, an image that cannot be read, or more scenes than the layout has names for; heights that the
         benchmark was made with and that cannot be opened.
@@ -154,7 +165,7 @@ def export_benchmark(benchmark: Benchmark, folder: str | os.PathLike[str], kind:
     partial = path.with_name(path.name + PARTIAL_ENDING)
     if partial.exists():
         raise OutputError("folder {0}: is left of an export that was stopped", partial, remedy="remove it")
-    under_way = _Export(benchmark, partial)
+    under_way = _Export(benchmark, partial, progress=progress)
     try:
         make_folder(partial)
         LAYOUTS[kind](under_way)

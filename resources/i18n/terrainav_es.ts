@@ -1239,7 +1239,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
-        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>Open folder</source>
         <translation>Abrir carpeta</translation>
@@ -1469,306 +1470,6 @@
         <translation>Capturando {name}</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
-        <source>Drag the line: images with less entropy (bits) are rejected.
-Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
-        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
-Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
-        <source>Entropy (bits)</source>
-        <translation>Entropía (bits)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
-        <source>Image, in the order of the flight</source>
-        <translation>Imagen, en el orden del vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Images</source>
-        <translation>Imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
-        <source>Threshold {bits} bits</source>
-        <translation>Umbral {bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/charts.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>{bits} bits</source>
-        <translation>{bits} bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>Reading {name}…</source>
-        <translation>Leyendo {name}…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>TerrAInav: folder for the images</source>
-        <translation>TerrAInav: carpeta para los gráficos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>Update mosaic</source>
-        <translation>Actualizar mosaico</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>{count} images written to {folder}.</source>
-        <translation>{count} gráficos escritos en {folder}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/cleaning.py"/>
-        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
-        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/marks.py"/>
-        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
-        <source>footprints: stopped</source>
-        <translation>huellas: detenido</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source> bits</source>
-        <translation> bits</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>&amp;Image by image</source>
-        <translation>&amp;Imagen por imagen</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>&amp;Threshold</source>
-        <translation>Umbra&amp;l</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
-        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Choose the folder of a dataset.</source>
-        <translation>Elegir la carpeta de un conjunto de datos.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
-        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Dataset &amp;folder</source>
-        <translation>Carpeta del con&amp;junto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Histo&amp;gram</source>
-        <translation>Hi&amp;stograma</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum</source>
-        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Just above: kept</source>
-        <translation>Justo por encima: se conservan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Just below: rejected</source>
-        <translation>Justo por debajo: se rechazan</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Map t&amp;ype</source>
-        <translation>&amp;Tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Map type shown here; cleaning applies this threshold to all map types</source>
-        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Mar&amp;k</source>
-        <translation>M&amp;arcar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Mark on the map the images that would be rejected</source>
-        <translation>Marcar en el mapa las imágenes que se rechazarían</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
-        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Move &amp;away</source>
-        <translation>A&amp;partar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Not cleaned yet.</source>
-        <translation>Sin limpiar todavía.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Of a capture, or of images with a meta_data.csv beside them</source>
-        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>On the map</source>
-        <translation>En el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Reject low-detail images: note in the dataset's table which are rejected, and why</source>
-        <translation>Rechazar las imágenes con poco detalle: anotar en la tabla del conjunto de datos cuáles se rechazan y por qué</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Remove all marks and move all files back</source>
-        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>S&amp;uggest</source>
-        <translation>S&amp;ugerir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Save images…</source>
-        <translation>Guardar gráficos…</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Stop</source>
-        <translation>Detener</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Stop; what is done so far can be finished, or undone</source>
-        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>TerrAInav: clean dataset</source>
-        <translation>TerrAInav: limpiar conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>TerrAInav: dataset to be cleaned</source>
-        <translation>TerrAInav: conjunto de datos que limpiar</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>That is a large part: look at the images below before you reject them.</source>
-        <translation>Es una parte grande: mire las imágenes de abajo antes de rechazarlas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>The entropies form one group: nothing stands out, and the threshold stays as it is. Cut in two at {bits} bits (Otsu's method, the dotted line), {rejected} of {count} images ({percent} %) would be rejected, which may all be good.</source>
-        <translation>Las entropías forman un solo grupo: nada destaca, y el umbral queda como está. Al partirlo en dos en {bits} bits (método de Otsu, la línea de puntos) se rechazarían {rejected} de {count} imágenes ({percent} %), que pueden ser todas buenas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>The entropies form two groups with few images between them; {bits} bits part them best (Otsu's method). The lower group has {rejected} of {count} images ({percent} %).</source>
-        <translation>Las entropías forman dos grupos con pocas imágenes entre ellos; {bits} bits es lo que mejor los separa (método de Otsu). El grupo inferior tiene {rejected} de {count} imágenes ({percent} %).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>The roadmap decides for all of them.</source>
-        <translation>Para todas decide el callejero.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>The roadmap decides for {count} of them.</source>
-        <translation>Para {count} de ellas decide el callejero.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>This dataset has no footprints: it cannot be shown on the map.</source>
-        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Threshold that best separates the entropies into two groups (Otsu's method, the dotted line), and how many images it rejects</source>
-        <translation>Umbral que mejor separa las entropías en dos grupos (método de Otsu, la línea de puntos), y cuántas imágenes rechaza</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>U&amp;ndo</source>
-        <translation>Des&amp;hacer</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
-        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <location filename="../../terrainav_plugin/processing/windows.py"/>
-        <source>{count} images could not be captured.</source>
-        <translation>No se pudieron capturar {count} imágenes.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/panel.py"/>
-        <source>{name}
-{bits} bits; press to show it on the map</source>
-        <translation>{name}
-{bits} bits; pulsar para verla en el mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>Cleaning {name}</source>
-        <translation>Limpiando {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>Images of {name}</source>
-        <translation>Gráficos de {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>{moved} moved away.</source>
-        <translation>{moved} apartadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>{rejected} images are no longer marked, {returned} moved back.</source>
-        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>{rejected} of {images} images are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
-        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/cleaning/tasks.py"/>
-        <source>{returned} moved back.</source>
-        <translation>{returned} devueltas a su sitio.</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
         <source>API key: choose a configuration, or press “+” and enter it as password</source>
         <translation>Clave API: elegir una configuración, o pulsar «+» e introducirla como contraseña</translation>
@@ -1802,6 +1503,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <source>footprints {path}: cannot be read ({reason})</source>
         <translation>huellas {path}: no se pueden leer ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/footprints.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/marks.py"/>
+        <source>footprints: stopped</source>
+        <translation>huellas: detenido</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
@@ -1957,6 +1664,797 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>hasta 1 m</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Automatic: blocks where images overlap</source>
+        <translation>Automático: bloques donde las imágenes se solapan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Blocks of ground</source>
+        <translation>Bloques de terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need.</source>
+        <translation>Por un hash de la semilla y el nombre, en el orden de la tabla, o por bloques de terreno, como necesitan las imágenes que se solapan.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Frame of the labels</source>
+        <translation>Sistema de las etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Gap between parts (m)</source>
+        <translation>Separación entre partes (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>How to split</source>
+        <translation>Cómo dividir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>In the order of the table</source>
+        <translation>En el orden de la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Nothing is changed.</source>
+        <translation>No se cambia nada.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Only count</source>
+        <translation>Solo contar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Plane about the middle</source>
+        <translation>Plano en torno al centro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Seed</source>
+        <translation>Semilla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Share of test</source>
+        <translation>Proporción de prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Share of training</source>
+        <translation>Proporción de entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Share of validation</source>
+        <translation>Proporción de validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Shuffled</source>
+        <translation>Al azar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Side of the blocks (m)</source>
+        <translation>Lado de los bloques (m)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Test</source>
+        <translation>Prueba</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.</source>
+        <translation>Las imágenes están en {count} zonas UTM ({zones}); un solo sistema sirve para todas: {frame}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>The same seed gives the same split.</source>
+        <translation>La misma semilla da la misma división.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>The three shares add up to 1.</source>
+        <translation>Las tres proporciones suman 1.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Training</source>
+        <translation>Entrenamiento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>UTM zone of the middle</source>
+        <translation>Zona UTM del centro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Validation</source>
+        <translation>Validación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>Web Mercator</source>
+        <translation>Web Mercator</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
+        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>With blocks only: minimum distance between the ground of two parts.</source>
+        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>utm, mercator, mission, or a projected system in metres such as EPSG:32616.</source>
+        <translation>utm, mercator, mission o un sistema proyectado en metros como EPSG:32616.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>{images} images are in no part: they see the horizon or a pole.</source>
+        <translation>{images} imágenes no están en ninguna parte: ven el horizonte o un polo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>{images} images are in no part: too near to another part's ground.</source>
+        <translation>{images} imágenes no están en ninguna parte: demasiado cerca del terreno de otra parte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>{part}: {images} images ({share} %).</source>
+        <translation>{part}: {images} imágenes ({share} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset/splitting.py"/>
+        <source>{share} % of the test images see ground of the training part: blocks leave none.</source>
+        <translation>El {share} % de las imágenes de prueba ve terreno de la parte de entrenamiento: con bloques no lo ve ninguna.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>A benchmark holds images of one imagery, the queries, that are to be found in another one, the reference, with the right answers. The queries are the images of the mission in the panel.</source>
+        <translation>Un banco de pruebas contiene imágenes de una fuente, las consultas, que hay que encontrar en otra, la referencia, y las respuestas correctas. Las consultas son las imágenes de la misión del panel.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>Make benchmark…</source>
+        <translation>Crear banco de pruebas…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>Open Processing's window with the panel's mission</source>
+        <translation>Abrir la ventana de Procesos con la misión del panel</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>Open Processing's window with this benchmark</source>
+        <translation>Abrir la ventana de Procesos con este banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>Score benchmark…</source>
+        <translation>Puntuar banco de pruebas…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>This folder is a benchmark of {count} queries.</source>
+        <translation>Esta carpeta es un banco de pruebas de {count} consultas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>This folder is no benchmark.</source>
+        <translation>Esta carpeta no es un banco de pruebas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/benchmark_tab.py"/>
+        <source>To score a benchmark, run a baseline or read your own predictions: how many queries are found, how far off they are, and where on the map.</source>
+        <translation>Para puntuar un banco de pruebas, ejecute un método de referencia o lea sus propias predicciones: cuántas consultas se encuentran, con qué error y en qué lugar del mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/charts.py"/>
+        <source>Drag the line: images with less entropy (bits) are rejected.
+Arrow keys move it by {step}, with Shift by {shift}, Page keys by {page} bits.</source>
+        <translation>Arrastrar la línea: se rechazan las imágenes con menos entropía (bits).
+Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page} bits.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/charts.py"/>
+        <source>Entropy (bits)</source>
+        <translation>Entropía (bits)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/charts.py"/>
+        <source>Image, in the order of the flight</source>
+        <translation>Imagen, en el orden del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/charts.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Images</source>
+        <translation>Imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/charts.py"/>
+        <source>Threshold {bits} bits</source>
+        <translation>Umbral {bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/charts.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>{bits} bits</source>
+        <translation>{bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source> bits</source>
+        <translation> bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>&amp;Image by image</source>
+        <translation>&amp;Imagen por imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>&amp;Threshold</source>
+        <translation>Umbra&amp;l</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>&lt;b&gt;{kept}&lt;/b&gt; of {count} images kept, &lt;b&gt;{rejected}&lt;/b&gt; rejected ({percent} %)</source>
+        <translation>&lt;b&gt;{kept}&lt;/b&gt; de {count} imágenes se conservan, &lt;b&gt;{rejected}&lt;/b&gt; se rechazan ({percent} %)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Cleaned before: {marked} images marked, {moved} files moved away.</source>
+        <translation>Limpiado antes: {marked} imágenes marcadas, {moved} archivos apartados.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Histo&amp;gram</source>
+        <translation>Hi&amp;stograma</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum</source>
+        <translation>Se rechazan las imágenes con menos entropía: 0 bits es un solo gris, 8 bits lo máximo que puede haber</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Just above: kept</source>
+        <translation>Justo por encima: se conservan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Just below: rejected</source>
+        <translation>Justo por debajo: se rechazan</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Map t&amp;ype</source>
+        <translation>&amp;Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Map type shown here; cleaning applies this threshold to all map types</source>
+        <translation>Tipo de mapa que se muestra; se limpian todos los tipos de mapa, cada uno con este umbral</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Mar&amp;k</source>
+        <translation>M&amp;arcar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Mark on the map the images that would be rejected</source>
+        <translation>Marcar en el mapa las imágenes que se rechazarían</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Mark rejected images, and move their files to a folder “rejected” beside the others</source>
+        <translation>Marcar las imágenes rechazadas y mover sus archivos a una carpeta «rejected» junto a las demás</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Move &amp;away</source>
+        <translation>A&amp;partar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Not cleaned yet.</source>
+        <translation>Sin limpiar todavía.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>On the map</source>
+        <translation>En el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Reject low-detail images: note in the dataset's table which are rejected, and why</source>
+        <translation>Rechazar las imágenes con poco detalle: anotar en la tabla del conjunto de datos cuáles se rechazan y por qué</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Remove all marks and move all files back</source>
+        <translation>Quitar todas las marcas y devolver todos los archivos a su sitio</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>S&amp;uggest</source>
+        <translation>S&amp;ugerir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Save images…</source>
+        <translation>Guardar gráficos…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>That is a large part: look at the images below before you reject them.</source>
+        <translation>Es una parte grande: mire las imágenes de abajo antes de rechazarlas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>The entropies form one group: nothing stands out, and the threshold stays as it is. Cut in two at {bits} bits (Otsu's method, the dotted line), {rejected} of {count} images ({percent} %) would be rejected, which may all be good.</source>
+        <translation>Las entropías forman un solo grupo: nada destaca, y el umbral queda como está. Al partirlo en dos en {bits} bits (método de Otsu, la línea de puntos) se rechazarían {rejected} de {count} imágenes ({percent} %), que pueden ser todas buenas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>The entropies form two groups with few images between them; {bits} bits part them best (Otsu's method). The lower group has {rejected} of {count} images ({percent} %).</source>
+        <translation>Las entropías forman dos grupos con pocas imágenes entre ellos; {bits} bits es lo que mejor los separa (método de Otsu). El grupo inferior tiene {rejected} de {count} imágenes ({percent} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>The roadmap decides for all of them.</source>
+        <translation>Para todas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>The roadmap decides for {count} of them.</source>
+        <translation>Para {count} de ellas decide el callejero.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>This dataset has no footprints: it cannot be shown on the map.</source>
+        <translation>Este conjunto de datos no tiene huellas: no se puede mostrar en el mapa.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Threshold that best separates the entropies into two groups (Otsu's method, the dotted line), and how many images it rejects</source>
+        <translation>Umbral que mejor separa las entropías en dos grupos (método de Otsu, la línea de puntos), y cuántas imágenes rechaza</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>U&amp;ndo</source>
+        <translation>Des&amp;hacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
+        <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <location filename="../../terrainav_plugin/processing/windows.py"/>
+        <source>{count} images could not be captured.</source>
+        <translation>No se pudieron capturar {count} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
+        <source>{name}
+{bits} bits; press to show it on the map</source>
+        <translation>{name}
+{bits} bits; pulsar para verla en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Reading {name}…</source>
+        <translation>Leyendo {name}…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
+        <source>TerrAInav: folder for the images</source>
+        <translation>TerrAInav: carpeta para los gráficos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
+        <source>Update mosaic</source>
+        <translation>Actualizar mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
+        <source>{count} images written to {folder}.</source>
+        <translation>{count} gráficos escritos en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
+        <source>{name}: stopped. Press the button again to finish, or Undo to put all back.</source>
+        <translation>{name}: detenido. Pulsar otra vez el botón para terminar, o Deshacer para devolverlo todo a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>All</source>
+        <translation>Todas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Any dataset</source>
+        <translation>Cualquier conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>Benchmarks</source>
+        <translation>Bancos de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Camera frames</source>
+        <translation>Imágenes de cámara</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>E&amp;xport</source>
+        <translation>E&amp;xportar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Folder of the export</source>
+        <translation>Carpeta de la exportación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Map type</source>
+        <translation>Tipo de mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <location filename="../../terrainav_plugin/processing/datasets.py"/>
+        <source>Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out.</source>
+        <translation>Que aún no exista o esté vacía; si se omite, parquet y croissant van a la del propio conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Of several, the one that is exported</source>
+        <translation>De varios, el que se exporta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Show what was written</source>
+        <translation>Mostrar lo que se ha escrito</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Stopped: nothing of the export is left.</source>
+        <translation>Detenido: no queda nada de la exportación.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>TerrAInav: folder of the export</source>
+        <translation>TerrAInav: carpeta de la exportación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>Write the dataset in this format</source>
+        <translation>Escribir el conjunto de datos en este formato</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>{count} files as {format} in {folder}.</source>
+        <translation>{count} archivos como {format} en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>{count} images as {format} in {folder}; the image files stay where they are.</source>
+        <translation>{count} imágenes como {format} en {folder}; los archivos de imagen quedan donde están.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
+        <source>{count} queries as {format} in {folder}.</source>
+        <translation>{count} consultas como {format} en {folder}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>&lt; Previous</source>
+        <translation>&lt; Anteriores</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>A label is the position of the image's centre, scaled by labels.json: metres of {frame} less the mean, in standard deviations of {count} images.</source>
+        <translation>Una etiqueta es la posición del centro de la imagen, escalada según labels.json: metros de {frame} menos la media, en desviaciones típicas de {count} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Depth along the optical axis; its colours are even in its logarithm</source>
+        <translation>Profundidad a lo largo del eje óptico; los colores siguen su logaritmo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Depth: {range}</source>
+        <translation>Profundidad: {range}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Entropy: {bits} bits</source>
+        <translation>Entropía: {bits} bits</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Images after these</source>
+        <translation>Imágenes posteriores</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Images before these</source>
+        <translation>Imágenes anteriores</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>In no part (gap)</source>
+        <translation>En ninguna parte (separación)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Label: easting {east}, northing {north}</source>
+        <translation>Etiqueta: este {east}, norte {north}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Map type shown here</source>
+        <translation>Tipo de mapa que se muestra aquí</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Next &gt;</source>
+        <translation>Siguientes &gt;</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>No images.</source>
+        <translation>No hay imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>No labels yet: they are written by a split.</source>
+        <translation>Aún no hay etiquetas: las escribe una división.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Not rejected</source>
+        <translation>No rechazada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Part: {part}</source>
+        <translation>Parte: {part}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Rejected</source>
+        <translation>Rechazada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Rejected: {reason}</source>
+        <translation>Rechazada: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>Which images are shown: all, or those of a part of the split</source>
+        <translation>Qué imágenes se muestran: todas, o las de una parte de la división</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>no ground</source>
+        <translation>sin terreno</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>none</source>
+        <translation>ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>none (gap)</source>
+        <translation>ninguna (separación)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>{depth} m</source>
+        <translation>{depth} m</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/labels_tab.py"/>
+        <source>{first} to {last} of {total}</source>
+        <translation>{first} a {last} de {total}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Not split yet: {count} images.</source>
+        <translation>Aún sin dividir: {count} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Only counted, nothing is changed: {how}.</source>
+        <translation>Solo se ha contado, nada ha cambiado: {how}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Parts now: {parts}.</source>
+        <translation>Partes actuales: {parts}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Split</source>
+        <translation>Dividir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Stopped: nothing was changed.</source>
+        <translation>Detenido: nada ha cambiado.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Write the part of each image to the tables, and labels.json</source>
+        <translation>Escribir la parte de cada imagen en las tablas, y labels.json</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>Written to the tables: {how}.</source>
+        <translation>Escrito en las tablas: {how}.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>automatic</source>
+        <translation>automático</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>{count} blocks with sides of {side} m</source>
+        <translation>{count} bloques de {side} m de lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/split_tab.py"/>
+        <source>{count} images in no part.</source>
+        <translation>{count} imágenes en ninguna parte.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tab.py"/>
+        <source>Choose the folder of a dataset.</source>
+        <translation>Elegir la carpeta de un conjunto de datos.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>Cleaning {name}</source>
+        <translation>Limpiando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>Exporting {name}</source>
+        <translation>Exportando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>Images of {name}</source>
+        <translation>Gráficos de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>Splitting {name}</source>
+        <translation>Dividiendo {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>{moved} moved away.</source>
+        <translation>{moved} apartadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>{rejected} images are no longer marked, {returned} moved back.</source>
+        <translation>{rejected} imágenes ya no están marcadas, {returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>{rejected} of {images} images are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>{rejected} of {images} images of {count} map types are marked as rejected.</source>
+        <translation>{rejected} de {images} imágenes de {count} tipos de mapa están marcadas como rechazadas.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/tasks.py"/>
+        <source>{returned} moved back.</source>
+        <translation>{returned} devueltas a su sitio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Benchmark</source>
+        <translation>Banco de pruebas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Clean</source>
+        <translation>Limpiar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Compare…</source>
+        <translation>Comparar…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Dataset &amp;folder</source>
+        <translation>Carpeta del con&amp;junto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Export</source>
+        <translation>Exportar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Flicker between two images on the map, such as two dates of one mission</source>
+        <translation>Alternar entre dos imágenes en el mapa, como dos fechas de una misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Labels</source>
+        <translation>Etiquetas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Of a capture, or of images with a meta_data.csv beside them</source>
+        <translation>De una captura, o de imágenes con un meta_data.csv al lado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Stop</source>
+        <translation>Detener</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>Stop; what is done so far can be finished, or undone</source>
+        <translation>Detener; lo hecho hasta ahora se puede terminar, o deshacer</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>TerrAInav: dataset</source>
+        <translation>TerrAInav: conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/dataset_window/window.py"/>
+        <source>TerrAInav: folder of a dataset</source>
+        <translation>TerrAInav: carpeta de un conjunto de datos</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>1 hole</source>
         <translation>1 hueco</translation>
@@ -2056,11 +2554,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/headings.py"/>
-        <source>automatic</source>
-        <translation>automática</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
@@ -2240,6 +2733,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/mission_group.py"/>
+        <source>TerrAInav: datasets of one mission</source>
+        <translation>TerrAInav: conjuntos de datos de una misión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/mission_group.py"/>
         <source>TerrAInav: {name}</source>
         <translation>TerrAInav: {name}</translation>
     </message>
@@ -2289,6 +2787,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture the images of the panel's mission that failed earlier</source>
         <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Co&amp;mpare images…</source>
+        <translation>Co&amp;mparar imágenes…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3351,12 +3854,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Map type</source>
-        <translation>Tipo de mapa</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Metres</source>
         <translation>Metros</translation>
     </message>
@@ -4099,8 +4596,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
-        <source>C&amp;lean dataset…</source>
-        <translation>&amp;Limpiar conjunto de datos…</translation>
+        <source>D&amp;ataset…</source>
+        <translation>Conjunto de dato&amp;s…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/plugin.py"/>
@@ -4220,11 +4717,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>{length} km, {count} images, from {start} to {end} UTC</source>
         <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
-        <source>Benchmarks</source>
-        <translation>Bancos de pruebas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/algorithm.py"/>
@@ -4454,12 +4946,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>One a line, beside the rasters: {form} If neither is given, that of the mission.</source>
         <translation>Uno por línea, además de los ráster: {form} Si no se indica nada, las imágenes de la misión.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Only count</source>
-        <translation>Solo contar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4848,16 +5334,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Block size (m)</source>
-        <translation>Tamaño de los bloques (m)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need.</source>
-        <translation>Por un hash de la semilla y el nombre, en el orden de la tabla, o por bloques de terreno, como necesitan las imágenes que se solapan.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a description of its files. A benchmark becomes the layout of a published one.</source>
         <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face o una descripción de sus archivos. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
     </message>
@@ -4888,11 +5364,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Folder of the export</source>
-        <translation>Carpeta de la exportación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Format</source>
         <translation>Formato</translation>
     </message>
@@ -4900,16 +5371,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Frame and scaler of the labels (JSON)</source>
         <translation>Sistema y escalador de las etiquetas (JSON)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Frame of the labels</source>
-        <translation>Sistema de las etiquetas</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Gap between parts (m)</source>
-        <translation>Separación entre partes (m)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -4988,16 +5449,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out.</source>
-        <translation>Que aún no exista o esté vacía; si se omite, parquet y croissant van a la del propio conjunto de datos.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Nothing is changed.</source>
-        <translation>No se cambia nada.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Nothing is deleted. mark notes in the table's column “rejected” why an image is rejected; move also moves it, with the files that belong to it, to a folder “rejected” beside the others; undo puts all back. A later capture into the folder knows what was moved.</source>
         <translation>No se borra nada. mark anota en la columna «rejected» de la tabla por qué se rechaza una imagen; move además la mueve, con sus archivos, a una carpeta «rejected» junto a las demás; undo lo devuelve todo a su sitio. Una captura posterior en la carpeta sabe lo que se movió.</translation>
     </message>
@@ -5048,33 +5499,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Seed</source>
-        <translation>Semilla</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Share of test</source>
-        <translation>Proporción de prueba</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Share of training</source>
-        <translation>Proporción de entrenamiento</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Share of validation</source>
-        <translation>Proporción de validación</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Split a dataset</source>
         <translation>Dividir un conjunto de datos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Splitting method</source>
-        <translation>Método de división</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5093,16 +5519,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}.</source>
-        <translation>Las imágenes están en {count} zonas UTM ({zones}); un solo sistema sirve para todas: {frame}.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>The same seed gives the same split.</source>
-        <translation>La misma semilla da la misma división.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>The suggested threshold parts the entropies by Otsu's method. Where they form one group, nothing stands out, and the log says so.</source>
         <translation>El umbral sugerido separa las entropías por el método de Otsu. Si forman un solo grupo, nada destaca, y el registro lo dice.</translation>
     </message>
@@ -5110,11 +5526,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>The table's entropies are not those of grey levels (the paper's equation 10), whose thresholds do not fit.</source>
         <translation>Las entropías de la tabla no son las de niveles de gris (ecuación 10 del artículo), cuyos umbrales no les corresponden.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>The three shares add up to 1.</source>
-        <translation>Las tres proporciones suman 1.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5140,16 +5551,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>Width (px)</source>
         <translation>Ancho (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>With blocks only. If empty, a size is found that gives parts close to the shares.</source>
-        <translation>Solo con bloques; vacío busca uno que se acerque a las proporciones.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>With blocks only: minimum distance between the ground of two parts.</source>
-        <translation>Solo con bloques: distancia mínima entre el terreno de dos partes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5198,21 +5599,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>utm, mercator, mission, or a projected system in metres such as EPSG:32616.</source>
-        <translation>utm, mercator, mission o un sistema proyectado en metros como EPSG:32616.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>{images} images are in no part: they see the horizon or a pole.</source>
-        <translation>{images} imágenes no están en ninguna parte: ven el horizonte o un polo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>{images} images are in no part: too near to another part's ground.</source>
-        <translation>{images} imágenes no están en ninguna parte: demasiado cerca del terreno de otra parte.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{map_type}: the entropies form one group: nothing stands out, and the suggested threshold cuts through its middle.</source>
         <translation>{map_type}: las entropías forman un solo grupo: nada destaca, y el umbral sugerido lo corta por la mitad.</translation>
     </message>
@@ -5235,16 +5621,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
         <source>{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” in the panel's Missions menu.</source>
         <translation>{names}: sigue como antes de mover imágenes; «Abrir carpeta de conjunto de datos», en las misiones del panel, lo crea de nuevo.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>{part}: {images} images ({share} %).</source>
-        <translation>{part}: {images} imágenes ({share} %).</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>{share} % of the test images see ground of the training part: blocks leave none.</source>
-        <translation>El {share} % de las imágenes de prueba ve terreno de la parte de entrenamiento: con bloques no lo ve ninguna.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/imagery.py"/>
@@ -5762,6 +6138,86 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source> s</source>
+        <translation> s</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>&amp;Close</source>
+        <translation>&amp;Cerrar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>&amp;Flicker</source>
+        <translation>&amp;Parpadeo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>&amp;every</source>
+        <translation>ca&amp;da</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>An image layer of a mission or dataset on the map</source>
+        <translation>Una capa de imagen de una misión o un conjunto de datos en el mapa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Both are the same image.</source>
+        <translation>Ambas son la misma imagen.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>F&amp;irst image</source>
+        <translation>P&amp;rimera imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>S&amp;witch</source>
+        <translation>Cam&amp;biar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Seco&amp;nd image</source>
+        <translation>Se&amp;gunda imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Show the map as it was before</source>
+        <translation>Mostrar el mapa como estaba antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Show the other image (space bar)</source>
+        <translation>Mostrar la otra imagen (barra espaciadora)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Shown: {image}</source>
+        <translation>Se muestra: {image}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Switch again and again</source>
+        <translation>Cambiar una y otra vez</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>TerrAInav: compare images</source>
+        <translation>TerrAInav: comparar imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>There are no two images on the map: open two datasets by “Missions”.</source>
+        <translation>No hay dos imágenes en el mapa: abra dos conjuntos de datos con «Misiones».</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/compare.py"/>
+        <source>Time that each image is shown</source>
+        <translation>Tiempo que se muestra cada imagen</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/results/shots.py"/>
         <source>footprints {path}: have no poses</source>
         <translation>huellas {path}: no tienen poses</translation>
@@ -5891,11 +6347,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Previous image of the flight</source>
         <translation>Imagen anterior del vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Rejected</source>
-        <translation>Rechazada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -7081,6 +7532,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>división {0!r}: no tiene bloques ni separación</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>stopped while images were split: nothing was changed</source>
+        <translation>detenido mientras se dividían las imágenes: nada ha cambiado</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/table.py"/>
         <source>and {0:,} more</source>
         <translation>y {0:,} más</translation>
@@ -7247,6 +7703,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/huggingface.py"/>
         <source>map type {0!r}: has no image to export</source>
         <translation>tipo de mapa {0!r}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/huggingface.py"/>
+        <location filename="../../core/exports/localisers.py"/>
+        <source>stopped while images were exported: nothing is left of the export</source>
+        <translation>detenido mientras se exportaban las imágenes: no queda nada de la exportación</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/kinds.py"/>
+        <source>format parquet: needs the Python package pyarrow, which is not installed</source>
+        <translation>formato parquet: necesita el paquete de Python pyarrow, que no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>

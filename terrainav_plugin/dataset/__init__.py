@@ -7,5 +7,6 @@ rectify         an image of a camera frame, laid on the map
 mosaic          one raster over all images of a run, and its overviews
 layers          footprints, mosaics and failed images, opened as layers
 placing         these layers in their mission's group
+splitting       what forms and Processing say of a split
 scores          layers of a benchmark in its group, and the errors of a method
 """

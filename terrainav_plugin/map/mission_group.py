@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import takewhile
 from pathlib import Path
 from typing import NamedTuple
 
-from qgis.core import QgsLayerTreeGroup, QgsLayerTreeLayer, QgsMapLayer, QgsProject, QgsProviderRegistry
+from qgis.core import (
+    QgsLayerTreeGroup,
+    QgsLayerTreeLayer,
+    QgsLayerTreeNode,
+    QgsMapLayer,
+    QgsProject,
+    QgsProviderRegistry,
+)
 from qgis.PyQt.QtCore import QObject
 
+from ...core.dataset.folder import MISSION_FILE
 from ..i18n import tr
 from ..tasks import single_shot
 
 #: Custom properties of the group, saved with the project.
 _FOLDER, _MISSION, _CURRENT = "terrainav/folder", "terrainav/mission", "terrainav/current"
+#: Custom property of a group that holds several datasets of one mission.
+_SEVERAL = "terrainav/several"
 #: Custom property of each layer: what it shows. A reopened project is recognised by it.
 ROLE = "terrainav/role"
 #: Role of the footprints that a dataset holds.
@@ -60,6 +71,16 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
     return missions
 
 
+def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapLayer]]:
+    """Layers of a type in the mission groups of a project, from the top, each with the title of its group."""
+    found = []
+    for node in project.layerTreeRoot().findLayers():
+        layer, group = node.layer(), _group_of(node)
+        if group is not None and layer is not None and layer.type() == kind:
+            found.append((group.name(), layer))
+    return found
+
+
 def dataset_of(layer: QgsMapLayer) -> Path:
     """Folder of the dataset whose footprints a layer shows."""
     return file_of(layer).parent
@@ -75,9 +96,23 @@ def file_of(layer: QgsMapLayer) -> Path:
 def _layer_in(group: QgsLayerTreeGroup | None, role: str) -> QgsMapLayer | None:
     for node in group.findLayers() if group is not None else ():
         layer = node.layer()
-        if layer is not None and layer.customProperty(ROLE) == role:
+        # Groups of other datasets may be inside.
+        if layer is not None and layer.customProperty(ROLE) == role and _group_of(node) is group:
             return layer
     return None
+
+
+def _group_of(node: QgsLayerTreeNode) -> QgsLayerTreeGroup | None:
+    """Mission group that a layer is in, the nearest one; None for a layer of none."""
+    group = node.parent()
+    while group is not None and not group.customProperty(_FOLDER):
+        group = group.parent()
+    return group
+
+
+def _is_ours(node: QgsLayerTreeNode) -> bool:
+    """Whether a node is a mission group, or one that holds several of one mission."""
+    return bool(node.customProperty(_FOLDER) or node.customProperty(_SEVERAL))
 
 
 class GroupsOnTop(QObject):
@@ -115,14 +150,16 @@ class GroupsOnTop(QObject):
         root = self._project.layerTreeRoot()
         for node in filter(None, map(root.findLayer, added)):
             group = node.parent()
-            if group.customProperty(_FOLDER):
+            if _is_ours(group):
+                while _is_ours(group.parent()):
+                    group = group.parent()
                 around = group.parent()
                 around.insertChildNode(around.children().index(group) + 1, node.clone())
-                group.removeChildNode(node)
+                node.parent().removeChildNode(node)
         nodes = root.children()
-        over = list(takewhile(lambda node: not node.customProperty(_FOLDER), nodes))
+        over = list(takewhile(lambda node: not _is_ours(node), nodes))
         if over and all(isinstance(node, QgsLayerTreeLayer) and node.layerId() in added for node in over):
-            groups = list(takewhile(lambda node: node.customProperty(_FOLDER), nodes[len(over) :]))
+            groups = list(takewhile(_is_ours, nodes[len(over) :]))
             root.insertChildNodes(0, [group.clone() for group in groups])
             for group in groups:
                 root.removeChildNode(group)
@@ -158,7 +195,7 @@ class MissionGroup:
         """Put a layer into the group, at ``index`` from the top (-1 for the bottom)."""
         layer.setCustomProperty(ROLE, role)
         self.project.addMapLayer(layer, False)
-        return self._made().insertLayer(index, layer)
+        return self.made().insertLayer(index, layer)
 
     def remove(self, role: str) -> None:
         """Take the layer that shows ``role`` off the map, if there is one."""
@@ -185,6 +222,37 @@ class MissionGroup:
         if group is not None:
             group.setCustomProperty(_MISSION, text)
 
+    def gather(self, is_same: Callable[[str], bool]) -> None:
+        """Put this group and those of the same mission, of other sources or dates, under one parent.
+
+        Groups that users have put elsewhere stay there.
+
+        Parameters
+        ----------
+        is_same : callable
+            Whether a mission, as JSON, is the same but for its imagery.
+        """
+        root, own = self.project.layerTreeRoot(), self.find()
+        if own is None or own.parent() is not root:
+            return
+        others = [
+            group
+            for group in root.findGroups(True)
+            if group is not own
+            and group.customProperty(_MISSION)
+            and (group.parent() is root or group.parent().customProperty(_SEVERAL))
+            and is_same(group.customProperty(_MISSION))
+        ]
+        if not others:
+            return
+        around = next((one.parent() for one in others if one.parent() is not root), None)
+        if around is None:
+            around = root.insertGroup(root.children().index(own), tr("TerrAInav: datasets of one mission"))
+            around.setCustomProperty(_SEVERAL, True)
+        for group in (own, *(one for one in others if one.parent() is root)):
+            around.addChildNode(group.clone())
+            root.removeChildNode(group)
+
     def make_current(self) -> None:
         """Have the project remember that this is the mission in the panel."""
         for group in self.project.layerTreeRoot().findGroups(True):
@@ -196,12 +264,22 @@ class MissionGroup:
     def remove_if_empty(self) -> None:
         """Take the group away when nothing is in it."""
         group = self.find()
-        if group is not None and not group.children():
-            group.parent().removeChildNode(group)
+        while group is not None and _is_ours(group) and not group.children():
+            around = group.parent()
+            around.removeChildNode(group)
+            group = around
 
-    def _made(self) -> QgsLayerTreeGroup:
+    def made(self) -> QgsLayerTreeGroup:
+        """Return the group, made where there is none yet."""
         group = self.find()
         if group is None:
-            group = self.project.layerTreeRoot().insertGroup(0, self._title)
+            group = self._around().insertGroup(0, self._title)
             group.setCustomProperty(_FOLDER, self._folder)
         return group
+
+    def _around(self) -> QgsLayerTreeGroup:
+        """Group that this one is in: of the mission that has this dataset beside others, or the layer tree itself."""
+        outer = Path(self._folder).parent
+        if not (outer / MISSION_FILE).is_file():
+            return self.project.layerTreeRoot()
+        return MissionGroup(self.project, outer).made()

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsVectorLayer
 from qgis.PyQt.QtCore import QObject, pyqtSignal
@@ -14,6 +14,7 @@ from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
+from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
 from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, build_orthomosaics, mosaics_there
 from ..dataset.placing import show_failed, show_results
@@ -21,7 +22,7 @@ from ..form import mission_form
 from ..form.area import FormError
 from ..form.state import BOX_FIELDS
 from ..i18n import tr, translate
-from ..map.mission_group import SavedMission, saved_missions
+from ..map.mission_group import SavedMission, mission_layers, saved_missions
 from ..paths import folder_of, next_folder
 from ..plain import shown_plain
 from ..settings import Settings, recent, remember
@@ -45,52 +46,65 @@ class DatasetTask(Task):
 
     Parameters
     ----------
-    find_grid : callable
-        Gives the pixel grid of the mission's source, for mosaics that are not there yet.
+    missions : mapping of Path to Mission
+        Of the dataset's own folder, or of each of several imageries by its folder inside.
+    find_grids : mapping of Path to callable
+        Gives the pixel grids of the missions' sources, for mosaics that are not there yet.
 
     Attributes
     ----------
-    opened : OpenedResults or None
-    failed : QgsVectorLayer or None
-        What has failed of it.
+    opened : list of OpenedResults
+    failed : list of QgsVectorLayer or None
+        What has failed of each.
     left_out : str
         Why there are no mosaics, where there could be some.
     """
 
-    def __init__(self, folder: Path, mission: Mission, find_grid: Callable[[], PixelGrid]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        mission: Mission,
+        missions: Mapping[Path, Mission],
+        find_grids: Mapping[Path, Callable[[], PixelGrid]],
+    ) -> None:
         super().__init__(tr("Opening {name}").format(name=folder.name))
         self.folder, self.mission = folder, mission
-        self.opened: OpenedResults | None = None
-        self.failed: QgsVectorLayer | None = None
+        self.opened: list[OpenedResults] = []
+        self.failed: list[QgsVectorLayer | None] = []
         self.left_out = ""
-        self._find_grid = find_grid
+        self._missions, self._find_grids = missions, find_grids
 
     def work(self) -> None:
         """Open."""
-        mosaics = mosaics_there(self.folder, self.mission)
-        if mosaics is None:
-            mosaics = self._made_mosaics()
-        if self.isCanceled():
-            return
-        self.opened = open_results(self.folder, self.mission, mosaics)
-        if self.isCanceled():
-            return
+        for folder, mission in self._missions.items():
+            mosaics = mosaics_there(folder, mission)
+            if mosaics is None:
+                mosaics = self._made_mosaics(folder, mission)
+            if self.isCanceled():
+                return
+            self.opened.append(open_results(folder, mission, mosaics))
+            self.failed.append(self._open_failed(folder))
+            if self.isCanceled():
+                return
+
+    def _open_failed(self, folder: Path) -> QgsVectorLayer | None:
         try:
-            FailedImages(self.folder).update()
-            self.failed = open_failed(self.folder)
+            FailedImages(folder).update()
+            return open_failed(folder)
         except OutputError as wrong:
             self.left_out = self.left_out or translate(wrong)
+            return None
 
-    def _made_mosaics(self) -> list[Mosaic]:
+    def _made_mosaics(self, folder: Path, mission: Mission) -> list[Mosaic]:
         from ..sources import heights_for, worked_out
 
         try:
-            steps = worked_out(self.mission, self._find_grid)
+            steps = worked_out(mission, self._find_grids[folder])
             if len(steps) > MOST_PICTURES:
                 return []
             if not steps.is_north_up:
-                return build_orthomosaics(self.folder, self.mission, heights_for, self.go_on)
-            return build_mosaics(steps, self.folder, self.go_on)
+                return build_orthomosaics(folder, mission, heights_for, self.go_on)
+            return build_mosaics(steps, folder, self.go_on)
         except TerrAInavError as wrong:
             # The footprints can be had without the source.
             self.left_out = translate(wrong)
@@ -125,6 +139,8 @@ class Missions(QObject):
         The failed images of what is entered are to be captured.
     clean_wanted(object)
         The folder of a dataset.
+    compare_wanted()
+        Two images on the map are to be compared.
     """
 
     preview_wanted = pyqtSignal(bool)
@@ -133,6 +149,7 @@ class Missions(QObject):
     refused = pyqtSignal(object)
     capture_failed_wanted = pyqtSignal()
     clean_wanted = pyqtSignal(object)
+    compare_wanted = pyqtSignal()
 
     def __init__(
         self,
@@ -206,6 +223,9 @@ class Missions(QObject):
         clean = menu.addAction(tr("&Clean dataset…"), self.clean)
         clean.setToolTip(tr("Reject low-detail images of the panel's mission"))
         clean.setEnabled((self._folder() / MISSION_FILE).is_file())
+        compare = menu.addAction(tr("Co&mpare images…"), self.compare_wanted.emit)
+        compare.setToolTip(tr("Flicker between two images on the map, such as two dates of one mission"))
+        compare.setEnabled(len(mission_layers(self._open_project.project, RASTER)) > 1)
 
     # --- opening
 
@@ -279,7 +299,9 @@ class Missions(QObject):
                 )
             mission = Mission.load(folder / MISSION_FILE)
             state = self._state_of(mission, folder)
-            task = DatasetTask(folder, mission, grid_finder(mission))
+            missions = _missions_inside(mission, folder)
+            finders = {path: grid_finder(one) for path, one in missions.items()}
+            task = DatasetTask(folder, mission, missions, finders)
         except TerrAInavError as wrong:
             self._tell_broken(folder.name, wrong)
             return
@@ -381,15 +403,20 @@ class Missions(QObject):
         if task.error:
             self._messages.failed(translate(task.error), task.trace)
             return
-        if task.opened is None or begun_in != self._open_project.number:
+        if task.isCanceled() or begun_in != self._open_project.number:
             return
         remember(task.folder)
-        group = self._open_project.group_of(task.folder)
-        show_results(group, task.opened)
+        # Each comes above those that are there: the first of them is to be on top.
+        for opened, failed in reversed([*zip(task.opened, task.failed)]):
+            inside = self._open_project.group_of(opened.folder)
+            show_results(inside, opened)
+            show_failed(inside, failed)
         # Layers that were not needed keep their files open.
-        task.opened = None
-        show_failed(group, task.failed)
+        task.opened, task.failed = [], []
         self._write(state)
+        group = self._open_project.group_of(task.folder)
+        group.remember_mission(task.mission.to_json())
+        group.gather(lambda text: _is_same_flight(text, task.mission))
         group.make_current()
         self.zoom_wanted.emit(task.mission.area.bounds)
         if task.left_out:
@@ -403,6 +430,33 @@ class Missions(QObject):
         self._messages.warning(
             tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong))
         )
+
+
+def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:
+    """Missions of the datasets that a folder holds: of each imagery that is captured, or its own."""
+    from ...core.mission.mission import Mission
+
+    if not mission.imagery.imageries:
+        return {folder: mission}
+    places = [folder / one.name for one in mission.imagery.named]
+    return {place: Mission.load(place / MISSION_FILE) for place in places if (place / MISSION_FILE).is_file()}
+
+
+def _is_same_flight(text: str, mission: Mission) -> bool:
+    """Whether a mission, as JSON, flies like another one, whatever its imagery and its files."""
+    from ...core.mission.mission import Mission
+
+    try:
+        other = Mission.from_json(text)
+    except TerrAInavError:
+        # Of another version, or no mission any more.
+        return False
+    return _flown(other) == _flown(mission)
+
+
+def _flown(mission: Mission) -> dict[str, Any]:
+    """What a mission says of its flight."""
+    return {name: part for name, part in mission.to_dict().items() if name not in ("imagery", "output")}
 
 
 def _plain(text: str) -> str:

@@ -18,9 +18,10 @@ from qgis.core import (
     QgsProcessingParameterString,
 )
 
-from ...core.dataset.folder import DEFAULT_ENTROPY, SEED, SHARES, WAYS
+from ...core.dataset.folder import AUTO, DEFAULT_ENTROPY, PARTS, SEED, SHARES
 from ...core.errors import InvalidInput
 from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
+from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, titles, ways
 from ..i18n import number_text, tr
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
 from .choices import Choice
@@ -33,9 +34,6 @@ if TYPE_CHECKING:
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
 #: Most that 256 grey levels can have.
 _HIGHEST = 8.0
-_HIGHEST_SEED = 2**31 - 1
-_WIDEST_M = 1_000_000.0
-_PARTS = ("TRAIN", "VALIDATION", "TEST")
 
 
 class _OfDataset(Algorithm):
@@ -47,7 +45,7 @@ class _OfDataset(Algorithm):
         """Add its parameters and outputs."""
         self.add_dataset(tr("Of a capture, or of images with a meta_data.csv beside them."))
         self._define_own()
-        self.add(QgsProcessingParameterBoolean("DRY_RUN", tr("Only count"), False), tr("Nothing is changed."))
+        self.add(QgsProcessingParameterBoolean("DRY_RUN", titles()["dry_run"], False), helps()["dry_run"])
         self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
 
 
@@ -232,29 +230,19 @@ class Split(_OfDataset):
         )
 
     def _define_own(self) -> None:
-        self.add(
-            Choice("HOW", tr("Splitting method"), {way: way for way in WAYS}, WAYS[0]),
-            tr(
-                "By a hash of seed and name, in the table's order, or by blocks of ground, as overlapping images need."
-            ),
-        )
-        number = QgsProcessingParameterNumber.Type
+        number, title, text = QgsProcessingParameterNumber.Type, titles(), helps()
+        self.add(Choice("HOW", title["how"], ways(), AUTO), text["how"])
         add_shares(self)
         self.add(
-            QgsProcessingParameterNumber("SEED", tr("Seed"), number.Integer, SEED, False, 0, _HIGHEST_SEED),
-            tr("The same seed gives the same split."),
+            QgsProcessingParameterNumber("SEED", title["seed"], number.Integer, SEED, False, 0, HIGHEST_SEED),
+            text["seed"],
         )
         self.add(
-            QgsProcessingParameterNumber(
-                "BLOCK", tr("Block size (m)"), number.Double, None, True, 0.0, _WIDEST_M
-            ),
-            tr("With blocks only. If empty, a size is found that gives parts close to the shares."),
+            QgsProcessingParameterNumber("BLOCK", title["block"], number.Double, None, True, 0.0, WIDEST_M),
+            text["block"],
         )
-        add_gap(self, tr("With blocks only: minimum distance between the ground of two parts."))
-        self.add(
-            QgsProcessingParameterString("FRAME", tr("Frame of the labels"), "utm"),
-            tr("utm, mercator, mission, or a projected system in metres such as EPSG:32616."),
-        )
+        add_gap(self, text["gap"])
+        self.add(QgsProcessingParameterString("FRAME", title["frame"], UTM), text["frame"])
         self.add_numbers(
             {
                 "TRAIN_IMAGES": tr("Training images"),
@@ -279,11 +267,12 @@ class Split(_OfDataset):
             "dry_run": run.flag("DRY_RUN"),
         }
 
-        def work(_: Watch) -> Made:
-            return split(folder, shares, **options)
+        def work(watch: Watch) -> Made:
+            return split(folder, shares, **options, progress=watch.progress)
 
         made = off_main_thread(work, run.feedback)
-        _tell_of_split(made, run.feedback)
+        for line in outcome(made):
+            (run.feedback.pushWarning if line.warns else run.feedback.pushInfo)(line.text)
         return {
             "FOLDER": folder,
             **{f"{part.upper()}_IMAGES": count for part, count in made.images.items()},
@@ -341,25 +330,27 @@ class Export(Algorithm):
         """Export."""
         folder, target, kind = run.text("DATASET"), run.text("FOLDER") or None, run.choice("FORMAT")
         map_type = run.text("MAP_TYPE").strip() or None
-        done = off_main_thread(lambda _: export_as(folder, target, kind, map_type), run.feedback)
+        done = off_main_thread(
+            lambda watch: export_as(folder, target, kind, map_type, watch.progress), run.feedback
+        )
         return {"FOLDER": target or folder, "COUNT": done.written}
 
 
 def add_shares(algorithm: Algorithm) -> None:
     """Add the parameters of the shares of training, validation and test."""
-    titles = tr("Share of training"), tr("Share of validation"), tr("Share of test")
-    for name, title, share in zip(_PARTS, titles, SHARES):
+    title, text = titles(), helps()
+    for part, share in zip(PARTS, SHARES):
         algorithm.add(
             QgsProcessingParameterNumber(
-                name, title, QgsProcessingParameterNumber.Type.Double, share, False, 0.0, 1.0
+                part.upper(), title[part], QgsProcessingParameterNumber.Type.Double, share, False, 0.0, 1.0
             ),
-            tr("The three shares add up to 1."),
+            text[part],
         )
 
 
 def shares_of(run: Run) -> tuple[float, float, float]:
     """Shares that parameters hold."""
-    training, validation, test = map(run.number, _PARTS)
+    training, validation, test = (run.number(part.upper()) for part in PARTS)
     return training, validation, test
 
 
@@ -368,50 +359,15 @@ def add_gap(algorithm: Algorithm, help_text: str) -> None:
     algorithm.add(
         QgsProcessingParameterNumber(
             "GAP",
-            tr("Gap between parts (m)"),
+            titles()["gap"],
             QgsProcessingParameterNumber.Type.Double,
             0.0,
             False,
             0.0,
-            _WIDEST_M,
+            WIDEST_M,
         ),
         help_text,
     )
-
-
-def _tell_of_split(made: Made, feedback: QgsProcessingFeedback) -> None:
-    """Say what shares are reached, and what is in no part."""
-    for part, share in made.shares.items():
-        feedback.pushInfo(
-            tr("{part}: {images} images ({share} %).").format(
-                part=part, images=number_text(made.images[part]), share=number_text(100.0 * share, ".1f")
-            )
-        )
-    if made.gap:
-        feedback.pushInfo(
-            tr("{images} images are in no part: too near to another part's ground.").format(
-                images=number_text(made.gap)
-            )
-        )
-    if made.unknown:
-        feedback.pushWarning(
-            tr("{images} images are in no part: they see the horizon or a pole.").format(
-                images=number_text(made.unknown)
-            )
-        )
-    if made.seen:
-        feedback.pushWarning(
-            tr("{share} % of the test images see ground of the training part: blocks leave none.").format(
-                share=number_text(100.0 * made.seen, ".1f")
-            )
-        )
-    zones = made.labels.frame.zones
-    if len(zones) > 1:
-        feedback.pushWarning(
-            tr(
-                "The images lie in {count} UTM zones ({zones}); one frame is for all of them: {frame}."
-            ).format(count=len(zones), zones=", ".join(zones), frame=made.labels.frame.crs)
-        )
 
 
 class MakeMosaic(Algorithm):

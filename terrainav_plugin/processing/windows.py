@@ -48,9 +48,10 @@ class BenchmarkWindows(QObject):
         if dialog is not None:
             dialog.algorithmFinished.connect(self._made)
 
-    def score(self) -> None:
-        """Ask for the answers to be judged; of the benchmark made last."""
-        self._show(_SCORE, {} if self._latest is None else {"BENCHMARK": str(self._latest)})
+    def score(self, folder: Path | None = None) -> None:
+        """Ask for the answers to be judged; of a benchmark, or else of the one made last."""
+        folder = folder or self._latest
+        self._show(_SCORE, {} if folder is None else {"BENCHMARK": str(folder)})
 
     def close(self) -> None:
         """Close them, and cancel what they are doing."""

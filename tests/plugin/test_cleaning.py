@@ -13,8 +13,8 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtGui import QColor, QPainter
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDockWidget, QFileDialog, QLabel
-from terrainav.terrainav_plugin.cleaning import marks as cleaning_marks
-from terrainav.terrainav_plugin.cleaning import panel as cleaning_panel
+from terrainav.terrainav_plugin.dataset_window import clean_tab as cleaning_panel
+from terrainav.terrainav_plugin.dataset_window import marks as cleaning_marks
 
 LEFT, PLAIN = Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier
 AREA = "35.14_-89.87_35.131_-89.856_120"
@@ -42,10 +42,11 @@ def dataset(captured, tmp_path):
 @pytest.fixture
 def cleaning(desk):
     """The plugin's part that cleans; its window is closed at the end."""
-    yield desk.session.cleaning
-    desk.wait(lambda: not desk.session.cleaning.busy)
-    if desk.session.cleaning.panel is not None:
-        desk.session.cleaning.panel.hide()
+    datasets = desk.session.datasets
+    yield datasets
+    desk.wait(lambda: not datasets.busy)
+    if datasets.window is not None:
+        datasets.window.hide()
 
 
 @pytest.fixture
@@ -53,9 +54,9 @@ def opened(desk, cleaning):
     """Open a dataset in the window and wait until all is there."""
 
     def open_dataset(folder):
-        cleaning.open(folder)
+        cleaning.open(folder, "clean")
         desk.wait(lambda: not cleaning.busy)
-        return cleaning.panel
+        return cleaning.cleaning.panel
 
     return open_dataset
 
@@ -96,7 +97,7 @@ def items_on_map(desk):
 
 @pytest.mark.parametrize("threshold", [0.0, 1.0, 2.1, 3.3, 5.0, 6.7, 8.0])
 def test_counts_are_those_of_cleaning(captured, threshold):
-    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
+    from terrainav.terrainav_plugin.dataset_window.entropies import read_entropies
 
     found = read_entropies(captured)
     assert set(found) == {"satellite", "roadmap"}
@@ -110,7 +111,7 @@ def test_counts_are_those_of_cleaning(captured, threshold):
 
 def test_rejected_images_are_those_that_cleaning_marks(dataset):
     from terrainav.core.dataset.clean import clean
-    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
+    from terrainav.terrainav_plugin.dataset_window.entropies import read_entropies
 
     found = read_entropies(dataset)["satellite"]
     threshold = float(np.median(found.bits))
@@ -120,7 +121,7 @@ def test_rejected_images_are_those_that_cleaning_marks(dataset):
 
 
 def test_published_folders_without_entropies_are_worked_out(tmp_path):
-    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
+    from terrainav.terrainav_plugin.dataset_window.entropies import read_entropies
 
     from tests.support.published import write_published
 
@@ -136,7 +137,7 @@ def test_published_folders_without_entropies_are_worked_out(tmp_path):
 
 
 def test_examples_are_the_images_next_to_the_threshold(captured):
-    from terrainav.terrainav_plugin.cleaning.entropies import read_entropies
+    from terrainav.terrainav_plugin.dataset_window.entropies import read_entropies
 
     found = read_entropies(captured)["satellite"]
     threshold = float(np.median(found.bits))
@@ -153,19 +154,19 @@ def test_examples_are_the_images_next_to_the_threshold(captured):
 
 
 def test_panels_beside_the_map_keep_their_width(desk, dataset):
-    from terrainav.terrainav_plugin.cleaning.cleaning import Cleaning
+    from terrainav.terrainav_plugin.dataset_window.datasets import Datasets
 
     # One of its own, whose window has not been opened before.
-    cleaning = Cleaning(desk.iface, desk.session.messages, list)
+    datasets = Datasets(desk.iface, desk.session.messages, list)
     layers = desk.iface.mainWindow().findChild(QDockWidget, "Layers")
     before = layers.width(), desk.canvas.width()
     try:
-        cleaning.open(dataset)
-        desk.wait(lambda: not cleaning.busy)
-        assert cleaning.panel.isFloating()
+        datasets.open(dataset)
+        desk.wait(lambda: not datasets.busy)
+        assert datasets.window.isFloating()
         assert (layers.width(), desk.canvas.width()) == before
     finally:
-        cleaning.close()
+        datasets.close()
 
 
 def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, screenshot):
@@ -262,7 +263,7 @@ def test_suggest_leaves_the_threshold_where_nothing_stands_out(desk, dataset, op
 
 
 def test_histogram_shows_every_image_on_its_side_of_the_line(desk, dataset, opened):
-    from terrainav.terrainav_plugin.cleaning.charts import KEPT, REJECTED
+    from terrainav.terrainav_plugin.dataset_window.charts import KEPT, REJECTED
 
     panel = opened(dataset)
     histogram = panel.charts[0]
@@ -280,7 +281,7 @@ def test_histogram_shows_every_image_on_its_side_of_the_line(desk, dataset, open
 
 
 def test_chart_of_a_hundred_thousand_images_shows_the_only_poor_one(qtbot):
-    from terrainav.terrainav_plugin.cleaning.charts import REJECTED, Bars, Histogram
+    from terrainav.terrainav_plugin.dataset_window.charts import REJECTED, Bars, Histogram
 
     bits = np.full(100_000, 6.5)
     bits[70_000] = 0.7
@@ -298,7 +299,7 @@ def test_chart_of_a_hundred_thousand_images_shows_the_only_poor_one(qtbot):
 
 @pytest.mark.parametrize("size", [(240, 140), (420, 190), (900, 500)])
 def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
-    from terrainav.terrainav_plugin.cleaning.charts import Bars, Histogram
+    from terrainav.terrainav_plugin.dataset_window.charts import Bars, Histogram
 
     drawn = []
 
@@ -307,7 +308,7 @@ def test_labels_of_axes_stand_apart(qtbot, monkeypatch, size):
             drawn.append((text, self.worldTransform().map(at)))
             super().drawText(at, text)
 
-    monkeypatch.setattr("terrainav.terrainav_plugin.cleaning.charts.QPainter", Painter)
+    monkeypatch.setattr("terrainav.terrainav_plugin.dataset_window.charts.QPainter", Painter)
     for chart in (Histogram(), Bars()):
         qtbot.addWidget(chart)
         chart.resize(*size)
@@ -336,9 +337,8 @@ def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened)
     desk.session.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.session.missions.busy)
     panel = opened(dataset)
-    cleaning = desk.session.cleaning
     type_bits(desk, panel, str(middle_bits(panel)))
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     for button in (*panel.strip.below, *panel.strip.above):
         assert not button.icon().isNull()
         assert button.isEnabled()
@@ -350,9 +350,9 @@ def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened)
     button = panel.strip.below[0]
     button.setFocus()
     QTest.keyClick(button, Qt.Key.Key_Space)
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     QTest.mouseClick(panel.on_map, LEFT)
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert desk.canvas.extent().width() < before.width() / 2
     row = panel.strip._rows[button]
     footprint = next(
@@ -370,7 +370,7 @@ def test_examples_show_their_pictures_and_lead_to_the_map(desk, dataset, opened)
 
 def is_crossed(colour):
     """Whether a line of a cross goes through; where lines meet their colours are mixed, to within rounding."""
-    from terrainav.terrainav_plugin.cleaning.charts import REJECTED
+    from terrainav.terrainav_plugin.dataset_window.charts import REJECTED
 
     parts = zip(colour.getRgb()[:3], REJECTED.getRgb()[:3])
     return colour.alpha() > 0 and all(abs(one - other) <= 2 for one, other in parts)
@@ -383,9 +383,9 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
     desk.wait(lambda: not desk.session.missions.busy)
     desk.canvas.waitWhileRendering()
     before = len(items_on_map(desk))
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel, cleaning = opened(dataset), desk.session.datasets.cleaning
     type_bits(desk, panel, str(middle_bits(panel)))
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert cleaning.marks.drawn == panel.entropies.rejected(panel.threshold.value()) > 5
     screenshot("entropy-panel")
 
@@ -410,19 +410,19 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
     desk.canvas.setExtent(
         QgsRectangle(extent.center().x(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum())
     )
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert cleaning.marks.item.image != image
     QTest.mouseClick(panel.on_map, LEFT)
     assert len(items_on_map(desk)) == before
     QTest.mouseClick(panel.on_map, LEFT)
-    desk.wait(lambda: not cleaning.busy and len(items_on_map(desk)) == before + 1)
-    panel.hide()
+    desk.wait(lambda: not desk.session.datasets.busy and len(items_on_map(desk)) == before + 1)
+    desk.session.datasets.window.hide()
     desk.wait(lambda: len(items_on_map(desk)) == before)
 
 
 def test_crosses_follow_outlines_of_any_shape_and_projection():
-    from terrainav.terrainav_plugin.cleaning.marks import View, draw
     from terrainav.terrainav_plugin.dataset.footprints import Outlines
+    from terrainav.terrainav_plugin.dataset_window.marks import View, draw
 
     ring_x = [-89.9, -89.8, -89.8, -89.9, -89.9, 10.0, 10.1, 10.1, 10.0, 10.0]
     ring_y = [35.2, 35.2, 35.1, 35.1, 35.2, 50.1, 50.1, 50.0, 50.0, 50.1]
@@ -452,15 +452,15 @@ def test_crosses_follow_outlines_of_any_shape_and_projection():
 
 
 def test_mark_move_and_undo(desk, dataset, opened, screenshot):
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     before = {path.relative_to(dataset) for path in dataset.rglob("*.tif")}
     tables = {path: path.read_bytes() for path in dataset.glob("*/meta_data.csv")}
     type_bits(desk, panel, str(middle_bits(panel)))
     expected = counted(dataset, "satellite", panel.threshold.value()).rejected
     desk.click(panel.buttons["mark"])
     assert not any(button.isEnabled() for button in panel.buttons.values())
-    assert not panel.folder.isEnabled()
-    desk.wait(lambda: not cleaning.busy)
+    assert not desk.session.datasets.window.folder.isEnabled()
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert len(marks_of(dataset, "satellite")) == expected == len(marks_of(dataset, "roadmap"))
     assert {path.relative_to(dataset) for path in dataset.rglob("*.tif")} == before
     assert (
@@ -473,7 +473,7 @@ def test_mark_move_and_undo(desk, dataset, opened, screenshot):
     panel.activateWindow()
     panel.buttons["move"].setFocus()
     QTest.keyClick(panel.buttons["move"], Qt.Key.Key_Space)
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert len(list(dataset.glob("satellite/rejected/*.tif"))) == expected
     assert any(f"{2 * expected} moved away." in text for text in desk.messages())
     # Pictures of what was moved are found where they are.
@@ -482,7 +482,7 @@ def test_mark_move_and_undo(desk, dataset, opened, screenshot):
     screenshot("entropy-moved", panel)
 
     desk.click(panel.buttons["undo"])
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert {path.relative_to(dataset) for path in dataset.rglob("*.tif")} == before
     assert {path: path.read_bytes() for path in dataset.glob("*/meta_data.csv")} == tables
     assert panel.notes.text().endswith(".")
@@ -492,17 +492,17 @@ def test_mark_move_and_undo(desk, dataset, opened, screenshot):
 def test_mosaic_is_offered_anew_where_images_have_moved(desk, dataset, opened):
     desk.session.missions.open_dataset(dataset)
     desk.wait(lambda: not desk.session.missions.busy)
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     type_bits(desk, panel, str(middle_bits(panel)))
     desk.click(panel.buttons["move"])
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     desk.click(desk.buttons_in_message_bar()["Update mosaic"])
     desk.wait(lambda: not desk.session.missions.busy)
     assert "rejected" not in (dataset / "satellite.vrt").read_text()
 
 
 def test_what_goes_wrong_is_said_and_changes_nothing(desk, dataset, opened, tmp_path):
-    panel, cleaning = opened(tmp_path), desk.session.cleaning
+    panel = opened(tmp_path)
     assert "is no dataset" in panel.charts[0]._hint
     assert not any(button.isEnabled() for button in panel.buttons.values())
     panel = opened(dataset)
@@ -512,16 +512,16 @@ def test_what_goes_wrong_is_said_and_changes_nothing(desk, dataset, opened, tmp_
     tables = {path: path.read_bytes() for path in dataset.glob("*/meta_data.csv")}
     type_bits(desk, panel, "8")
     desk.click(panel.buttons["mark"])
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert any("is not there" in text for text in desk.messages())
     assert {path: path.read_bytes() for path in dataset.glob("*/meta_data.csv")} == tables
 
 
 def test_what_is_shown_is_what_is_there_after_something_went_wrong(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     shutil.rmtree(dataset)
     desk.click(panel.buttons["mark"])
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert any("cannot be read" in text for text in desk.messages())
     assert panel.entropies is None
     assert "cannot be read" in panel.charts[0]._hint
@@ -529,10 +529,10 @@ def test_what_is_shown_is_what_is_there_after_something_went_wrong(desk, dataset
 
 
 def test_window_closed_while_it_works_stays_closed(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel, cleaning = opened(dataset), desk.session.datasets.cleaning
     desk.click(panel.buttons["mark"])
-    panel.close()
-    desk.wait(lambda: not cleaning.busy)
+    desk.session.datasets.window.close()
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert not panel.isVisible()
     assert cleaning.marks.item is None
 
@@ -544,12 +544,12 @@ def test_a_dataset_that_cannot_be_written_is_left_as_it_is(desk, dataset, opened
     def full(*_):
         raise OutputError("folder satellite: cannot write meta_data.csv (Read-only file system)")
 
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     monkeypatch.setattr(Table, "save", full)
     type_bits(desk, panel, str(middle_bits(panel)))
     threshold = panel.threshold.value()
     desk.click(panel.buttons["move"])
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert any("Read-only file system" in text for text in desk.messages())
     assert not list(dataset.rglob("rejected"))
     assert panel.notes.text().endswith("of them.")
@@ -558,45 +558,45 @@ def test_a_dataset_that_cannot_be_written_is_left_as_it_is(desk, dataset, opened
 
 
 def test_a_folder_that_is_no_more_entered_is_not_cleaned(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.session.cleaning
-    desk.type_text(panel.folder.lineEdit(), "")
-    desk.wait(lambda: not cleaning.busy)
+    panel, cleaning = opened(dataset), desk.session.datasets.cleaning
+    desk.type_text(desk.session.datasets.window.folder.lineEdit(), "")
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert panel.entropies is None
     assert panel.charts[0]._hint == "Choose the folder of a dataset."
     assert cleaning.marks.item is None
     assert not any(button.isEnabled() for button in panel.buttons.values())
     # Nobody's home.
-    desk.type_text(panel.folder.lineEdit(), "~nobody-of-this-name")
-    desk.wait(lambda: not cleaning.busy)
+    desk.type_text(desk.session.datasets.window.folder.lineEdit(), "~nobody-of-this-name")
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert "~nobody-of-this-name: cannot be read" in panel.charts[0]._hint
 
 
 def test_focus_comes_back_when_the_work_is_done(desk, dataset, opened):
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     panel.activateWindow()
     panel.buttons["mark"].setFocus()
     QTest.keyClick(panel.buttons["mark"], Qt.Key.Key_Space)
-    assert panel.focusWidget() is not panel.buttons["mark"]
-    desk.wait(lambda: not cleaning.busy)
-    assert panel.focusWidget() is panel.buttons["mark"]
+    assert panel.window().focusWidget() is not panel.buttons["mark"]
+    desk.wait(lambda: not desk.session.datasets.busy)
+    assert panel.window().focusWidget() is panel.buttons["mark"]
     # But not from where somebody types.
-    edit = panel.folder.lineEdit()
+    edit = desk.session.datasets.window.folder.lineEdit()
     desk.type_text(edit, str(dataset))
-    desk.wait(lambda: not cleaning.busy)
-    assert panel.focusWidget() is edit
+    desk.wait(lambda: not desk.session.datasets.busy)
+    assert panel.window().focusWidget() is edit
 
 
 def test_everything_is_reached_by_tab(desk, dataset, opened):
     panel = opened(dataset)
     type_bits(desk, panel, str(middle_bits(panel)))
-    desk.wait(lambda: not desk.session.cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     panel.activateWindow()
-    first = panel.folder.lineEdit()
+    first = desk.session.datasets.window.folder.lineEdit()
     first.setFocus()
     order = [first]
     while len(order) == 1 or order[-1] is not first:
         QTest.keyClick(order[-1], Qt.Key.Key_Tab)
-        order.append(panel.focusWidget())
+        order.append(panel.window().focusWidget())
         assert len(order) < 40
     lines = (
         [first, panel.map_type, panel.tabs.tabBar(), panel.tabs.currentWidget()],
@@ -609,20 +609,20 @@ def test_everything_is_reached_by_tab(desk, dataset, opened):
 
 
 def test_beside_other_panels_it_is_as_narrow_and_low_as_they_are(desk, dataset, opened):
-    panel = opened(dataset)
-    least = panel.widget().minimumSizeHint()
+    opened(dataset)
+    least = desk.session.datasets.window.widget().minimumSizeHint()
     assert least.width() <= 200
     assert least.height() <= 200
 
 
 def test_datasets_without_footprints_say_that_they_are_not_on_the_map(desk, dataset, opened):
     (dataset / "footprints.geojson").unlink()
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     assert not panel.on_map.isEnabled()
     assert "no footprints" in panel.on_map.toolTip()
     before = desk.canvas.extent()
     desk.click(panel.strip.above[0])
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert any("no footprints" in text for text in desk.messages())
     assert desk.canvas.extent() == before
 
@@ -632,21 +632,21 @@ def test_reading_that_takes_long_shows_how_far_it_is(desk, captured, tmp_path, c
 
     write_published(tmp_path / "Memphis" / "satellite_0", entropies=False)
     cleaning.open(captured)
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     shown = []
-    cleaning.panel.bar.valueChanged.connect(
-        lambda percent: shown.append((percent, cleaning.panel.bar.isVisible()))
+    cleaning.cleaning.panel.bar.valueChanged.connect(
+        lambda percent: shown.append((percent, cleaning.cleaning.panel.bar.isVisible()))
     )
     cleaning.open(tmp_path / "Memphis")
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert shown
     assert all(visible for _, visible in shown)
-    assert not cleaning.panel.bar.isVisible()
-    assert len(cleaning.panel.entropies) == 6
+    assert not cleaning.cleaning.panel.bar.isVisible()
+    assert len(cleaning.cleaning.panel.entropies) == 6
 
 
 def test_map_types_and_folders_are_chosen(desk, dataset, captured, opened):
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     assert [panel.map_type.itemText(index) for index in range(panel.map_type.count())] == [
         "Roadmap",
         "Satellite",
@@ -658,11 +658,11 @@ def test_map_types_and_folders_are_chosen(desk, dataset, captured, opened):
     panel.map_type.setCurrentIndex(other)
     panel.map_type.activated.emit(other)
     assert "roadmap decides" in panel.notes.text()
-    edit = panel.folder.lineEdit()
+    edit = desk.session.datasets.window.folder.lineEdit()
     desk.type_text(edit, str(captured))
     QTest.keyClick(edit, Qt.Key.Key_Return)
-    desk.wait(lambda: not cleaning.busy)
-    assert cleaning._folder == captured
+    desk.wait(lambda: not desk.session.datasets.busy)
+    assert desk.session.datasets.folder == captured
     assert panel.entropies.folder == captured / "satellite"
 
 
@@ -673,26 +673,26 @@ def test_capture_s_row_menu_and_toolbar_lead_to_its_dataset(desk, cleaning, qtbo
     desk.wait(lambda: desk.session.runs.idle)
     (run,) = desk.session.runs.runs
     desk.click(desk.session.run_panel.row(run).buttons["clean"])
-    desk.wait(lambda: not cleaning.busy)
-    assert cleaning.panel.isVisible()
-    assert cleaning._folder == desk.folder
-    assert len(cleaning.panel.entropies) == 81
-    cleaning.panel.hide()
-    cleaning._folder = None
+    desk.wait(lambda: not desk.session.datasets.busy)
+    assert cleaning.cleaning.panel.isVisible()
+    assert desk.session.datasets.folder == desk.folder
+    assert len(cleaning.cleaning.panel.entropies) == 81
+    desk.session.datasets.window.hide()
+    desk.session.datasets.folder = None
     desk.plugin.actions["clean_dataset"].trigger()
-    desk.wait(lambda: not cleaning.busy)
-    assert cleaning.panel.isVisible()
-    assert cleaning._folder == desk.folder
+    desk.wait(lambda: not desk.session.datasets.busy)
+    assert cleaning.cleaning.panel.isVisible()
+    assert desk.session.datasets.folder == desk.folder
 
 
 def test_pictures_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel = opened(dataset)
     target = tmp_path / "pictures"
     target.mkdir()
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(target))
     desk.click(panel.save)
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     written = sorted(target.iterdir())
     assert len(written) >= 4
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written)
@@ -704,7 +704,7 @@ def test_pictures_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
 
 def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypatch):
     """Tables, footprints and pictures are read, and crosses drawn, beside it: for any number of images."""
-    from terrainav.terrainav_plugin.cleaning import entropies
+    from terrainav.terrainav_plugin.dataset_window import entropies
 
     done = {}
 
@@ -727,7 +727,7 @@ def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypa
     desk.look_at("EPSG:4326", (-89.88, 35.12, -89.85, 35.15))
     panel = opened(dataset)
     type_bits(desk, panel, str(middle_bits(panel)))
-    desk.wait(lambda: not desk.session.cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert done == {
         name: {False}
         for name in (
@@ -743,12 +743,12 @@ def test_nothing_long_is_done_on_the_main_thread(desk, dataset, opened, monkeypa
 
 
 def test_examples_and_crosses_wait_until_the_threshold_rests(desk, dataset, opened, monkeypatch):
-    panel, cleaning = opened(dataset), desk.session.cleaning
+    panel, cleaning = opened(dataset), desk.session.datasets.cleaning
     asked = []
     monkeypatch.setattr(cleaning.marks, "show", lambda *_: asked.append(panel.threshold.value()))
     for bits in np.linspace(1.0, 3.0, 40):
         panel.threshold.setValue(float(bits))
-    desk.wait(lambda: not cleaning.busy)
+    desk.wait(lambda: not desk.session.datasets.busy)
     assert asked == [3.0]
 
 

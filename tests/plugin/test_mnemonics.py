@@ -89,11 +89,11 @@ def test_letters_of_menus_still_open_them(desk, window, iface):
 def test_other_panels_have_free_letters_too(desk, iface):
     menus = iface.mainWindow().menuBar()
     taken = {letter_of(action.text()).rpartition("+")[2] for action in menus.actions() if action.isVisible()}
-    desk.session.cleaning.open()
-    panel = desk.session.cleaning.panel
+    desk.session.datasets.open()
+    panel = desk.session.datasets.window
     try:
         letters = set(underlined(panel))
-        assert letters == {"A", "F", "K", "N", "T", "U", "Y"}
+        assert letters == {"A", "F", "K", "N", "T", "U", "X", "Y"}
         assert not letters & taken
     finally:
         panel.setUserVisible(False)

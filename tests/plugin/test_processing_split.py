@@ -56,7 +56,7 @@ def test_split_writes_tables_and_labels_and_tells_the_shares(dataset, options):
     assert [found[f"{name.upper()}_IMAGES"] for name in names] == counts
     assert sum(counts) == 40
     assert (counts[3] > 0) == ("BLOCK" in options)
-    assert f"train: {counts[0]} images ({100 * counts[0] / sum(counts[:3]):.1f} %)." in feedback.lines
+    assert f"Training: {counts[0]} images ({100 * counts[0] / sum(counts[:3]):.1f} %)." in feedback.lines
     assert any("2 UTM zones (15N, 16N)" in line and "EPSG:32615" in line for line in feedback.warnings)
     labels = Labels.load(dataset / "labels.json")
     assert Labels.from_json(found["LABELS"]) == labels

@@ -17,7 +17,7 @@ from terrainav.core.dataset.labels import LABELS_FILE, Labels
 from terrainav.core.dataset.loading import Samples
 from terrainav.core.dataset.split import shuffled, split
 from terrainav.core.dataset.table import SPLIT, Table, part_of, taken
-from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.files import open_locked
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
@@ -311,3 +311,19 @@ def test_the_command_says_what_the_test_sees(tmp_path, run):
     assert "no test image sees ground of the training part" in run("split", str(folder)).stdout
     shuffled_ = run("split", str(folder), "--how", "shuffled").stdout
     assert "% of the test images see ground of the training part (blocks leave none)" in shuffled_
+
+
+@pytest.mark.parametrize("at", [0, 1, 2])
+def test_a_stopped_split_changes_nothing(captured, tmp_path, at):
+    folder = shutil.copytree(captured, tmp_path / "out")
+    before, told = contents(folder), []
+
+    def go_on(share):
+        told.append(share)
+        return len(told) <= at
+
+    with pytest.raises(Cancelled):
+        split(folder, progress=go_on)
+    assert contents(folder) == before
+    assert told == sorted(set(told))
+    assert len(told) == at + 1

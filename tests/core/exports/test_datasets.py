@@ -12,11 +12,11 @@ import pytest
 from osgeo import ogr
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import seconds_of
-from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.exports.croissant import CROISSANT_FILE, write_croissant
 from terrainav.core.exports.formats import export
 from terrainav.core.exports.huggingface import write_huggingface
-from terrainav.core.exports.kinds import DATASETS
+from terrainav.core.exports.kinds import DATASETS, KINDS, export_as, refusals
 from terrainav.core.exports.tables import PARQUET_FILE, write_parquet
 from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
@@ -232,3 +232,34 @@ def test_the_command(dataset, tmp_path, monkeypatch, capsys):
     refused = run("export", str(dataset), "--as", "huggingface")
     assert refused.returncode == 2
     assert refused.stderr == "terrainav: format huggingface: needs the folder to write to\n"
+
+
+def test_what_a_folder_can_become_is_what_is_written(flown, dataset, tmp_path):
+    """By trying all of it."""
+    (tmp_path / "empty").mkdir()
+    for number, folder in enumerate((flown, dataset, tmp_path / "empty")):
+        for kind, reason in refusals(folder).items():
+            target = folder if kind == "croissant" else tmp_path / f"{kind}-{number}"
+            try:
+                written = export_as(folder, target, kind).written > 0
+            except (InvalidInput, OutputError):
+                written = False
+            assert written == (reason is None), (folder, kind)
+    assert set(refusals(flown)) == set(KINDS)
+
+
+def test_a_stopped_export_is_told_how_far_it_is_and_leaves_nothing(dataset, tmp_path):
+    told = []
+
+    def stop(share):
+        told.append(share)
+        return len(told) < 3
+
+    with pytest.raises(Cancelled):
+        export_as(dataset, tmp_path / "hf", "huggingface", progress=stop)
+    assert told == sorted(told)
+    assert 0.0 < told[-1] < 1.0
+    assert not (tmp_path / "hf").exists()
+    told.clear()
+    export_as(dataset, tmp_path / "hf", "huggingface", progress=lambda share: told.append(share) is None)
+    assert told[-1] == 1.0

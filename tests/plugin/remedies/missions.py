@@ -9,8 +9,8 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.cleaning.tasks import CleanTask
 from terrainav.terrainav_plugin.dataset import mosaic
+from terrainav.terrainav_plugin.dataset_window.tasks import CleanTask
 from terrainav.terrainav_plugin.missions.plan_export import ExportTask
 
 from tests.plugin.remedies.panel import captured, single
@@ -199,29 +199,32 @@ def _beside_all(case: Case) -> None:
 @pytest.fixture
 def cleaning(desk):
     """The plugin's part that cleans; its window is closed at the end."""
-    yield desk.session.cleaning
-    desk.wait(lambda: not desk.session.cleaning.busy)
-    desk.session.cleaning.panel.hide()
+    yield desk.session.datasets
+    desk.wait(lambda: not desk.session.datasets.busy)
+    desk.session.datasets.window.hide()
 
 
 def read(desk, cleaning):
     desk.wait(lambda: not cleaning.busy)
-    return cleaning.panel.entropies is not None
+    return cleaning.cleaning.panel.entropies is not None
 
 
-@remedy("cleaning/panel.py", "Choose the folder of a dataset.")
+@remedy("dataset_window/tab.py", "Choose the folder of a dataset.")
 def _no_folder(case: Case) -> None:
     desk, cleaning, folder = case.fixture("desk"), case.fixture("cleaning"), case.tmp_path / "out"
     dataset(folder)
     cleaning.open(folder)
-    desk.type_text(cleaning.panel.folder.lineEdit(), "")
+    desk.type_text(cleaning.window.folder.lineEdit(), "")
     assert not read(desk, cleaning)
-    case.says(cleaning.panel.charts[0]._hint)
-    desk.type_text(cleaning.panel.folder.lineEdit(), str(folder))
+    case.says(cleaning.cleaning.panel.charts[0]._hint)
+    desk.type_text(cleaning.window.folder.lineEdit(), str(folder))
     case.follow("Choose the folder of a dataset.", lambda: read(desk, cleaning))
 
 
-@remedy("cleaning/cleaning.py", "{name}: stopped. Press the button again to finish, or Undo to put all back.")
+@remedy(
+    "dataset_window/cleaning.py",
+    "{name}: stopped. Press the button again to finish, or Undo to put all back.",
+)
 def _cleaning_stopped(case: Case) -> None:
     desk, cleaning, folder = case.fixture("desk"), case.fixture("cleaning"), case.tmp_path / "out"
     total = len(dataset(folder))
@@ -231,7 +234,7 @@ def _cleaning_stopped(case: Case) -> None:
 
     def press(action):
         read(desk, cleaning)
-        desk.click(cleaning.panel.buttons[action])
+        desk.click(cleaning.cleaning.panel.buttons[action])
         return read(desk, cleaning)
 
     def press_and_stop():
@@ -249,13 +252,13 @@ def _cleaning_stopped(case: Case) -> None:
     cleaning.open(folder)
     read(desk, cleaning)
     # More than any image has.
-    cleaning.panel.threshold.setValue(8.0)
+    cleaning.cleaning.panel.threshold.setValue(8.0)
     press_and_stop()
     case.says("\n".join(desk.messages()))
     assert there() > 0
     case.follow("Press the button again to finish", lambda: press("move") and there() == 0)
     assert press("undo")
-    cleaning.panel.threshold.setValue(8.0)
+    cleaning.cleaning.panel.threshold.setValue(8.0)
     press_and_stop()
     assert there() > 0
     case.follow("Undo to put all back.", lambda: press("undo") and there() == total)

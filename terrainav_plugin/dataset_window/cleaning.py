@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,22 +12,22 @@ from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog
 
-from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE, MISSION_FILE
+from ...core.dataset.folder import DECIDING, FOOTPRINTS_FILE
 from ..i18n import tr, translate
 from ..map.canvas import show_extent
-from ..paths import folder_of, open_in_system
-from ..settings import recent
-from ..tasks import LatestWorker, Task, reason_of, single_shot
-from ..widgets import add_floating
+from ..paths import open_in_system
+from ..tasks import LatestWorker, reason_of, single_shot
+from .clean_tab import COUNT, CleanTab, no_footprints, read_examples
+from .entropies import read_entropies
+from .marks import Marks
+from .tasks import CleanTask, PicturesTask
 
 if TYPE_CHECKING:
     from ..messages import Messages
+    from .clean_tab import Shown
     from .entropies import Entropies
-    from .marks import Marks
-    from .panel import CleanPanel, Shown
-    from .tasks import CleanTask, PicturesTask
+    from .tasks import Work
 
-_SIZE_PX = (700, 620)
 #: Examples and crosses come when the threshold has rested for so long: it is dragged lightly however many there are.
 _REST_MS = 60
 #: How much more than an image the map shows that is zoomed to it.
@@ -35,14 +35,13 @@ _MARGIN = 4.0
 
 
 class Cleaning(QObject):
-    """The window, what is on the map with it, and the work that it starts.
+    """The tab, what is on the map with it, and the work that it starts.
 
     Parameters
     ----------
     iface : QgisInterface
     messages : Messages
-    datasets : callable
-        Folders that may be a dataset's, those that are meant most likely first.
+    work : Work
 
     Signals
     -------
@@ -54,15 +53,13 @@ class Cleaning(QObject):
     #: Number of a reading, and the percentage of it that is done; emitted on the reader's thread.
     _read_so_far = pyqtSignal(int, float)
 
-    def __init__(
-        self, iface: QgisInterface, messages: Messages, datasets: Callable[[], Iterable[Path]]
-    ) -> None:
+    def __init__(self, iface: QgisInterface, messages: Messages, work: Work) -> None:
         super().__init__()
-        self._iface, self._messages, self._datasets = iface, messages, datasets
+        self._messages, self._work = messages, work
         self._canvas = iface.mapCanvas()
-        self.panel: CleanPanel | None = None
-        self.marks: Marks | None = None
-        self.task: Task | None = None
+        self.panel = CleanTab()
+        self.marks = Marks(self._canvas)
+        self._in_sight = False
         self._folder: Path | None = None
         self._found: dict[str, Entropies] = {}
         self._map_type = ""
@@ -72,56 +69,40 @@ class Cleaning(QObject):
         self._reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
         self._rested = single_shot(self._follow, self, _REST_MS)
+        self._join()
 
     @property
     def busy(self) -> bool:
         """Whether something is still to come."""
-        following = (
-            self._rested.isActive() or self._pictures.busy or (self.marks is not None and self.marks.busy)
-        )
-        return self.task is not None or self._reader.busy or following
+        return self._rested.isActive() or self._pictures.busy or self.marks.busy or self._reader.busy
 
-    def open(self, folder: Path | None = None) -> None:
-        """Show the window, for a dataset: the one captured last unless another is given."""
-        panel = self._shown_panel()
-        folder = folder or self._folder or self._last()
-        if folder is not None and self.task is None:
-            panel.show_folder(str(folder))
+    def take(self, folder: Path | None) -> None:
+        """Show a dataset as it is now; None for none."""
+        if folder is not None:
             self._read(folder)
-
-    def close(self) -> None:
-        """End for good."""
-        self._asked += 1
-        self._rested.stop()
-        if self.task is not None:
-            self.task.progressChanged.disconnect()
-            self.task.abandon()
-            self.task.waitForFinished()
-            self.task = None
-        self._reader.close()
-        self._pictures.close()
-        if self.panel is not None:
-            self.panel.visibilityChanged.disconnect(self._visibility_changed)
-            self.marks.close()
-            self._iface.removeDockWidget(self.panel)
-            self.panel.deleteLater()
-            self.panel = self.marks = None
-
-    # --- from a folder to what is shown
-
-    def _last(self) -> Path | None:
-        """Folder of the dataset that is meant most likely, or else of the one opened last."""
-        folders = (*self._datasets(), *recent())
-        return next((folder for folder in folders if (folder / MISSION_FILE).is_file()), None)
-
-    def _folder_chosen(self, text: str) -> None:
-        if text.strip():
-            self._read(folder_of(text))
             return
         # What is being read is nobody's any more.
         self._reader.forget()
         self._forget(None)
         self.panel.show_hint()
+
+    def show_in_sight(self, in_sight: bool) -> None:
+        """Cross out images on the map only while the tab is to be seen."""
+        self._in_sight = in_sight
+        if in_sight:
+            self._follow()
+        else:
+            self.marks.hide()
+
+    def close(self) -> None:
+        """End for good."""
+        self._asked += 1
+        self._rested.stop()
+        self._reader.close()
+        self._pictures.close()
+        self.marks.close()
+
+    # --- from a folder to what is shown
 
     def _forget(self, folder: Path | None) -> int:
         """Take up another folder, of which nothing is known yet; returns the number of its reading."""
@@ -132,8 +113,6 @@ class Cleaning(QObject):
 
     def _read(self, folder: Path) -> None:
         """Read a dataset; one that is being read is given up."""
-        from .entropies import read_entropies
-
         number = self._forget(folder)
         self.panel.show_hint(tr("Reading {name}…").format(name=folder.name))
 
@@ -147,7 +126,7 @@ class Cleaning(QObject):
         self._reader.ask(read, self._show)
 
     def _show_reading(self, number: int, percent: float) -> None:
-        if number == self._asked and self.panel is not None and not self._found:
+        if number == self._asked and not self._found:
             self.panel.show_reading(percent)
 
     def _show(self, found: dict[str, Entropies]) -> None:
@@ -157,37 +136,34 @@ class Cleaning(QObject):
         self._show_map_type(self._map_type if self._map_type in found else of_pictures[0])
 
     def _show_map_type(self, map_type: str) -> None:
-        if map_type in self._found and self.panel is not None:
+        if map_type in self._found:
             self._map_type = map_type
             footprints = self._folder is not None and (self._folder / FOOTPRINTS_FILE).is_file()
             self.panel.show_entropies(self._found, map_type, footprints)
             self._follow()
 
     def _refused(self, error: Exception) -> None:
-        if self.panel is not None:
-            self.panel.show_hint(translate(reason_of(error)))
+        self.panel.show_hint(translate(reason_of(error)))
 
     # --- what follows the threshold
 
     def _follow(self, *_: object) -> None:
         """Show examples and crosses for the threshold as it is now."""
-        from .panel import COUNT, read_examples
-
         panel, found = self.panel, self._found.get(self._map_type)
-        if panel is None or found is None:
+        if found is None:
             return
         threshold, ratio = panel.threshold.value(), panel.devicePixelRatioF()
         self._pictures.ask(
             lambda _: read_examples(found.examples(threshold, COUNT), ratio),
             partial(self._show_examples, found),
         )
-        if panel.on_map.isChecked() and panel.isVisible() and self._folder is not None:
+        if panel.on_map.isChecked() and self._in_sight and self._folder is not None:
             self.marks.show(self._folder, partial(found.rejected_stems, threshold))
         else:
             self.marks.hide()
 
     def _show_examples(self, found: Entropies, shown: tuple[list[Shown], list[Shown]]) -> None:
-        if self.panel is not None and self.panel.entropies is found:
+        if self.panel.entropies is found:
             self.panel.strip.show_examples(*shown)
 
     def _zoom_to(self, row: int) -> None:
@@ -196,8 +172,6 @@ class Cleaning(QObject):
             self.marks.find(self._folder, found.stems[row], self._zoom_to_extent)
 
     def _zoom_to_extent(self, extent: QgsRectangle | None) -> None:
-        from .panel import no_footprints
-
         if extent is None:
             self._messages.warning(no_footprints())
             return
@@ -206,45 +180,19 @@ class Cleaning(QObject):
     # --- what the buttons do
 
     def _do(self, action: str) -> None:
-        from .tasks import CleanTask
-
-        if self.task is None and self._folder is not None:
-            self._start(CleanTask(self._folder, action, self.panel.threshold.value()), self._cleaned)
+        if self._folder is not None:
+            self._work.start(CleanTask(self._folder, action, self.panel.threshold.value()), self._cleaned)
 
     def _save_pictures(self) -> None:
-        from .tasks import PicturesTask
-
         folder = self._folder
-        if self.task is not None or folder is None:
+        if folder is None:
             return
         chosen = QFileDialog.getExistingDirectory(
             self.panel, tr("TerrAInav: folder for the images"), str(folder)
         )
-        if chosen and self.panel is not None and self.task is None:
+        if chosen and not self._reader.closed:
             task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
-            self._start(task, self._pictures_saved)
-
-    def _start(self, task: Task, ended: Callable[[Task], None]) -> None:
-        self.task = task
-        task.progressChanged.connect(lambda percent: self.panel.show_busy(True, percent))
-        self.panel.show_busy(True)
-        task.begin(partial(self._ended, ended))
-
-    def _stop(self) -> None:
-        if self.task is not None:
-            self.task.cancel()
-
-    def _ended(self, tell: Callable[[Task], None], task: Task) -> None:
-        self.task = None
-        if self.panel is not None:
-            self.panel.show_busy(False)
-        if task.error:
-            self._messages.failed(translate(task.error), task.trace)
-            if self.panel is not None and self._folder is not None:
-                # Whatever was wrong: show what is there now.
-                self._read(self._folder)
-        else:
-            tell(task)
+            self._work.start(task, self._pictures_saved)
 
     def _cleaned(self, task: CleanTask) -> None:
         from ..dataset.mosaic import mosaic_names
@@ -260,7 +208,6 @@ class Cleaning(QObject):
             update = (tr("Update mosaic"), lambda: self.dataset_wanted.emit(task.folder))
             mosaics = moved and mosaic_names(task.folder)
             self._messages.success(f"{task.folder.name}: {task.text()}", update if mosaics else None)
-        self._read(task.folder)
 
     def _pictures_saved(self, task: PicturesTask) -> None:
         if not task.written:
@@ -271,32 +218,12 @@ class Cleaning(QObject):
             (tr("Open folder"), lambda: open_in_system(task.target)),
         )
 
-    # --- the window
-
-    def _shown_panel(self) -> CleanPanel:
-        if self.panel is None:
-            from .marks import Marks
-            from .panel import CleanPanel
-
-            self.marks = Marks(self._canvas)
-            self.marks.failed.connect(lambda error: self._messages.warning(translate(reason_of(error))))
-            panel = self.panel = CleanPanel()
-            panel.folder_chosen.connect(self._folder_chosen)
-            panel.map_type_chosen.connect(self._show_map_type)
-            panel.threshold_changed.connect(lambda _bits: self._rested.start())
-            panel.on_map_toggled.connect(self._follow)
-            panel.action_wanted.connect(self._do)
-            panel.pictures_wanted.connect(self._save_pictures)
-            panel.stop_wanted.connect(self._stop)
-            panel.strip.chosen.connect(self._zoom_to)
-            panel.visibilityChanged.connect(self._visibility_changed)
-            add_floating(panel, self._iface, _SIZE_PX)
-        self.panel.setUserVisible(True)
-        return self.panel
-
-    def _visibility_changed(self, visible: bool) -> None:
-        """The crosses go with the window."""
-        if visible:
-            self._follow()
-        else:
-            self.marks.hide()
+    def _join(self) -> None:
+        self.marks.failed.connect(lambda error: self._messages.warning(translate(reason_of(error))))
+        panel = self.panel
+        panel.map_type_chosen.connect(self._show_map_type)
+        panel.threshold_changed.connect(lambda _bits: self._rested.start())
+        panel.on_map_toggled.connect(self._follow)
+        panel.action_wanted.connect(self._do)
+        panel.pictures_wanted.connect(self._save_pictures)
+        panel.strip.chosen.connect(self._zoom_to)

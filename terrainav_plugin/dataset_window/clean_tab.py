@@ -1,12 +1,10 @@
-"""The window in which a dataset is cleaned: shows what it is given, and asks for the rest."""
+"""The tab in which a dataset is cleaned: shows what it is given, and asks for the rest."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from qgis.core import QgsApplication
-from qgis.gui import QgsDockWidget
 from qgis.PyQt.QtCore import QSignalBlocker, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import (
@@ -18,6 +16,7 @@ from qgis.PyQt.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QProgressBar,
+    QSizePolicy,
     QTabWidget,
     QToolButton,
     QVBoxLayout,
@@ -29,9 +28,10 @@ from ..dataset.picture import Picture, read_picture
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr
 from ..plain import shown_plain
-from ..widgets import folder_entry, growing_form, named, push_button, scrolled, wrapped_label
+from ..widgets import growing_form, named, push_button, wrapped_label
 from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
 from .entropies import Entropies, Example
+from .tab import no_folder
 from .tasks import MARK, MOVE, UNDO
 
 _STEP_BITS = 0.05
@@ -42,34 +42,32 @@ _BAR_HEIGHT_PX = 6
 COUNT = 4
 _ICON_PX = (72, 54)
 _LINE_PX = 3
+_LEAST_BUTTON_PX = 40
 
 
-class CleanPanel(QgsDockWidget):
+class CleanTab(QWidget):
     """Shows what a threshold would do to a dataset.
 
     Signals
     -------
-    folder_chosen(str)
     map_type_chosen(str)
     threshold_changed(float)
         Bits, by whatever the user has moved.
     on_map_toggled(bool)
     action_wanted(str)
         One of `MARK`, `MOVE` and `UNDO`.
-    pictures_wanted(), stop_wanted()
+    pictures_wanted()
     """
 
-    folder_chosen = pyqtSignal(str)
     map_type_chosen = pyqtSignal(str)
     threshold_changed = pyqtSignal(float)
     on_map_toggled = pyqtSignal(bool)
     action_wanted = pyqtSignal(str)
     pictures_wanted = pyqtSignal()
-    stop_wanted = pyqtSignal()
 
     def __init__(self) -> None:
-        super().__init__(tr("TerrAInav: clean dataset"))
-        self.setObjectName("terrainav_clean")
+        super().__init__()
+        self.setObjectName("clean_tab")
         self.entropies: Entropies | None = None
         self._busy = self._footprints = False
         self._lost_focus: QWidget | None = None
@@ -89,20 +87,14 @@ class CleanPanel(QgsDockWidget):
         self.reason.hide()
         self.strip = ExampleStrip()
         self._make_buttons()
-        # Put beside other panels it may be low, and must not make them wider.
-        self.setWidget(scrolled(self._contents()))
+        self._lay_out()
         self.show_hint()
 
     # --- what is shown
 
-    def show_folder(self, folder: str) -> None:
-        """Name a folder without a word."""
-        with QSignalBlocker(self.folder):
-            self.folder.setFilePath(folder)
-
     def show_hint(self, text: str = "") -> None:
         """Show a text in place of entropies; that a folder is wanted where there is none."""
-        text = text or tr("Choose the folder of a dataset.")
+        text = text or no_folder()
         self.entropies = None
         for chart in self.charts:
             chart.show_hint(text)
@@ -112,7 +104,7 @@ class CleanPanel(QgsDockWidget):
         self.strip.clear()
         with QSignalBlocker(self.map_type):
             self.map_type.clear()
-        self.bar.setVisible(self._busy)
+        self.bar.hide()
         self._enable()
 
     def show_reading(self, percent: float) -> None:
@@ -128,7 +120,7 @@ class CleanPanel(QgsDockWidget):
         footprints : bool
             Whether there are any to be shown on the map.
         """
-        self.bar.setVisible(self._busy)
+        self.bar.hide()
         self._footprints = footprints
         self.on_map.setToolTip(
             tr("Mark on the map the images that would be rejected") if footprints else no_footprints()
@@ -145,12 +137,9 @@ class CleanPanel(QgsDockWidget):
         self._show_counts()
         self._enable()
 
-    def show_busy(self, busy: bool, percent: float = 0.0) -> None:
-        """Show that something is being done, and how far it is."""
-        self._busy = busy
-        self.bar.setVisible(busy)
-        self.stop.setVisible(busy)
-        self.bar.setValue(int(percent))
+    def show_working(self, working: bool) -> None:
+        """Let nothing be pressed while something is being done."""
+        self._busy = working
         self._enable()
 
     def _threshold_set(self, bits: float) -> None:
@@ -194,14 +183,15 @@ class CleanPanel(QgsDockWidget):
 
     def _enable(self) -> None:
         """Let be pressed what can be done now."""
-        focus = self.focusWidget()
+        # Of the window: a tab remembers what had the focus before something outside of it got it.
+        focus = self.window().focusWidget()
+        focus = focus if focus is not None and self.isAncestorOf(focus) else None
         there = self.entropies is not None and not self._busy
         some = there and len(self.entropies) > 0
         for widget in (self.map_type, self.threshold, *self.charts, self.tabs, self.save):
             widget.setEnabled(some)
         self.on_map.setEnabled(some and self._footprints)
         self.suggest.setEnabled(some and self.entropies.suggested is not None)
-        self.folder.setEnabled(not self._busy)
         self.buttons[MARK].setEnabled(some)
         self.buttons[MOVE].setEnabled(some)
         self.buttons[UNDO].setEnabled(there)
@@ -215,10 +205,9 @@ class CleanPanel(QgsDockWidget):
             self._lost_focus.setFocus()
             self._lost_focus = None
 
-    def _folder_entered(self, folder: str) -> None:
-        # The focus stays where it is typed.
+    def forget_focus(self) -> None:
+        """Leave the focus where it is now: it is typed there."""
         self._lost_focus = None
-        self.folder_chosen.emit(folder)
 
     def _suggest(self) -> None:
         """Set the threshold between two groups of entropies, and say so; where they form one, leave it."""
@@ -257,9 +246,6 @@ class CleanPanel(QgsDockWidget):
     # --- how it is made
 
     def _make_entries(self) -> None:
-        tip = tr("Of a capture, or of images with a meta_data.csv beside them")
-        self.folder = folder_entry("clean_folder", tr("TerrAInav: dataset to be cleaned"), tip)
-        self.folder.fileChanged.connect(self._folder_entered)
         self.map_type = named(
             QComboBox(),
             "clean_map_type",
@@ -317,17 +303,10 @@ class CleanPanel(QgsDockWidget):
         self.bar = named(QProgressBar(), "clean_progress")
         self.bar.setTextVisible(False)
         self.bar.setFixedHeight(_BAR_HEIGHT_PX)
-        self.stop = push_button(
-            "stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone")
-        )
-        self.stop.setIcon(QgsApplication.getThemeIcon("/mTaskCancel.svg"))
-        self.stop.clicked.connect(lambda _checked: self.stop_wanted.emit())
         self.bar.hide()
-        self.stop.hide()
 
-    def _contents(self) -> QWidget:
+    def _lay_out(self) -> None:
         form = growing_form()
-        _add_row(form, tr("Dataset &folder"), self.folder)
         _add_row(form, tr("Map t&ype"), self.map_type)
         line = QHBoxLayout()
         label = QLabel(tr("&Threshold"))
@@ -339,10 +318,9 @@ class CleanPanel(QgsDockWidget):
         actions = QHBoxLayout()
         actions.addWidget(self.save)
         actions.addStretch(1)
-        for widget in (self.stop, self.buttons[UNDO], self.buttons[MARK], self.buttons[MOVE]):
+        for widget in (self.buttons[UNDO], self.buttons[MARK], self.buttons[MOVE]):
             actions.addWidget(widget)
-        contents = QWidget()
-        layout = QVBoxLayout(contents)
+        layout = QVBoxLayout(self)
         layout.setContentsMargins(6, 6, 6, 6)
         layout.addLayout(form)
         layout.addWidget(self.tabs, 1)
@@ -353,7 +331,6 @@ class CleanPanel(QgsDockWidget):
         layout.addWidget(self.strip)
         layout.addWidget(self.bar)
         layout.addLayout(actions)
-        return contents
 
 
 class ExampleStrip(QWidget):
@@ -474,6 +451,9 @@ def _buttons(side: str) -> list[QToolButton]:
         button.setIconSize(QSize(*_ICON_PX))
         button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        # With large type they give way, and lose the edges of their images.
+        button.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        button.setMinimumWidth(_LEAST_BUTTON_PX)
         buttons.append(button)
     return buttons
 

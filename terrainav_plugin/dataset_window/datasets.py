@@ -1,0 +1,183 @@
+"""Which dataset is open in the window, and which of its tabs have read it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.gui import QgisInterface
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ...core.dataset.folder import MISSION_FILE
+from ..paths import folder_of
+from ..settings import recent
+from ..widgets import add_floating
+
+if TYPE_CHECKING:
+    from ..messages import Messages
+    from .cleaning import Cleaning
+    from .tab import Tab
+    from .tasks import CleanTask, SplitTask, Work
+    from .window import DatasetWindow
+
+CLEAN, SPLIT, BENCHMARK, EXPORT, LABELS = TABS = ("clean", "split", "benchmark", "export", "labels")
+_SIZE_PX = (700, 660)
+
+
+class Datasets(QObject):
+    """The window, its tabs, and the folder that they show.
+
+    Parameters
+    ----------
+    iface : QgisInterface
+    messages : Messages
+    folders : callable
+        Folders that may be a dataset's, those that are meant most likely first.
+
+    Signals
+    -------
+    dataset_wanted(object)
+        Folder of a dataset that is to be opened, its mosaics made anew.
+    benchmark_wanted()
+        A benchmark is to be made of the mission in the panel.
+    score_wanted(object)
+        A benchmark is to be scored: its folder, or None.
+    compare_wanted()
+        Two images on the map are to be compared.
+    """
+
+    dataset_wanted = pyqtSignal(object)
+    benchmark_wanted = pyqtSignal()
+    score_wanted = pyqtSignal(object)
+    compare_wanted = pyqtSignal()
+
+    def __init__(
+        self, iface: QgisInterface, messages: Messages, folders: Callable[[], Iterable[Path]]
+    ) -> None:
+        super().__init__()
+        self._iface, self._messages, self._folders = iface, messages, folders
+        self.window: DatasetWindow | None = None
+        self.cleaning: Cleaning | None = None
+        self.tabs: dict[str, Tab] = {}
+        self.folder: Path | None = None
+        self._work: Work | None = None
+        #: Tabs that show another dataset than the one that is open, or one that has changed since.
+        self._stale: set[str] = set()
+
+    @property
+    def busy(self) -> bool:
+        """Whether something is still to come."""
+        if self.window is None:
+            return False
+        return self._work.busy or self.cleaning.busy or any(tab.busy for tab in self.tabs.values())
+
+    def open(self, folder: Path | None = None, tab: str = "") -> None:
+        """Show the window, for a dataset: the one captured last unless another is given; at a tab, or where it was."""
+        window = self._shown_window()
+        folder = folder or self.folder or self._last()
+        if tab:
+            window.tabs.setCurrentIndex(TABS.index(tab))
+        if folder is not None and not self._work.busy:
+            window.show_folder(str(folder))
+            self._take(folder)
+
+    def close(self) -> None:
+        """End for good."""
+        if self.window is None:
+            return
+        self._work.close()
+        self.window.visibilityChanged.disconnect(self._show_sight)
+        self.cleaning.close()
+        for tab in self.tabs.values():
+            tab.close_reader()
+        self._iface.removeDockWidget(self.window)
+        self.window.deleteLater()
+        self.window = None
+
+    # --- which dataset
+
+    def _last(self) -> Path | None:
+        """Folder of the dataset that is meant most likely, or else of the one opened last."""
+        folders = (*self._folders(), *recent())
+        return next((folder for folder in folders if (folder / MISSION_FILE).is_file()), None)
+
+    def _folder_chosen(self, text: str) -> None:
+        self.cleaning.panel.forget_focus()
+        self._take(folder_of(text) if text.strip() else None)
+
+    def _take(self, folder: Path | None) -> None:
+        """Show a dataset as it is now, in the tab that is seen; the others read it when they are."""
+        self.folder = folder
+        self._stale = set(TABS)
+        self._show_current()
+
+    def _show_current(self, *_: object) -> None:
+        name = TABS[self.window.tabs.currentIndex()]
+        if name in self._stale:
+            self._stale.discard(name)
+            if name == CLEAN:
+                self.cleaning.take(self.folder)
+            else:
+                self.tabs[name].take(self.folder)
+        self._show_sight(self.window.isUserVisible())
+
+    def _show_sight(self, visible: bool) -> None:
+        """The crosses on the map go with the tab."""
+        self.cleaning.show_in_sight(visible and TABS[self.window.tabs.currentIndex()] == CLEAN)
+
+    # --- work
+
+    def _show_working(self, working: bool, percent: float) -> None:
+        self.window.show_working(working, percent)
+        self.cleaning.panel.show_working(working)
+        for tab in self.tabs.values():
+            tab.show_working(working)
+
+    def _ended(self, task: CleanTask | SplitTask) -> None:
+        """Whatever became of it: show what is there now."""
+        from .tasks import SplitTask
+
+        if task.changes_dataset and self.window is not None:
+            # The tab of splits reads its own by itself: what it says of the split stays.
+            self._stale = set(TABS) - ({SPLIT} if isinstance(task, SplitTask) else set())
+            self._show_current()
+
+    # --- the window
+
+    def _shown_window(self) -> DatasetWindow:
+        if self.window is None:
+            self._make()
+        self.window.setUserVisible(True)
+        return self.window
+
+    def _make(self) -> None:
+        from .benchmark_tab import BenchmarkTab
+        from .cleaning import Cleaning
+        from .export_tab import ExportTab
+        from .labels_tab import LabelsTab
+        from .split_tab import SplitTab
+        from .tasks import Work
+        from .window import DatasetWindow
+
+        work = self._work = Work(self._messages)
+        cleaning = self.cleaning = Cleaning(self._iface, self._messages, work)
+        cleaning.dataset_wanted.connect(self.dataset_wanted)
+        benchmark = BenchmarkTab()
+        benchmark.make_wanted.connect(self.benchmark_wanted)
+        benchmark.score_wanted.connect(self.score_wanted)
+        self.tabs = {
+            SPLIT: SplitTab(work),
+            BENCHMARK: benchmark,
+            EXPORT: ExportTab(work),
+            LABELS: LabelsTab(),
+        }
+        window = self.window = DatasetWindow({CLEAN: cleaning.panel, **self.tabs})
+        window.folder_chosen.connect(self._folder_chosen)
+        window.compare_wanted.connect(self.compare_wanted)
+        window.stop_wanted.connect(work.stop)
+        window.tabs.currentChanged.connect(self._show_current)
+        window.visibilityChanged.connect(self._show_sight)
+        work.shown.connect(self._show_working)
+        work.ended.connect(self._ended)
+        add_floating(window, self._iface, _SIZE_PX)

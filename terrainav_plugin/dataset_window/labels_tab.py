@@ -1,0 +1,292 @@
+"""The tab that shows images of a dataset with what a model learns from them."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+from qgis.PyQt.QtCore import QRect, QSignalBlocker, QSize, Qt
+from qgis.PyQt.QtGui import QImage, QPainter, QPaintEvent, QPixmap
+from qgis.PyQt.QtWidgets import QFrame, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+
+from ...core.dataset.table import GAP
+from ..dataset.picture import Depth, legend_image
+from ..dataset.splitting import parts
+from ..form.fields import map_type_title
+from ..i18n import number_text, tr, translate
+from ..widgets import combo, named, push_button, wrapped_label
+from .previews import ALL, REJECTED_ONES, Learned, Preview
+from .tab import Tab, no_folder
+
+#: Images that are shown at a time.
+COUNT = 4
+_IMAGE_PX = (150, 112)
+_SCALE_PX = 10
+
+
+class LabelsTab(Tab):
+    """A few images of the dataset, page by page."""
+
+    def __init__(self) -> None:
+        super().__init__("labels_tab")
+        self.learned: Learned | None = None
+        self.first = 0
+        self.map_type = combo("labels_map_type", [], tr("Map type shown here"))
+        self.map_type.activated.connect(lambda _index: self._choose_map_type())
+        self.of = combo("labels_of", [], tr("Which images are shown: all, or those of a part of the split"))
+        self.of.activated.connect(lambda _index: self._show_from(0))
+        self.previous = push_button("labels_previous", tr("< Previous"), tr("Images before these"))
+        self.next = push_button("labels_next", tr("Next >"), tr("Images after these"))
+        self.previous.clicked.connect(lambda _checked: self._show_from(self.first - COUNT))
+        self.next.clicked.connect(lambda _checked: self._show_from(self.first + COUNT))
+        self.place = wrapped_label("labels_place")
+        self.cards = [Card(number) for number in range(COUNT)]
+        self._lay_out()
+        self.show_dataset()
+
+    def show_dataset(self) -> None:
+        """Read the tables."""
+        self.learned, self.first = None, 0
+        self._clear()
+        folder = self.folder
+        if folder is None:
+            self.hint.setText(no_folder())
+        else:
+            self.hint.setText(tr("Reading {name}…").format(name=folder.name))
+            self.reader.ask(lambda _: Learned(folder), self._show_learned)
+        self.hint.show()
+        self.enable()
+
+    def enable(self) -> None:
+        """Let be pressed what leads to an image."""
+        total = self._total()
+        self.map_type.setEnabled(self.learned is not None)
+        self.of.setEnabled(self.learned is not None)
+        self.previous.setEnabled(self.first > 0)
+        self.next.setEnabled(self.first + COUNT < total)
+
+    def _total(self) -> int:
+        if self.learned is None or self.map_type.currentData() is None:
+            return 0
+        return self.learned.counts(self.map_type.currentData()).get(self.of.currentData(), 0)
+
+    def _show_learned(self, learned: Learned) -> None:
+        self.learned = learned
+        self.hint.setText(self._about_labels(learned))
+        with QSignalBlocker(self.map_type):
+            before = self.map_type.currentData()
+            self.map_type.clear()
+            for name in learned.map_types:
+                self.map_type.addItem(map_type_title(name), name)
+            self.map_type.setCurrentIndex(max(self.map_type.findData(before), 0))
+        self._choose_map_type()
+
+    def _about_labels(self, learned: Learned) -> str:
+        if learned.fault is not None:
+            return translate(learned.fault)
+        if learned.labels is None:
+            return tr("No labels yet: they are written by a split.")
+        return tr(
+            "A label is the position of the image's centre, scaled by labels.json: metres of {frame} less the mean, in "
+            "standard deviations of {count} images."
+        ).format(frame=learned.labels.frame.crs, count=number_text(learned.labels.images))
+
+    def _choose_map_type(self) -> None:
+        """Offer the parts that the images of a map type are in."""
+        titles = {ALL: tr("All"), **parts(), GAP: tr("In no part (gap)"), REJECTED_ONES: tr("Rejected")}
+        before = self.of.currentData()
+        counts = self.learned.counts(self.map_type.currentData())
+        with QSignalBlocker(self.of):
+            self.of.clear()
+            for name, count in counts.items():
+                self.of.addItem(f"{titles[name]} ({number_text(count)})", name)
+            self.of.setCurrentIndex(max(self.of.findData(before), 0))
+        self._show_from(0)
+
+    def _show_from(self, first: int) -> None:
+        learned = self.learned
+        self.first = max(first, 0)
+        total = self._total()
+        if learned is None or not total:
+            self._clear()
+            self.place.setText(tr("No images."))
+            self.enable()
+            return
+        chosen = self.map_type.currentData(), self.of.currentData(), self.first
+        longest_px = round(max(_IMAGE_PX) * self.devicePixelRatioF())
+        self.place.setText(
+            tr("{first} to {last} of {total}").format(
+                first=number_text(self.first + 1),
+                last=number_text(min(self.first + COUNT, total)),
+                total=number_text(total),
+            )
+        )
+        self.reader.ask(
+            lambda _: learned.previews(*chosen, COUNT, longest_px), partial(self._show_cards, learned)
+        )
+        self.enable()
+
+    def _show_cards(self, learned: Learned, previews: list[Preview]) -> None:
+        for at, card in enumerate(self.cards):
+            card.setVisible(at < len(previews))
+            if at < len(previews):
+                card.show_preview(previews[at], learned.is_split)
+
+    def _clear(self) -> None:
+        self.place.setText("")
+        for card in self.cards:
+            card.hide()
+        for box in (self.map_type, self.of):
+            with QSignalBlocker(box):
+                box.clear()
+
+    def _lay_out(self) -> None:
+        line = QHBoxLayout()
+        for title, box in ((tr("Map type"), self.map_type), (tr("Images"), self.of)):
+            label = QLabel(title)
+            label.setBuddy(box)
+            line.addWidget(label)
+            line.addWidget(box, 1)
+        steps = QHBoxLayout()
+        steps.addWidget(self.previous)
+        steps.addWidget(self.next)
+        steps.addWidget(self.place, 1)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(6, 6, 6, 6)
+        layout.addLayout(line)
+        layout.addWidget(self.hint)
+        for card in self.cards:
+            layout.addWidget(card)
+        layout.addStretch(1)
+        layout.addLayout(steps)
+
+
+class Card(QFrame):
+    """An image, its depth where there is one, and what is known of it."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.setObjectName(f"card_{number}")
+        self.image, self.depth = _Image(f"card_image_{number}"), _Image(f"card_depth_{number}")
+        self.scale = DepthScale(f"card_scale_{number}")
+        self.name, self.text = wrapped_label(f"card_name_{number}"), wrapped_label(f"card_text_{number}")
+        beside = QVBoxLayout()
+        beside.setSpacing(1)
+        beside.addWidget(self.depth)
+        beside.addWidget(self.scale)
+        beside.addStretch(1)
+        line = QHBoxLayout()
+        line.addWidget(self.image, 0, Qt.AlignmentFlag.AlignTop)
+        line.addLayout(beside)
+        line.addWidget(self.text, 1, Qt.AlignmentFlag.AlignTop)
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(self.name)
+        layout.addLayout(line)
+
+    def show_preview(self, preview: Preview, is_split: bool) -> None:
+        """Show an image of a dataset."""
+        self.image.show_image(preview.picture.image)
+        depth = preview.depth
+        seen = depth is not None and depth.image is not None
+        self.depth.setVisible(seen)
+        self.scale.setVisible(seen)
+        if seen:
+            self.depth.show_image(depth.image)
+            self.scale.show_depth(depth)
+        self.name.setText(preview.name)
+        self.text.setText("\n".join(_lines(preview, is_split)))
+        self.image.setAccessibleName(preview.name)
+
+
+def _lines(preview: Preview, is_split: bool) -> list[str]:
+    """What is known of an image, a line each."""
+    lines = [preview.picture.problem] if preview.picture.problem else []
+    if is_split:
+        part = {**parts(), GAP: tr("none (gap)")}.get(preview.part, tr("none"))
+        lines.append(tr("Part: {part}").format(part=part))
+    if preview.label is not None:
+        east, north = (number_text(one, "+.3f") for one in preview.label)
+        lines.append(tr("Label: easting {east}, northing {north}").format(east=east, north=north))
+    if not np.isnan(preview.entropy):
+        lines.append(tr("Entropy: {bits} bits").format(bits=number_text(preview.entropy, ".3f")))
+    lines.append(
+        tr("Rejected: {reason}").format(reason=preview.rejected) if preview.rejected else tr("Not rejected")
+    )
+    if preview.depth is not None and preview.depth.problem:
+        lines.append(preview.depth.problem)
+    return lines
+
+
+class _Image(QLabel):
+    """An image in a room of a fixed size."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        named(self, name)
+        self.setFixedSize(QSize(*_IMAGE_PX))
+        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
+
+    def show_image(self, image: QImage | None) -> None:
+        """Show an image, whole; nothing for None."""
+        if image is None:
+            self.clear()
+            return
+        ratio = self.devicePixelRatioF()
+        pixmap = QPixmap.fromImage(
+            image.scaled(
+                QSize(*_IMAGE_PX) * ratio,
+                Qt.AspectRatioMode.KeepAspectRatio,
+                Qt.TransformationMode.SmoothTransformation,
+            )
+        )
+        pixmap.setDevicePixelRatio(ratio)
+        self.setPixmap(pixmap)
+
+
+class DepthScale(QWidget):
+    """The colours of a depth from near to far, with their metres."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        named(self, name, tr("Depth along the optical axis; its colours are even in its logarithm"))
+        self.texts: list[str] = []
+        self.setFixedWidth(_IMAGE_PX[0])
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+
+    def sizeHint(self) -> QSize:
+        """Colours, and the texts below: side by side, or one below the other where type is large."""
+        lines = 1 if self._fits() else len(self.texts)
+        return QSize(_IMAGE_PX[0], _SCALE_PX + lines * self.fontMetrics().height() + 1)
+
+    def show_depth(self, depth: Depth) -> None:
+        """Show the range of a depth."""
+        ends = (depth.least_m, depth.most_m)
+        self.texts = (
+            [tr("no ground")]
+            if np.isnan(ends[0])
+            else [
+                tr("{depth} m").format(depth=number_text(one, ",.4g" if one < 1e4 else ",.0f"))
+                for one in ends
+            ]
+        )
+        self.setAccessibleName(tr("Depth: {range}").format(range=" – ".join(self.texts)))
+        self.updateGeometry()
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
+        """Paint."""
+        painter = QPainter(self)
+        painter.drawImage(QRect(0, 0, self.width(), _SCALE_PX), legend_image(max(self.width(), 2)))
+        painter.setPen(self.palette().windowText().color())
+        high, fits = self.fontMetrics().height(), self._fits()
+        sides = (Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight)
+        for line, (text, side) in enumerate(zip(self.texts, sides)):
+            top = _SCALE_PX + 1 + (0 if fits else line * high)
+            painter.drawText(QRect(0, top, self.width(), high), int(side | Qt.AlignmentFlag.AlignTop), text)
+
+    def _fits(self) -> bool:
+        """Whether the texts have room side by side."""
+        wide = sum(self.fontMetrics().horizontalAdvance(f"{text} ") for text in self.texts)
+        return wide <= _IMAGE_PX[0]

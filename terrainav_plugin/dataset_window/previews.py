@@ -1,0 +1,119 @@
+"""Images of a dataset with what a model learns from them, read for the screen. On any thread; knows no widget."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ...core.dataset.dataset import read_dataset
+from ...core.dataset.folder import PARTS
+from ...core.dataset.labels import LABELS_FILE, Labels
+from ...core.dataset.table import GAP, REJECTED, SPLIT
+from ...core.errors import TerrAInavError
+from ..dataset.picture import Depth, Picture, read_depth, read_picture
+
+if TYPE_CHECKING:
+    from ...core.dataset.dataset import ImageSet
+
+#: What images can be chosen by, beside the parts of a split.
+ALL, REJECTED_ONES = "all", "rejected"
+_DEPTH_FOLDER = "depth"
+
+
+class Preview(NamedTuple):
+    """An image with what is known of it.
+
+    Parameters
+    ----------
+    name : str
+    picture : Picture
+    depth : Depth or None
+        None where the dataset has none.
+    part : str
+        One of `PARTS` or `GAP`; empty for an image that is in no part.
+    label : tuple of float or None
+        Scaled easting and northing; None without labels.
+    entropy : float
+        Bits; NaN where it is not known.
+    rejected : str
+        Why cleaning has rejected it; empty for one that is kept.
+    """
+
+    name: str
+    picture: Picture
+    depth: Depth | None
+    part: str
+    label: tuple[float, float] | None
+    entropy: float
+    rejected: str
+
+
+class Learned:
+    """The tables of a dataset, and what makes labels of its positions.
+
+    Attributes
+    ----------
+    map_types : tuple of str
+    is_split : bool
+    labels : Labels or None
+    fault : TerrAInavError or None
+        Why there are no labels, though there is a file of them.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        """Read tables, but no image; raises InvalidInput."""
+        self._sets = read_dataset(folder).image_sets
+        self.map_types = tuple(self._sets)
+        self.is_split = any(SPLIT in one.table.other for one in self._sets.values())
+        self.labels: Labels | None = None
+        self.fault: TerrAInavError | None = None
+        if (folder / LABELS_FILE).is_file():
+            try:
+                self.labels = Labels.load(folder / LABELS_FILE)
+            except TerrAInavError as wrong:
+                self.fault = wrong
+        self._rows = {name: _rows_of(one) for name, one in self._sets.items()}
+
+    def counts(self, map_type: str) -> dict[str, int]:
+        """Images of a map type: all, of each part, in none, and rejected; what there are none of is left out."""
+        return {name: len(rows) for name, rows in self._rows[map_type].items() if len(rows)}
+
+    def previews(self, map_type: str, of: str, first: int, count: int, longest_px: int) -> list[Preview]:
+        """Read images of a map type, from the one numbered ``first`` among those of a part on."""
+        images = self._sets[map_type]
+        rows = self._rows[map_type].get(of, np.zeros(0, np.int64))[first : first + count]
+        return self._read(images, rows.tolist(), longest_px)
+
+    def _read(self, images: ImageSet, rows: Sequence[int], longest_px: int) -> list[Preview]:
+        table = images.table
+        parts, marks = (table.other.get(name, ("",) * len(table)) for name in (SPLIT, REJECTED))
+        labels: list[tuple[float, float] | None] = [None] * len(rows)
+        if self.labels is not None and len(rows):
+            found = self.labels.of(table.lat_deg[list(rows)], table.lon_deg[list(rows)])
+            labels = [(east, north) for east, north in found.tolist()]
+        depths = images.folder.parent / _DEPTH_FOLDER
+        return [
+            Preview(
+                table.img_names[row],
+                read_picture(images.path(row), longest_px),
+                read_depth(depths / f"{Path(table.img_names[row]).stem}.tif", longest_px),
+                parts[row],
+                label,
+                float(table.entropies[row]),
+                marks[row],
+            )
+            for row, label in zip(rows, labels)
+        ]
+
+
+def _rows_of(images: ImageSet) -> dict[str, np.ndarray]:
+    """Rows of a table that have an image, by what they can be chosen by."""
+    table = images.table
+    there = np.flatnonzero(table.made)
+    parts, marks = (table.other.get(name, ("",) * len(table)) for name in (SPLIT, REJECTED))
+    part = np.array([parts[row] for row in there.tolist()], object)
+    mark = np.array([bool(marks[row]) for row in there.tolist()], np.bool_)
+    return {ALL: there, **{name: there[part == name] for name in (*PARTS, GAP)}, REJECTED_ONES: there[mark]}

@@ -1,0 +1,235 @@
+"""What the window's buttons start, in the background, one at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from qgis.PyQt.QtCore import QObject, pyqtSignal
+
+from ..i18n import number_text, tr, translate
+from ..tasks import Task
+
+if TYPE_CHECKING:
+    from ...core.dataset.clean import Cleaned
+    from ...core.dataset.split import Split
+    from ...core.exports.kinds import Exported
+    from ..messages import Messages
+
+MARK, MOVE, UNDO = "mark", "move", "undo"
+
+
+class Work(QObject):
+    """The one task that is under way in the window.
+
+    Signals
+    -------
+    shown(bool, float)
+        Whether one is under way, and the percentage of it that is done.
+    ended(object)
+        The task, after who began it has been told.
+    """
+
+    shown = pyqtSignal(bool, float)
+    ended = pyqtSignal(object)
+
+    def __init__(self, messages: Messages) -> None:
+        super().__init__()
+        self._messages = messages
+        self.task: Task | None = None
+
+    @property
+    def busy(self) -> bool:
+        """Whether a task is under way."""
+        return self.task is not None
+
+    def start(
+        self, task: Task, done: Callable[[Any], None], refused: Callable[[str], None] | None = None
+    ) -> None:
+        """Begin a task unless one is under way.
+
+        Parameters
+        ----------
+        done, refused : callable
+            Called with the task when it has ended, or with why it could not; errors stand in the message bar, too.
+        """
+        if self.task is not None:
+            return
+        self.task = task
+        task.progressChanged.connect(lambda percent: self.shown.emit(True, percent))
+        self.shown.emit(True, 0.0)
+        task.begin(partial(self._ended, done, refused))
+
+    def stop(self) -> None:
+        """Ask the task to end early."""
+        if self.task is not None:
+            self.task.cancel()
+
+    def close(self) -> None:
+        """End for good, and tell nobody."""
+        if self.task is not None:
+            self.task.progressChanged.disconnect()
+            self.task.abandon()
+            self.task.waitForFinished()
+            self.task = None
+
+    def _ended(self, done: Callable[[Any], None], refused: Callable[[str], None] | None, task: Task) -> None:
+        self.task = None
+        self.shown.emit(False, 0.0)
+        if not task.error:
+            done(task)
+        else:
+            reason = translate(task.error)
+            self._messages.failed(reason, task.trace)
+            if refused is not None:
+                refused(reason)
+        self.ended.emit(task)
+
+
+class CleanTask(Task):
+    """Rejects images of a dataset, or puts all back.
+
+    Parameters
+    ----------
+    folder : Path
+    action : str
+        `MARK`, `MOVE` or `UNDO`.
+    threshold : float
+        Bits.
+
+    Attributes
+    ----------
+    cleaned : tuple of Cleaned
+        What was done, by map type; empty until then.
+    """
+
+    changes_dataset = True
+
+    def __init__(self, folder: Path, action: str, threshold: float) -> None:
+        super().__init__(tr("Cleaning {name}").format(name=folder.name))
+        self.folder, self.action, self.threshold = folder, action, threshold
+        self.cleaned: tuple[Cleaned, ...] = ()
+
+    def work(self) -> None:
+        """Clean."""
+        from ...core.dataset.clean import clean, undo
+
+        if self.action == UNDO:
+            self.cleaned = undo(self.folder, progress=self.go_on)
+        else:
+            self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.go_on)
+
+    def text(self) -> str:
+        """What was done to all map types, in a sentence or two."""
+        images, rejected, moved, returned = (
+            number_text(sum(values))
+            for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))
+        )
+        if self.action == UNDO:
+            return tr("{rejected} images are no longer marked, {returned} moved back.").format(
+                rejected=rejected, returned=returned
+            )
+        count = len(self.cleaned)
+        text = (
+            tr("{rejected} of {images} images are marked as rejected.")
+            if count == 1
+            else tr("{rejected} of {images} images of {count} map types are marked as rejected.")
+        ).format(rejected=rejected, images=images, count=count)
+        if any(one.moved for one in self.cleaned):
+            text += " " + tr("{moved} moved away.").format(moved=moved)
+        if any(one.returned for one in self.cleaned):
+            text += " " + tr("{returned} moved back.").format(returned=returned)
+        return text
+
+
+class PicturesTask(Task):
+    """Writes the charts of a dataset as pictures.
+
+    Parameters
+    ----------
+    folder, target : Path
+        Of the dataset, and of the pictures.
+    threshold : float
+        Bits.
+
+    Attributes
+    ----------
+    written : list of Path
+    """
+
+    changes_dataset = False
+
+    def __init__(self, folder: Path, target: Path, threshold: float) -> None:
+        super().__init__(tr("Images of {name}").format(name=folder.name))
+        self.folder, self.target, self.threshold = folder, target, threshold
+        self.written: list[Path] = []
+
+    def work(self) -> None:
+        """Draw and write."""
+        from ...core.dataset.figures import save_figures
+
+        self.written = save_figures(self.folder, self.target, self.threshold)
+
+
+class SplitTask(Task):
+    """Splits a dataset, or counts what a split would come to.
+
+    Parameters
+    ----------
+    folder : Path
+    shares : sequence of three floats
+    options : dict
+        Of `split`.
+
+    Attributes
+    ----------
+    made : Split or None
+        None where it was stopped.
+    """
+
+    changes_dataset = True
+
+    def __init__(self, folder: Path, shares: Sequence[float], options: dict[str, Any]) -> None:
+        super().__init__(tr("Splitting {name}").format(name=folder.name))
+        self.folder, self.shares, self.options = folder, shares, options
+        self.made: Split | None = None
+
+    def work(self) -> None:
+        """Split."""
+        from ...core.dataset.split import split
+
+        self.made = split(self.folder, self.shares, **self.options, progress=self.go_on)
+
+
+class ExportTask(Task):
+    """Writes a dataset or a benchmark in a format of other programs.
+
+    Parameters
+    ----------
+    folder : Path
+    target : Path or None
+        None for the dataset's own folder.
+    kind : str
+        One of `KINDS`.
+    map_type : str or None
+
+    Attributes
+    ----------
+    done : Exported or None
+        None where it was stopped.
+    """
+
+    changes_dataset = False
+
+    def __init__(self, folder: Path, target: Path | None, kind: str, map_type: str | None) -> None:
+        super().__init__(tr("Exporting {name}").format(name=folder.name))
+        self.folder, self.target, self.kind, self.map_type = folder, target, kind, map_type
+        self.done: Exported | None = None
+
+    def work(self) -> None:
+        """Export."""
+        from ...core.exports.kinds import export_as
+
+        self.done = export_as(self.folder, self.target, self.kind, self.map_type, self.go_on)

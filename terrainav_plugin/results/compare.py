@@ -1,0 +1,287 @@
+"""Two images on the map compared: the map flickers between them, and is then as it was before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from qgis.core import QgsLayerTreeNode, QgsMapLayer, QgsProject
+from qgis.gui import QgisInterface
+from qgis.PyQt import sip
+from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtWidgets import QComboBox, QDialog, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+
+from ..compat import RASTER
+from ..i18n import tr
+from ..map.mission_group import mission_layers
+from ..tasks import single_shot
+from ..widgets import combo, growing_form, push_button, spin, wrapped_label
+
+_LEAST_S, _MOST_S, _USUAL_S = 0.2, 10.0, 1.0
+_WIDTH_PX = 420
+
+
+class Compare(QObject):
+    """The small window, and which of two layers the map shows while it is open."""
+
+    def __init__(self, project: QgsProject, iface: QgisInterface) -> None:
+        super().__init__()
+        self._project, self._iface, self._canvas = project, iface, iface.mapCanvas()
+        self.dialog: CompareDialog | None = None
+        #: Which of the two is shown: 0 or 1.
+        self.shown = 0
+        self._layers: dict[str, bool] = {}
+        self._groups: list[tuple[QgsLayerTreeNode, bool]] = []
+        self._timer = QTimer(self)
+        self._timer.timeout.connect(self.switch)
+        # Layers are told of before they are in the layer tree, and after they have left it.
+        self._soon = single_shot(self._offer, self)
+
+    def open(self) -> None:
+        """Show the window; the first two images are compared."""
+        if self.dialog is None:
+            self._begin()
+        self.dialog.show()
+        self.dialog.raise_()
+        self.dialog.activateWindow()
+
+    def close(self) -> None:
+        """Show the map as it was before, and the window no more."""
+        if self.dialog is None:
+            return
+        dialog, self.dialog = self.dialog, None
+        self._timer.stop()
+        self._soon.stop()
+        for item in (self._canvas, self._canvas.viewport()):
+            item.removeEventFilter(self)
+        for signal in (self._project.layersAdded, self._project.layersRemoved):
+            signal.disconnect(self._look_soon)
+        self._project.cleared.disconnect(self._forget)
+        self._restore()
+        dialog.finished.disconnect(self.close)
+        dialog.close()
+        dialog.deleteLater()
+
+    def switch(self) -> None:
+        """Show the other one."""
+        self.shown = 1 - self.shown
+        self._show()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take the space bar where the map has the keyboard; QGIS would move the map with it."""
+        kinds = (QEvent.Type.KeyPress, QEvent.Type.KeyRelease, QEvent.Type.ShortcutOverride)
+        if event.type() in kinds and event.key() == Qt.Key.Key_Space and not event.modifiers():
+            if event.type() == QEvent.Type.KeyPress and not event.isAutoRepeat():
+                self.switch()
+            event.accept()
+            return True
+        return super().eventFilter(watched, event)
+
+    # --- which layers
+
+    def _begin(self) -> None:
+        self.dialog = dialog = CompareDialog(self._iface.mainWindow())
+        self.shown = 0
+        dialog.finished.connect(self.close)
+        dialog.pair_chosen.connect(self._show)
+        dialog.flicker.toggled.connect(self._flicker)
+        dialog.pause.valueChanged.connect(lambda _seconds: self._flicker(dialog.flicker.isChecked()))
+        dialog.switch_wanted.connect(self.switch)
+        for item in (self._canvas, self._canvas.viewport()):
+            item.installEventFilter(self)
+        for signal in (self._project.layersAdded, self._project.layersRemoved):
+            signal.connect(self._look_soon)
+        self._project.cleared.connect(self._forget)
+        self._offer()
+
+    def _look_soon(self, *_: object) -> None:
+        self._soon.start()
+
+    def _forget(self) -> None:
+        """Of a project that is no more there is nothing to be restored."""
+        self._layers.clear()
+        self._groups.clear()
+        self.close()
+
+    def _offer(self) -> None:
+        """Offer the images that are on the map now, and go on with those that are left."""
+        if self.dialog is None:
+            return
+        there = mission_layers(self._project, RASTER)
+        self.dialog.offer([(layer.id(), f"{title}: {layer.name()}") for title, layer in there])
+        with self._unnoticed():
+            self._remember([layer for _, layer in there])
+        self._flicker(self.dialog.flicker.isChecked())
+        self._show()
+
+    def _remember(self, layers: list[QgsMapLayer]) -> None:
+        """Keep what is seen of layers and of the groups around them, once."""
+        root = self._project.layerTreeRoot()
+        groups = [group for group, _ in self._groups]
+        for layer in layers:
+            node = root.findLayer(layer.id())
+            if layer.id() not in self._layers:
+                self._layers[layer.id()] = node.itemVisibilityChecked()
+            group = node.parent()
+            while group is not None and group is not root:
+                if group not in groups:
+                    groups.append(group)
+                    self._groups.append((group, group.itemVisibilityChecked()))
+                group = group.parent()
+
+    # --- what the map shows
+
+    def _flicker(self, on: bool) -> None:
+        """Switch again and again, or no more."""
+        self._timer.stop()
+        if on and self.dialog is not None and self.dialog.pair() is not None:
+            self._timer.start(round(1000.0 * self.dialog.pause.value()))
+
+    def _show(self) -> None:
+        """Show one of the two, and no other image of a mission."""
+        if self.dialog is None:
+            return
+        pair = self.dialog.pair()
+        self.dialog.show_which(self.shown if pair is not None else None)
+        root = self._project.layerTreeRoot()
+        with self._unnoticed():
+            if pair is None:
+                self._restore_nodes()
+                return
+            for layer_id in self._layers:
+                node = root.findLayer(layer_id)
+                if node is not None:
+                    node.setItemVisibilityChecked(layer_id == pair[self.shown])
+            for layer_id in pair:
+                group = root.findLayer(layer_id).parent()
+                while group is not None and group is not root:
+                    group.setItemVisibilityChecked(True)
+                    group = group.parent()
+
+    def _restore(self) -> None:
+        with self._unnoticed():
+            self._restore_nodes()
+        self._layers.clear()
+        self._groups.clear()
+
+    def _restore_nodes(self) -> None:
+        root = self._project.layerTreeRoot()
+        for layer_id, seen in self._layers.items():
+            node = root.findLayer(layer_id)
+            if node is not None:
+                node.setItemVisibilityChecked(seen)
+        for group, seen in self._groups:
+            if not sip.isdeleted(group):
+                group.setItemVisibilityChecked(seen)
+
+    @contextmanager
+    def _unnoticed(self) -> Iterator[None]:
+        """Leave a project that is saved as it is: what is shown for a while is no change of it."""
+        dirty = self._project.isDirty()
+        yield
+        if not dirty:
+            self._project.setDirty(False)
+
+
+class CompareDialog(QDialog):
+    """Two images to be chosen, and how the map changes between them.
+
+    Signals
+    -------
+    pair_chosen(), switch_wanted()
+    """
+
+    pair_chosen = pyqtSignal()
+    switch_wanted = pyqtSignal()
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent, Qt.WindowType.Tool)
+        self.setObjectName("terrainav_compare")
+        self.setWindowTitle(tr("TerrAInav: compare images"))
+        tip = tr("An image layer of a mission or dataset on the map")
+        self.boxes: tuple[QComboBox, QComboBox] = (
+            combo("compare_first", [], tip),
+            combo("compare_second", [], tip),
+        )
+        for box in self.boxes:
+            box.currentIndexChanged.connect(lambda _index: self._chosen())
+        self.state = wrapped_label("compare_state")
+        self.switch = push_button("compare_switch", tr("S&witch"), tr("Show the other image (space bar)"))
+        self.switch.clicked.connect(lambda _checked: self.switch_wanted.emit())
+        self.flicker = push_button("compare_flicker", tr("&Flicker"), tr("Switch again and again"))
+        self.flicker.setCheckable(True)
+        self.pause = spin(
+            "compare_pause", _LEAST_S, _MOST_S, 1, tr(" s"), tr("Time that each image is shown")
+        )
+        self.pause.setValue(_USUAL_S)
+        self.closing = push_button("compare_close", tr("&Close"), tr("Show the map as it was before"))
+        self.closing.clicked.connect(lambda _checked: self.close())
+        self._lay_out()
+        self.switch.setFocus()
+
+    def offer(self, layers: list[tuple[str, str]]) -> None:
+        """Offer layers by id and title; those that are chosen stay so where they are still there."""
+        for number, box in enumerate(self.boxes):
+            before = box.currentData()
+            with QSignalBlocker(box):
+                box.clear()
+                for layer_id, title in layers:
+                    box.addItem(title, layer_id)
+                index = box.findData(before) if before is not None else -1
+                box.setCurrentIndex(index if index >= 0 else min(number, len(layers) - 1))
+        first, second = self.boxes
+        if len(layers) > 1 and first.currentIndex() == second.currentIndex():
+            with QSignalBlocker(second):
+                second.setCurrentIndex(1 if first.currentIndex() == 0 else 0)
+        self._enable()
+
+    def pair(self) -> tuple[str, str] | None:
+        """Ids of the two layers; None where there are no two."""
+        first, second = (box.currentData() for box in self.boxes)
+        return (first, second) if first and second and first != second else None
+
+    def show_which(self, shown: int | None) -> None:
+        """Say which image the map shows."""
+        if shown is None:
+            self.state.setText(
+                tr("Both are the same image.")
+                if self.boxes[0].count() > 1
+                else tr("There are no two images on the map: open two datasets by “Missions”.")
+            )
+        else:
+            self.state.setText(tr("Shown: {image}").format(image=self.boxes[shown].currentText()))
+
+    def keyPressEvent(self, event: QEvent) -> None:
+        """Switch by the space bar, wherever it is not taken by a field."""
+        if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
+            self.switch_wanted.emit()
+        else:
+            super().keyPressEvent(event)
+
+    def _chosen(self) -> None:
+        self._enable()
+        self.pair_chosen.emit()
+
+    def _enable(self) -> None:
+        there = self.pair() is not None
+        for widget in (self.switch, self.flicker):
+            widget.setEnabled(there)
+
+    def _lay_out(self) -> None:
+        form = growing_form()
+        for title, widget in ((tr("F&irst image"), self.boxes[0]), (tr("Seco&nd image"), self.boxes[1])):
+            label = QLabel(title)
+            label.setBuddy(widget)
+            form.addRow(label, widget)
+        every = QLabel(tr("&every"))
+        every.setBuddy(self.pause)
+        buttons = QHBoxLayout()
+        for widget in (self.switch, self.flicker, every, self.pause):
+            buttons.addWidget(widget)
+        buttons.addStretch(1)
+        buttons.addWidget(self.closing)
+        layout = QVBoxLayout(self)
+        layout.addLayout(form)
+        layout.addWidget(self.state)
+        layout.addLayout(buttons)
+        self.setMinimumWidth(_WIDTH_PX)
