@@ -84,8 +84,6 @@ MARK = FOLDER / ".made-for-the-guide"
 
 WINDOW_PX = (1400, 900)
 PANEL_PX, LAYERS_PX = 420, 240
-#: An image and its depth with the most important details, beside the map.
-BESIDE_PX = (410, 640)
 #: They are part of the plugin's zip.
 MOST_BYTES = 97_000
 #: Of a part of the window, so that all together stay below the guide's limit.
@@ -182,6 +180,12 @@ class Stage:
         click(self.form.show_on_map)
         wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
         wait_until_drawn()
+
+    def background_file(self) -> str:
+        """File of the background, once it is as fine as it becomes."""
+        wait("the whole background", self.form.show_on_map.isEnabled)
+        layers = QgsProject.instance().mapLayers().values()
+        return next(layer.source() for layer in layers if layer.providerType() == "gdal")
 
     def plan(self) -> None:
         """Wait for the figures of what is entered, their cost timed."""
@@ -611,17 +615,21 @@ def cleaning(stage: Stage) -> None:
     stage.canvas.setExtent(QgsRectangle(west, extent.yMinimum(), west + extent.width(), extent.yMaximum()))
     wait("crosses", lambda: not part.busy)
     stage.shoot("clean.jpg", stage.part(stage.canvas, stage.dock), most_bytes=FEWER_BYTES)
+    part.open(tab="split")
+    wait("split", part.tabs["split"].split.isEnabled)
+    click(part.tabs["split"].split)
+    wait("split", lambda: not part.busy)
+    part.open(tab="labels")
+    wait("labels", lambda: not part.busy)
+    QTest.qWait(500)
+    write("labels.jpg", part.window.grab(), FEWER_BYTES)
     part.window.hide()
 
 
 def failed(stage: Stage) -> None:
     """Images that a file of tiles with holes in it has not all of."""
     stage.begin(FIRST, "mission-1")
-    picture = next(
-        layer.source()
-        for layer in QgsProject.instance().mapLayers().values()
-        if layer.providerType() == "gdal"
-    )
+    picture = stage.background_file()
     tiles = FOLDER / "orthophoto.mbtiles"
     gdal.Translate(str(tiles), picture, format="MBTILES")
     holed(tiles)
@@ -651,11 +659,7 @@ def orthophoto(stage: Stage) -> None:
     """An orthophoto in the British National Grid, and the project in it, too: captured in its own pixels."""
     # A world that has fields and woods there.
     stage.begin(MIDLANDS, "survey", seed=0)
-    picture = next(
-        layer.source()
-        for layer in QgsProject.instance().mapLayers().values()
-        if layer.providerType() == "gdal"
-    )
+    picture = stage.background_file()
     path = FOLDER / "orthophoto_osgb.tif"
     west, south, east, north = ORTHOPHOTO_M
     gdal.Warp(
@@ -740,20 +744,16 @@ def relief(stage: Stage) -> None:
     stage.plan()
     stage.preview()
     stage.capture()
-    # The viewer stands where the list of layers was, and over the western edge of the map.
-    layers = stage.panel("Layers")
-    layers.close()
     iface.messageBar().clearWidgets()
     stage.plugin.actions["view_images"].trigger()
     viewing = stage.session.viewing
-    viewing.viewer.resize(*BESIDE_PX)
-    viewing.viewer.move(stage.canvas.mapToGlobal(QPoint(6, 6)))
-    click_map(stage.show_previewed(BESIDE_PX[0] + 12))
     wait("image", lambda: viewing.seen is not None and not viewing.busy)
-    stage.shoot("relief.jpg", stage.part(stage.canvas, stage.dock), section, 70_000)
+    stage.settle()
+    click_map(stage.show_previewed(0))
+    wait("image", lambda: not viewing.busy)
+    stage.shoot("relief.jpg", stage.part(stage.canvas, viewing.viewer), section, FEWER_BYTES)
     viewing.stop()
     viewing.viewer.hide()
-    layers.show()
 
 
 def world_surface(path: Path) -> None:
