@@ -7,19 +7,22 @@ Examples
 ::
 
     python tools/qgis_app.py --timeout 1200 tools/screenshots.py
-    python tools/qgis_app.py tools/screenshots.py polygon options
+    python tools/qgis_app.py tools/screenshots.py mapping options
 """
 
 from __future__ import annotations
 
 import io
+import re
 import shutil
 import sqlite3
 import sys
 import tempfile
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import replace
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import numpy as np
@@ -27,11 +30,10 @@ import processing
 from osgeo import gdal
 from PIL import Image
 from qgis.core import (
-    QgsApplication,
     QgsCoordinateReferenceSystem,
     QgsFeature,
-    QgsFillSymbol,
     QgsGeometry,
+    QgsLineSymbol,
     QgsProject,
     QgsRasterLayer,
     QgsRectangle,
@@ -42,10 +44,10 @@ from qgis.PyQt.QtGui import QPixmap
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import (
     QApplication,
-    QComboBox,
+    QDialogButtonBox,
     QDockWidget,
+    QMenu,
     QProgressBar,
-    QSlider,
     QToolButton,
     QWidget,
 )
@@ -58,8 +60,10 @@ from stage import (
     click_map,
     enter,
     layer_names,
+    press_key,
     press_map,
     release_map,
+    right_click_map,
     screen_picture,
     tidy_messages,
     wait,
@@ -70,6 +74,7 @@ from terrainav.core.imagery.source import Window
 from terrainav.core.world.source import WorldHeights
 from terrainav.terrainav_plugin.form.mission_form import FormState
 from terrainav.terrainav_plugin.panel.options_page import OptionsPage
+from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
 #: The folder is to be seen in the pictures, so that it has a plain name.
@@ -78,13 +83,11 @@ FOLDER = Path(tempfile.gettempdir()) / "TerrAInav"
 MARK = FOLDER / ".made-for-the-guide"
 
 WINDOW_PX = (1400, 900)
-PANEL_PX, LAYERS_PX = 400, 240
-#: An image and its depth with the most important details, beside the map.
-BESIDE_PX = (410, 640)
+PANEL_PX, LAYERS_PX = 420, 240
 #: They are part of the plugin's zip.
-MOST_BYTES = 98_000
-#: Of one with much text and little map, so that all together stay below the guide's limit.
-FEWER_BYTES = 62_000
+MOST_BYTES = 97_000
+#: Of a part of the window, so that all together stay below the guide's limit.
+FEWER_BYTES = 84_000
 FEWEST_BYTES = 29_000
 WIDEST_PX = 1200
 QUALITIES = range(85, 20, -5)
@@ -99,10 +102,16 @@ POLAR_CRS, POLAR_ZOOM, POLAR_PX = "EPSG:3031", 17, 2048
 #: A town, its middle, and a few images of it.
 TOWN, TOWN_PLACE = "35.1414_-89.8615_35.1402_-89.8597", (35.1408, -89.8606)
 LARGE = "35.35_-90.10_35.05_-89.70"
-#: Corners and a hole, in degrees.
-POLYGON = (
-    "Polygon ((-89.892 35.122, -89.872 35.118, -89.852 35.125, -89.848 35.146, -89.862 35.139, -89.872 35.150, "
-    "-89.890 35.147, -89.892 35.122), (-89.880 35.130, -89.870 35.128, -89.868 35.137, -89.878 35.139, -89.880 35.130))"
+#: Fields and a wood, to be mapped; corners of what is drawn there, as shares of the map's width and height.
+FIELDS = "35.1400_-89.8810_35.1318_-89.8700"
+FIELD_CORNERS = ((0.14, 0.22), (0.52, 0.12), (0.88, 0.24), (0.84, 0.74), (0.47, 0.86), (0.2, 0.72))
+HOLE_CORNERS = ((0.3, 0.58), (0.42, 0.6), (0.4, 0.72), (0.3, 0.68))
+NO_FLY_CORNERS = ((0.56, 0.4), (0.7, 0.38), (0.7, 0.56), (0.57, 0.58))
+TAKEOFF_AT = (0.12, 0.83)
+SLANTED_CORNERS = ((0.12, 0.62), (0.72, 0.14), (0.88, 0.34), (0.28, 0.84))
+#: A line over fields, to be flown.
+TRAJECTORY = (
+    "LineString (-89.8870 35.1322, -89.8830 35.1330, -89.8800 35.1368, -89.8740 35.1385, -89.8700 35.1362)"
 )
 #: Images after which the capture is held for its picture.
 HELD_AFTER = 500
@@ -165,10 +174,18 @@ class Stage:
         self.plan()
 
     def show_background(self) -> None:
-        """Press "Show on map"."""
+        """Press "Show on map", once what was drawn before is done."""
+        wait("Show on map", self.form.show_on_map.isEnabled)
+        self.form.imagery.setCollapsed(False)
         click(self.form.show_on_map)
         wait("drawing the background", lambda: "Synthetic (offline)" in layer_names())
         wait_until_drawn()
+
+    def background_file(self) -> str:
+        """File of the background, once it is as fine as it becomes."""
+        wait("the whole background", self.form.show_on_map.isEnabled)
+        layers = QgsProject.instance().mapLayers().values()
+        return next(layer.source() for layer in layers if layer.providerType() == "gdal")
 
     def plan(self) -> None:
         """Wait for the figures of what is entered, their cost timed."""
@@ -196,10 +213,30 @@ class Stage:
         wait("start of the capture", lambda: not self.session.runs.idle)
         wait("capture", lambda: self.session.runs.idle)
 
+    def survey(self, name: str) -> None:
+        """Choose the preset for mapping, and a camera by name."""
+        self.form.folder.setFilePath(str(FOLDER / name))
+        choose(self.form.presets.choice, "mapping")
+        cameras = self.form.camera
+        cameras.setCurrentIndex(cameras.findText("DJI Mavic 3E"))
+        cameras.activated.emit(cameras.currentIndex())
+
+    def draw(self, corners: Sequence[tuple[float, float]]) -> None:
+        """Click the corners of a polygon, and finish it by Enter."""
+        for corner in corners:
+            click_map(at(*corner))
+        press_key(Qt.Key.Key_Return)
+        self.plan()
+
+    def show_role(self, role: str, shown: bool) -> None:
+        """Tick or untick a layer of the preview."""
+        layer = self.session.preview.layer(role)
+        QgsProject.instance().layerTreeRoot().findLayer(layer).setItemVisibilityChecked(shown)
+
     def scroll_to(self, widget: QWidget) -> None:
         """Bring an entry of the panel into sight."""
-        area = self.form.parent().parent()
-        area.verticalScrollBar().setValue(widget.mapTo(self.form, QPoint(0, 0)).y() - 4)
+        area = self.dock.parts.widget(0)
+        area.verticalScrollBar().setValue(widget.mapTo(area.widget(), QPoint(0, 0)).y() - 4)
 
     def zoom(self, scale: float) -> None:
         """Zoom the map to a scale, and let the preview follow."""
@@ -236,13 +273,13 @@ class Stage:
         most_bytes: int = MOST_BYTES,
     ) -> None:
         """Write a picture of the window, or of a part of it, with the panel's entries from its beginning or another."""
-        tidy_messages()
         iface.statusBarIface().clearMessage()
         # The cursor blinks, and a field in focus is marked.
         if self.window.focusWidget() is not None:
             self.window.focusWidget().clearFocus()
-        self.scroll_to(top or self.form.area)
+        self.scroll_to(top or self.dock.hint)
         wait_until_drawn()
+        tidy_messages()
         for bar in self.window.statusBar().findChildren(QProgressBar):
             # That of drawing, which QGIS takes away a while after.
             bar.setVisible(bar.isVisible() and bar.maximum() > 0)
@@ -288,54 +325,170 @@ def first_mission(stage: Stage) -> None:
     """The steps of the guide's first part."""
     stage.clear("mission-1")
     stage.shoot("panel.jpg")
-    stage.paste(FIRST)
-    stage.show_background()
-    click(stage.form.draw_box)
-    start, end = at(0.2, 0.22), at(0.78, 0.75)
+    (link,) = re.findall('href="([^"]*)"', stage.dock.hint.text())
+    stage.dock.hint_followed.emit(link)
+    wait("background", lambda: "Synthetic (offline)" in layer_names())
+    wait_until_drawn()
+    start, end = at(0.34, 0.4), at(0.62, 0.62)
     press_map(start, end)
     stage.shoot("box.jpg")
     release_map(end)
-    stage.paste(FIRST)
-    enter(stage.form.overlap_along, "30")
-    enter(stage.form.overlap_across, "20")
     stage.plan()
-    stage.preview()
-    stage.shoot("preview.jpg")
-    stage.zoom(4000)
-    stage.shoot("close.jpg")
-    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
     stage.capture()
+    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
     stage.shoot("results.jpg")
     stage.plugin.actions["view_images"].trigger()
     viewing = stage.session.viewing
-    click_map(at(0.55, 0.45))
     wait("image", lambda: viewing.seen is not None and not viewing.busy)
+    click_map(at(0.55, 0.45))
+    wait("image", lambda: not viewing.busy)
     stage.shoot("viewer.jpg")
     viewing.stop()
     viewing.viewer.hide()
 
 
 def camera(stage: Stage) -> None:
-    """A preset, and the same camera by lens and sensor; figures with their details."""
-    stage.begin(FIRST, overlap_along=0.8, overlap_across=0.6)
-    choose(stage.form.camera_group.fov_mode, "sensor")
-    presets = stage.form.camera
-    presets.setCurrentIndex(presets.findText("DJI Phantom 4 Pro"))
-    presets.activated.emit(presets.currentIndex())
-    stage.plan()
+    """The panel from its beginning, with the presets; a camera by name; the figures with their details."""
+    stage.clear()
+    choose(stage.form.presets.choice, "mapping")
+    stage.settle()
+    stage.form.presets.choice.showPopup()
+    QTest.qWait(300)
+    stage.shoot("presets.png", stage.part(stage.dock.parts.widget(0)))
+    stage.form.presets.choice.hidePopup()
+    stage.survey("agricenter")
+    stage.paste(FIRST)
     boxes = stage.form.camera_group.geometry().united(stage.form.flight.geometry())
     write("camera.png", stage.form.grab(boxes.adjusted(-4, -4, 4, 4)))
     stage.dock.figures.fold.setChecked(True)
     stage.settle()
-    stage.shoot("figures.png", stage.part(stage.dock.figures))
+    write("figures.png", stage.dock.figures.widget().grab())
     stage.dock.figures.fold.setChecked(False)
 
 
-# --- scenes: areas and previews
+# --- scenes: mapping
 
 
-def ways_to_an_area(stage: Stage) -> None:
-    """The menu of areas and the list of sources."""
+def mapping(stage: Stage) -> None:
+    """A polygon with a hole and a no-fly area, drawn and being edited; then its flight, in sorties."""
+    stage.begin(FIELDS, "field")
+    stage.form.set_state(FormState(folder=str(FOLDER / "field")))
+    stage.survey("field")
+    form, areas = stage.form, stage.session.areas
+    click(form.area.draw_polygon)
+    stage.draw(FIELD_CORNERS)
+    form.area.area_from.actions_by_name["add_hole"].trigger()
+    stage.draw(HOLE_CORNERS)
+    form.area.no_fly_from.actions_by_name["draw_no_fly"].trigger()
+    stage.draw(NO_FLY_CORNERS)
+    form.route.unfold()
+    stage.scroll_to(form.route)
+    QTest.qWait(200)
+    click(form.route.pick_takeoff)
+    wait("tool", areas.takeoff_tool.isActive)
+    click_map(at(*TAKEOFF_AT))
+    wait("take-off point", lambda: bool(stage.session.state().takeoff))
+    stage.plan()
+    if not form.area.edit.isChecked():
+        click(form.area.edit)
+    right_click_map(at(0.74, 0.3))
+    wait(
+        "menu",
+        lambda: areas.tool.findChild(QMenu) is not None or QApplication.activePopupWidget() is not None,
+    )
+    stage.shoot("area.jpg", stage.part(stage.canvas, stage.dock), most_bytes=FEWER_BYTES)
+    QApplication.activePopupWidget().close()
+    areas.tool.stop()
+    path = {"battery_min": 12.0, "lead_in_m": 15.0, "turnaround_m": 15.0}
+    form.set_state(replace(stage.session.state(), start="2026-04-14T13:30:00Z", **path))
+    stage.plan()
+    stage.preview()
+    stage.show_role("footprints", False)
+    stage.shoot("sorties.jpg", stage.part(stage.canvas, stage.dock), form.route, FEWER_BYTES)
+
+
+def rows(stage: Stage) -> None:
+    """Rows of a slanted area turned to the shortest flight, and a camera that faces the flight direction."""
+    stage.begin(FIELDS, "field")
+    stage.form.set_state(FormState(folder=str(FOLDER / "field")))
+    stage.survey("field")
+    click(stage.form.area.draw_polygon)
+    stage.draw(SLANTED_CORNERS)
+    stage.session.areas.tool.stop()
+    stage.plan()
+    stage.preview()
+    before = stage.session.state().row_azimuth_deg
+    align = stage.form.flight.align.menu()
+    next(action for action in align.actions() if action.objectName() == "shortest").trigger()
+    wait("rows", lambda: stage.session.state().row_azimuth_deg != before)
+    stage.wait_previewed()
+    stage.shoot("rows.jpg", stage.part(stage.canvas, stage.dock), stage.form.flight, FEWER_BYTES)
+
+
+def orthomosaic(stage: Stage) -> None:
+    """A mission of tilted images in turned rows, and the orthomosaic of its images."""
+    stage.begin(
+        FIELDS,
+        "tilted",
+        tilt_deg=30.0,
+        row_azimuth_deg=60.0,
+        agl=150.0,
+        overlap_along=0.6,
+        overlap_across=0.5,
+    )
+    stage.form.attitude.unfold()
+    stage.preview()
+    stage.capture()
+    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
+    # The background shows the same ground.
+    for layer in QgsProject.instance().mapLayers().values():
+        if layer.name() in ("Captured images", "Synthetic (offline)"):
+            QgsProject.instance().layerTreeRoot().findLayer(layer).setItemVisibilityChecked(False)
+    stage.shoot("orthomosaic.jpg", stage.part(stage.canvas, stage.dock), stage.form.attitude, FEWER_BYTES)
+
+
+# --- scenes: navigation
+
+
+def trajectory(stage: Stage) -> None:
+    """A line of a layer, flown at a speed by a tilted camera."""
+    stage.begin(FIRST, "trajectory")
+    choose(stage.form.presets.choice, "navigation")
+    stage.form.set_state(replace(stage.session.state(), agl=80.0, tilt_deg=45.0))
+    layer = QgsVectorLayer("LineString?crs=EPSG:4326", "trajectory", "memory")
+    feature = QgsFeature()
+    feature.setGeometry(QgsGeometry.fromWkt(TRAJECTORY))
+    layer.dataProvider().addFeatures([feature])
+    layer.renderer().setSymbol(QgsLineSymbol.createSimple({"color": "255,255,255", "width": "0.6"}))
+    QgsProject.instance().addMapLayer(layer)
+    iface.setActiveLayer(layer)
+    stage.form.area.area_from.actions_by_name["line"].trigger()
+    dialog = QApplication.activeModalWidget()
+    dialog.interval.setValue(6.0)
+    dialog.findChild(QDialogButtonBox).button(QDialogButtonBox.StandardButton.Ok).click()
+    wait("area", lambda: "point" in stage.form.area.words.text().lower())
+    stage.plan()
+    stage.preview()
+    stage.shoot("trajectory.jpg", stage.part(stage.canvas, stage.dock), stage.form.attitude, FEWER_BYTES)
+
+
+# --- scenes: machine learning
+
+
+def learning(stage: Stage) -> None:
+    """Square images of two map types without overlap."""
+    stage.begin(FIRST, "training")
+    choose(stage.form.presets.choice, "learning")
+    stage.plan()
+    stage.preview()
+    stage.shoot("learning.jpg", stage.part(stage.canvas, stage.dock), stage.form.imagery, FEWER_BYTES)
+
+
+# --- scenes: areas, sources and previews
+
+
+def choices(stage: Stage) -> None:
+    """The menu of areas, the list of sources, and the dialog that adds one."""
     stage.clear()
     menu = stage.form.area.area_from.menu()
     menu.popup(stage.canvas.mapToGlobal(QPoint(20, 20)))
@@ -346,73 +499,72 @@ def ways_to_an_area(stage: Stage) -> None:
     QTest.qWait(300)
     write("sources.png", stage.form.source.view().window().grab())
     stage.form.source.hidePopup()
+    with WorldTiles() as tiles:
+        dialog = AddSourceDialog(stage.window, lambda: TOWN_PLACE)
+        dialog.show()
+        enter(dialog.url, tiles.template)
+        dialog.url.home(False)
+        enter(dialog.name, "town-2024")
+        enter(dialog.title, "Town, summer 2024")
+        enter(dialog.attribution, "Survey department")
+        enter(dialog.licence, "CC BY 4.0")
+        click(dialog.test)
+        wait("tile", lambda: dialog.tile.pixmap() is not None and not dialog.tile.pixmap().isNull())
+        dialog.setFocus()
+        QTest.qWait(300)
+        write("add-source.png", dialog.grab())
+        dialog.close()
 
 
-def polygon(stage: Stage) -> None:
-    """A selected polygon with a hole, moved on the map."""
-    stage.begin(AGRICENTER)
-    layer = QgsVectorLayer("Polygon?crs=EPSG:4326", "Fields of interest", "memory")
-    feature = QgsFeature()
-    feature.setGeometry(QgsGeometry.fromWkt(POLYGON))
-    layer.dataProvider().addFeatures([feature])
-    layer.renderer().setSymbol(
-        QgsFillSymbol.createSimple({"color": "255,255,255,60", "outline_color": "white"})
-    )
-    QgsProject.instance().addMapLayer(layer)
-    layer.selectAll()
-    iface.setActiveLayer(layer)
-    stage.form.area.area_from.actions_by_name["polygon"].trigger()
-    wait("area", lambda: stage.form.area.words.text().startswith("Polygon"))
-    layer.removeSelection()
-    click(stage.form.area.edit)
-    stage.plan()
-    stage.session.zoom_to(stage.session.planned.mission.area.bounds)
+class WorldTiles:
+    """A server of the embedded world's tiles on this computer, as a provider has them."""
+
+    PORT = 8080
+
+    def __enter__(self) -> WorldTiles:
+        source = self._source = open_source("world")
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                zoom, x, y = map(int, re.findall(r"\d+", self.path))
+                tile = Window(zoom, 256 * x, 256 * y, 256, 256)
+                image = np.zeros((256, 256, 3), np.uint8)
+                for part in source.parts(tile):
+                    row, column = int(part.window.top_px) - 256 * y, int(part.window.left_px) - 256 * x
+                    some = source.fetch("satellite", part.window)
+                    image[row : row + some.shape[0], column : column + some.shape[1]] = some
+                body = io.BytesIO()
+                Image.fromarray(image).save(body, "PNG")
+                self.send_response(200)
+                self.send_header("Content-Type", "image/png")
+                self.send_header("Content-Length", str(body.tell()))
+                self.end_headers()
+                self.wfile.write(body.getvalue())
+
+            def log_message(self, *_: object) -> None:
+                """Say nothing."""
+
+        self._server = ThreadingHTTPServer(("127.0.0.1", self.PORT), Handler)
+        threading.Thread(target=self._server.serve_forever, daemon=True).start()
+        self.template = f"http://localhost:{self.PORT}/town/{{z}}/{{x}}/{{y}}.png"
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._server.shutdown()
+        self._server.server_close()
+        self._source.close()
+
+
+def previews(stage: Stage) -> None:
+    """Images from close up, and a mission of many from so far that they are counted, not drawn."""
+    stage.begin(FIRST, overlap_along=0.3, overlap_across=0.2)
     stage.preview()
-    stage.shoot("polygon.jpg")
-
-
-def afar(stage: Stage) -> None:
-    """A mission of many images from so far that they are counted, not drawn."""
+    stage.zoom(4000)
+    stage.shoot("close.jpg")
     stage.begin(LARGE, "county", overlap_along=0.8, overlap_across=0.6)
     stage.preview()
     stage.unfold("density")
     stage.shoot("afar.jpg")
-
-
-def overlap(stage: Stage) -> None:
-    """Images coloured by how many show their middle."""
-    stage.begin(FIRST, overlap_along=0.7, overlap_across=0.6, agl=250.0)
-    stage.preview()
-    stage.session.preview.layer("footprints").styleManager().setCurrentStyle("Overlap count")
-    stage.unfold("footprints")
-    stage.shoot("overlap.jpg")
-
-
-def turned(stage: Stage) -> None:
-    """A camera that looks ahead, in turned and crossed rows."""
-    stage.begin(FIRST, tilt_deg=30.0, row_azimuth_deg=120.0, agl=250.0)
-    stage.preview()
-    stage.shoot("turned.jpg", top=stage.form.flight)
-
-
-def flying(stage: Stage) -> None:
-    """QGIS's temporal controller halfway through the flight."""
-    stage.begin(FIRST, overlap_along=0.6, overlap_across=0.4, start="2024-06-21T10:30:00Z")
-    stage.preview()
-    panel = stage.panel("Temporal Controller")
-    panel.show()
-    click(panel.findChild(QToolButton, "mNavigationAnimated"))
-    # Its button's first entry: the times of all layers.
-    panel.findChild(QToolButton, "mSetRangeButton").defaultAction().trigger()
-    units = panel.findChild(QComboBox, "mTimeStepsComboBox")
-    units.setCurrentIndex(units.findText("minutes"))
-    slider = panel.findChild(QSlider, "mSlider")
-    slider.setValue(slider.maximum() // 2)
-    QTest.qWait(300)
-    stage.wait_previewed()
-    stage.shoot("flying.jpg")
-    click(panel.findChild(QToolButton, "mNavigationOff"))
-    panel.hide()
 
 
 # --- scenes: captures
@@ -438,7 +590,9 @@ def capturing(stage: Stage) -> None:
     stage.plan()
     click(stage.dock.capture)
     wait("line", lambda: len(runs.runs) == 2)
-    stage.shoot("queue.jpg")
+    # Rows that come change the heights of what is above them.
+    QTest.qWait(1000)
+    stage.shoot("queue.png", stage.part(stage.dock.parts.widget(1)))
     stage.clear()
 
 
@@ -463,17 +617,21 @@ def cleaning(stage: Stage) -> None:
     stage.canvas.setExtent(QgsRectangle(west, extent.yMinimum(), west + extent.width(), extent.yMaximum()))
     wait("crosses", lambda: not part.busy)
     stage.shoot("clean.jpg", stage.part(stage.canvas, stage.dock), most_bytes=FEWER_BYTES)
+    part.open(tab="split")
+    wait("split", part.tabs["split"].split.isEnabled)
+    click(part.tabs["split"].split)
+    wait("split", lambda: not part.busy)
+    part.open(tab="labels")
+    wait("labels", lambda: not part.busy)
+    QTest.qWait(500)
+    write("labels.jpg", part.window.grab(), FEWER_BYTES)
     part.window.hide()
 
 
 def failed(stage: Stage) -> None:
     """Images that a file of tiles with holes in it has not all of."""
     stage.begin(FIRST, "mission-1")
-    picture = next(
-        layer.source()
-        for layer in QgsProject.instance().mapLayers().values()
-        if layer.providerType() == "gdal"
-    )
+    picture = stage.background_file()
     tiles = FOLDER / "orthophoto.mbtiles"
     gdal.Translate(str(tiles), picture, format="MBTILES")
     holed(tiles)
@@ -503,11 +661,7 @@ def orthophoto(stage: Stage) -> None:
     """An orthophoto in the British National Grid, and the project in it, too: captured in its own pixels."""
     # A world that has fields and woods there.
     stage.begin(MIDLANDS, "survey", seed=0)
-    picture = next(
-        layer.source()
-        for layer in QgsProject.instance().mapLayers().values()
-        if layer.providerType() == "gdal"
-    )
+    picture = stage.background_file()
     path = FOLDER / "orthophoto_osgb.tif"
     west, south, east, north = ORTHOPHOTO_M
     gdal.Warp(
@@ -592,20 +746,16 @@ def relief(stage: Stage) -> None:
     stage.plan()
     stage.preview()
     stage.capture()
-    # The viewer stands where the list of layers was, and over the western edge of the map.
-    layers = stage.panel("Layers")
-    layers.close()
     iface.messageBar().clearWidgets()
     stage.plugin.actions["view_images"].trigger()
     viewing = stage.session.viewing
-    viewing.viewer.resize(*BESIDE_PX)
-    viewing.viewer.move(stage.canvas.mapToGlobal(QPoint(6, 6)))
-    click_map(stage.show_previewed(BESIDE_PX[0] + 12))
     wait("image", lambda: viewing.seen is not None and not viewing.busy)
-    stage.shoot("relief.jpg", stage.part(stage.canvas, stage.dock), section, 70_000)
+    stage.settle()
+    click_map(stage.show_previewed(0))
+    wait("image", lambda: not viewing.busy)
+    stage.shoot("relief.jpg", stage.part(stage.canvas, viewing.viewer), section, FEWER_BYTES)
     viewing.stop()
     viewing.viewer.hide()
-    layers.show()
 
 
 def world_surface(path: Path) -> None:
@@ -676,38 +826,26 @@ def options(stage: Stage) -> None:
         raise wrong[0]
 
 
-def dark(stage: Stage) -> None:
-    """The panel in QGIS's dark theme."""
-    stage.begin(FIRST)
-    application, theme = QApplication.instance(), QgsApplication.themeName()
-    palette = application.palette()
-    QgsApplication.setUITheme("Night Mapping")
-    stage.preview()
-    stage.shoot("dark.jpg")
-    QgsApplication.setUITheme(theme)
-    application.setPalette(palette)
-
-
 SCENES: dict[str, Callable[[Stage], None]] = {
     scene.__name__: scene
     for scene in (
         first_mission,
         camera,
-        ways_to_an_area,
-        polygon,
-        afar,
-        overlap,
-        turned,
-        flying,
+        mapping,
+        rows,
+        orthomosaic,
+        trajectory,
+        relief,
+        learning,
+        choices,
+        previews,
         capturing,
         cleaning,
         failed,
         orthophoto,
-        relief,
         polar,
         algorithms,
         options,
-        dark,
     )
 }
 

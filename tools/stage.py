@@ -124,8 +124,22 @@ def release_map(end: QPoint) -> None:
 
 
 def click_map(place: QPoint) -> None:
-    """Click the map."""
-    QTest.mouseClick(iface.mapCanvas().viewport(), _LEFT, _PLAIN, place)
+    """Click the map, with the pointer moved there first."""
+    viewport = iface.mapCanvas().viewport()
+    QTest.mouseMove(viewport, place)
+    QTest.mouseClick(viewport, _LEFT, _PLAIN, place)
+
+
+def right_click_map(place: QPoint) -> None:
+    """Click the map with the right button."""
+    viewport = iface.mapCanvas().viewport()
+    QTest.mouseMove(viewport, place)
+    QTest.mouseClick(viewport, Qt.MouseButton.RightButton, _PLAIN, place)
+
+
+def press_key(key: Qt.Key) -> None:
+    """Press a key over the map."""
+    QTest.keyClick(iface.mapCanvas(), key)
 
 
 # --- pictures

@@ -3561,6 +3561,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{images} in 1 row</source>
+        <translation>{images} en 1 pasada</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{images} in {rows} rows</source>
         <translation>{images} en {rows} pasadas</translation>
     </message>

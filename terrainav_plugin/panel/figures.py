@@ -192,7 +192,7 @@ def readout(
     return Readout(
         tuple(translate(text) for text in summary.warnings),
         (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
-        tuple(_details(summary, cost)),
+        tuple(_details(mission, summary, cost)),
         _why_html(plan.accuracy),
         coarser and upsampleable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
     )
@@ -219,7 +219,7 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         lines.append(
             (tr("Imagery"), share.format(share=translate(percent(summary.imagery_share, exact=False))))
         )
-    if mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0:
+    if _is_overlapping(mission):
         lines += _overlap(summary)
     lines.append((tr("GSD"), _gsd(summary, unit, coarser_m)))
     lines += _relief(summary, unit)
@@ -274,10 +274,10 @@ def _limit(plan: Plan, policy: Policy | None) -> list[tuple[str, str]]:
     return [(tr("Limit"), text.format(count=number_text(requests), most=number_text(policy.max_tiles)))]
 
 
-def _details(summary: Summary, cost: str) -> list[tuple[str, str]]:
+def _details(mission: Mission, summary: Summary, cost: str) -> list[tuple[str, str]]:
     return [
         (tr("Image"), _picture(summary)),
-        *_overlap(summary),
+        *([] if _is_overlapping(mission) else _overlap(summary)),
         (tr("Tiles"), _tiles(summary)),
         (tr("On disk"), translate(size_text(summary.output_bytes))),
         *_accuracy_lines(summary.accuracy),
@@ -346,9 +346,8 @@ def _table(lines: Iterable[tuple[str, str]]) -> str:
 
 
 def _images(summary: Summary) -> str:
-    text = tr("{images} in {rows} rows").format(
-        images=number_text(summary.images), rows=number_text(summary.rows)
-    )
+    rows = tr("{images} in 1 row") if summary.rows == 1 else tr("{images} in {rows} rows")
+    text = rows.format(images=number_text(summary.images), rows=number_text(summary.rows))
     types = len(summary.map_types)
     return text if types == 1 else tr("{text}, for each of {count} map types").format(text=text, count=types)
 
@@ -397,6 +396,11 @@ def _held(summary: Summary, unit: str) -> str:
         area=area_text(summary.area_m2, unit),
         uncovered=area_text(summary.uncovered_m2, unit),
     )
+
+
+def _is_overlapping(mission: Mission) -> bool:
+    """Whether an overlap is asked for: then the one that is reached is among what everybody asks."""
+    return mission.flight.overlap_along > 0.0 or mission.flight.overlap_across > 0.0
 
 
 def _overlap(summary: Summary) -> list[tuple[str, str]]:

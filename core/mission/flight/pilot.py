@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import Message, OptionName
-from ...geodesy.sun import sun_position
-from ..parts import HOVER, Flight
-from ..plan import Plan
+from ......errors import Message, OptionName
+from ......geodesy.sun import sun_position
+from .....parts import HOVER, Flight, utc_time
+from .....plan import Plan
 from .path import HOVER_S
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,10 @@ def _stands(height_deg: float, azimuth_deg: float) -> Message:
 
 def sun_of(plan: Plan) -> Sun | None:
     """Where the sun stands; None where the mission does not say when it is flown."""
-    if not plan.has_times and plan.mission.flight.start == Flight.start:
+    # Lines are flown from the start that is entered: their times say no more than it does.
+    if plan.mission.flight.start == Flight.start and (
+        not plan.has_times or utc_time(plan.start) == utc_time(Flight.start)
+    ):
         return None
     west, south, east, north = plan.mission.area.bounds.edges_deg
     seconds = plan.path.time_s[[0, -1]]

@@ -81,6 +81,12 @@ def test_the_sun_is_told_where_the_start_is():
     assert "sun" not in dict(estimate(planned()).lines())
 
 
+@pytest.mark.parametrize(("first_s", "is_told"), [(946_684_800.0, False), (1_718_965_800.0, True)])
+def test_the_sun_is_not_told_of_a_line_that_is_flown_from_no_start(first_s, is_told):
+    line = Points(((35.0, -89.0, 90.0), (35.0, -89.001, 90.0)), times_s=(first_s, first_s + 6.0))
+    assert (sun_of(plan(Mission(line, 90.0), GRID)) is not None) == is_told
+
+
 @pytest.mark.parametrize(
     ("sun", "fov", "text"),
     [
