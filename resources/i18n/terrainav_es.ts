@@ -8986,23 +8986,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, as before</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, como antes</translation>
     </message>
     <message>
         <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, as long as {3:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, tan largo como con {3:g}°</translation>
     </message>
     <message>
         <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, {3} % longer than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, un {3} % más largo que con {4:g}°</translation>
     </message>
     <message>
         <location filename="../../core/mission/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, {3} % shorter than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, un {3} % más corto que con {4:g}°</translation>
     </message>
     <message>
         <location filename="../../core/mission/alignment.py"/>
@@ -9026,6 +9026,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/alignment.py"/>
         <source>{0} rows</source>
         <translation>{0} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/alignment.py"/>
+        <source>{0} with turns</source>
+        <translation>{0} con giros</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
