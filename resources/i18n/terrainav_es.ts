@@ -2443,6 +2443,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>{count} files, {first} to {last}, are already there. Replace them?</source>
+        <translation>{count} archivos, de {first} a {last}, ya existen. ¿Reemplazarlos?</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is already there. Replace it?</source>
         <translation>{name} ya existe. ¿Reemplazarlo?</translation>
     </message>
