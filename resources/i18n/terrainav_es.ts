@@ -9790,6 +9790,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>las alturas son sobre el lugar de despegue: igual sobre el terreno solo donde este está a su nivel</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
+        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/rows.py"/>
         <source>start earlier</source>
         <translation>empezar antes</translation>
@@ -9886,13 +9892,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
-        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
-        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+        <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
+        <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
-        <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
-        <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
+        <source>the drone stops at each waypoint, which times and sorties count with the trigger hover alone</source>
+        <translation>el dron se detiene en cada punto de ruta, lo que los tiempos y las salidas solo cuentan con el disparo hover</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
