@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from qgis.PyQt.QtCore import QXmlStreamReader
 
 from ...core.safe_xml import UnreadableXMLError, checked_text
+from ...core.text import one_line
 
 _COORDINATES = "coordinates"
 
@@ -36,4 +37,4 @@ def xml_elements(body: bytes) -> Iterator[tuple[str, str]]:
         elif kind == kinds.EndElement:
             yield "", ""
     if reader.hasError():
-        raise UnreadableXMLError(reader.errorString())
+        raise UnreadableXMLError(one_line(reader.errorString()).rstrip("."))

@@ -300,7 +300,6 @@ class RouteSection(Section):
         self.takeoff = line_edit("takeoff", tip_of(DECLARED["takeoff"]))
         self.takeoff.setPlaceholderText(tr("none: from the first capture to the last"))
         self.takeoff.setClearButtonEnabled(True)
-        self.takeoff.textChanged.connect(self._show_beginning)
         self.pick_takeoff = tool_button(
             "pick_takeoff", icon("takeoff"), tr("Set take-off point, by a click on the map")
         )
@@ -313,9 +312,11 @@ class RouteSection(Section):
         ):
             self.add_declared(name)
 
-    def _show_beginning(self) -> None:
-        """Show the latitude of a place that was not typed: entries show their ends."""
-        if not self.takeoff.hasFocus():
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state; a place that was not typed is shown from its beginning."""
+        typed = self.takeoff.text()
+        super().enter(state)
+        if self.takeoff.text() != typed:
             self.takeoff.setCursorPosition(0)
 
 
