@@ -85,6 +85,21 @@ def text_of(body: bytes) -> str:
     return text[found_text.end() :] if found_text else text
 
 
+def checked_text(body: bytes) -> str:
+    """Text of a document that any reader may be given: within the limits, and without a type or entities of its own.
+
+    Raises
+    ------
+    UnreadableXMLError
+        As `root_of` does.
+    """
+    text = _without_wms_type(text_of(body))
+    if _REFUSED.search(text):
+        raise UnreadableXMLError(Message("a document type or entities of its own, which are not read"))
+    _check_size(text)
+    return text
+
+
 def root_of(body: bytes) -> Any:
     """Root of a document as lxml has it, with nothing in it but elements, attributes and text.
 
@@ -94,10 +109,7 @@ def root_of(body: bytes) -> Any:
         It declares a type or entities (but for the type that WMS 1.1.1 prescribes, which is left out), is beyond the
         limits, or is no XML.
     """
-    text = _without_wms_type(text_of(body))
-    if _REFUSED.search(text):
-        raise UnreadableXMLError(Message("a document type or entities of its own, which are not read"))
-    _check_size(text)
+    text = checked_text(body)
     etree = importlib.import_module("lxml.etree")
     parser = etree.XMLParser(
         # Whatever a second declaration says, which may stand behind the first.

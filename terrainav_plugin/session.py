@@ -162,7 +162,9 @@ class Session(QObject):
         if self.runs.can_start(state):
             folder = folder_of(state.folder)
             self.planning.with_plan(
-                lambda planned: self.runs.start(planned, folder, only_failed), tr("Nothing to capture yet.")
+                lambda planned: self.runs.start(planned, folder, only_failed),
+                tr("Nothing to capture yet."),
+                anew=True,
             )
 
     def make_benchmark(self) -> None:

@@ -330,10 +330,7 @@ def _loose(
     sky, unmapped = np.ones((height, width), bool), np.zeros((height, width), bool)
     for left, top, right, bottom in cells.box.tolist():
         sky[top:bottom, left:right] = False
-    open_ = np.zeros((height, width), bool)
-    for left, top, right, bottom in cells.loose.tolist():
-        open_[top:bottom, left:right] = True
-    rows, columns = np.nonzero(open_)
+    rows, columns = _within(cells.loose)
     found = []
     for start in range(0, len(rows), _BATCH):
         row, column = rows[start : start + _BATCH], columns[start : start + _BATCH]
@@ -343,6 +340,19 @@ def _loose(
         unmapped[row, column] = off_map
         found += _sampled(rays, row[hit & ~off_map], column[hit & ~off_map], grid, zooms)
     return found, sky, unmapped
+
+
+def _within(boxes: Numbers) -> tuple[Numbers, Numbers]:
+    """Rows and columns of the pixels within boxes (m, 4), row by row and each once."""
+    if not len(boxes):
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+    # Most large images have few such pixels, at one edge: the rest need not be looked through.
+    (x0, y0), (x1, y1) = boxes[:, :2].min(axis=0).tolist(), boxes[:, 2:].max(axis=0).tolist()
+    inside = np.zeros((y1 - y0, x1 - x0), bool)
+    for left, top, right, bottom in boxes.tolist():
+        inside[top - y0 : bottom - y0, left - x0 : right - x0] = True
+    rows, columns = np.nonzero(inside)
+    return rows + y0, columns + x0
 
 
 def _sampled(

@@ -8,12 +8,12 @@ import os
 import re
 import zipfile
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import read_limited
-from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
+from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES, MAX_XML_DEPTH
 from ..safe_json import parse_json
 from ..safe_xml import UnreadableXMLError, root_of
 from .area import Polygon, Polygons
@@ -24,6 +24,8 @@ _ZIP = b"PK\x03\x04"
 _MAIN_KML = "doc.kml"
 #: Ways in which files of a KMZ are packed; readers of others raise errors of their own.
 _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: What holds the rings of a Polygon: the outer one, and those of holes.
+_BOUNDARIES = ("outerBoundaryIs", "innerBoundaryIs")
 #: Between the numbers of a corner; people write spaces after commas.
 _COMMA = re.compile(r"\s*,\s*")
 #: Characters of a corner or name that are shown.
@@ -33,9 +35,24 @@ _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplemente
 
 
 _Rings = tuple[tuple[tuple[float, float], ...], ...]
+#: What reads XML: the name of each element where it begins, without its namespace, and its text; two empty texts where
+#: it ends. Only ``coordinates`` need have their text. It raises `UnreadableXMLError`.
+XMLReader = Callable[[bytes], Iterator[tuple[str, str]]]
 
 
-def load_area(path: str | os.PathLike[str]) -> Polygon | Polygons:
+def _by_lxml(body: bytes) -> Iterator[tuple[str, str]]:
+    """Elements of a document, read by lxml."""
+    todo: list[Any] = [root_of(body)]
+    while todo:
+        element = todo.pop()
+        if element is None:
+            yield "", ""
+            continue
+        yield str(element.tag).rpartition("}")[2], str(element.text or "")
+        todo += [None, *reversed(element)]
+
+
+def load_area(path: str | os.PathLike[str], read_xml: XMLReader = _by_lxml) -> Polygon | Polygons:
     """All polygons of a file as one area.
 
     Raises
@@ -43,16 +60,18 @@ def load_area(path: str | os.PathLike[str]) -> Polygon | Polygons:
     InvalidInput
         As `load_polygons` does.
     """
-    found = load_polygons(path, Message("area file {0}", path))
+    found = load_polygons(path, Message("area file {0}", path), read_xml)
     return found[0] if len(found) == 1 else Polygons(found)
 
 
-def load_no_fly(path: str | os.PathLike[str]) -> tuple[Polygon, ...]:
+def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = _by_lxml) -> tuple[Polygon, ...]:
     """All polygons of a file where no camera may stand; raises as `load_polygons` does."""
-    return load_polygons(path, Message("no-fly file {0}", path))
+    return load_polygons(path, Message("no-fly file {0}", path), read_xml)
 
 
-def load_polygons(path: str | os.PathLike[str], where: str) -> tuple[Polygon, ...]:
+def load_polygons(
+    path: str | os.PathLike[str], where: str, read_xml: XMLReader = _by_lxml
+) -> tuple[Polygon, ...]:
     """All polygons of a GeoJSON, KML or KMZ file, in its order, each once.
 
     The kind of file is told by what it holds, whatever its name. Other geometries of it are left out, and so are the
@@ -63,6 +82,8 @@ def load_polygons(path: str | os.PathLike[str], where: str) -> tuple[Polygon, ..
     ----------
     where : str
         What the file is, for messages.
+    read_xml : callable
+        What reads KML; by default lxml does.
 
     Raises
     ------
@@ -79,10 +100,10 @@ def load_polygons(path: str | os.PathLike[str], where: str) -> tuple[Polygon, ..
         raise InvalidInput("{0}: cannot be read ({1})", where, wrong) from wrong
     found: Iterable[_Rings]
     if body.startswith(_ZIP):
-        found = _kmz_polygons(body, where)
+        found = _kmz_polygons(body, where, read_xml)
     # A mark of the encoding may come first, and UTF-16 has a zero beside each character.
     elif body.lstrip(b"\xef\xbb\xbf\xfe\xff\0 \t\r\n").startswith(b"<"):
-        found = _kml_polygons(body, where)
+        found = _kml_polygons(body, where, read_xml)
     else:
         found = _geojson_polygons(body, where)
     polygons = dict.fromkeys(_polygon(rings, number, where) for number, rings in enumerate(found, 1))
@@ -137,11 +158,11 @@ def listed(data: dict[str, Any], name: str) -> list[Any]:
 # --- KML
 
 
-def _kmz_polygons(body: bytes, where: str) -> list[_Rings]:
+def _kmz_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
     """Polygons of a KMZ: those of ``doc.kml``, or where that only leads to other files in it, as GDAL's, theirs."""
     main, *others = _unpacked(body, where)
-    found = list(_kml_polygons(main, where))
-    return found or [rings for text in others for rings in _kml_polygons(text, where)]
+    found = list(_kml_polygons(main, where, read_xml))
+    return found or [rings for text in others for rings in _kml_polygons(text, where, read_xml)]
 
 
 def _unpacked(body: bytes, where: str) -> list[bytes]:
@@ -174,11 +195,11 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
     return texts
 
 
-def _kml_polygons(body: bytes, where: str) -> Iterator[_Rings]:
+def _kml_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
     if len(body) > MAX_CAPABILITIES_BYTES:
         raise InvalidInput("{0}: its KML is larger than {1} MB", where, MAX_CAPABILITIES_BYTES >> 20)
     try:
-        root = root_of(body)
+        return _rings_of(read_xml(body), where)
     except UnreadableXMLError as wrong:
         raise InvalidInput("{0}: cannot be read as KML ({1})", where, wrong) from wrong
     except ImportError as missing:
@@ -188,31 +209,37 @@ def _kml_polygons(body: bytes, where: str) -> Iterator[_Rings]:
             "lxml",
             remedy=Message("get it with: pip install 'terrainav[{0}]', or give a GeoJSON file", "kml"),
         ) from missing
-    for element in root.iter("{*}Polygon", "{*}LinearRing"):
-        if _name(element) == "Polygon":
-            outer = list(element.iterfind("{*}outerBoundaryIs/{*}LinearRing"))
-            inner = list(element.iterfind("{*}innerBoundaryIs/{*}LinearRing"))
-            if outer:
-                yield tuple(_ring(ring, where) for ring in (*outer[:1], *inner))
-        elif not _is_boundary(element):
-            yield (_ring(element, where),)
 
 
-def _is_boundary(ring: Any) -> bool:
-    """Whether a ring is that of a polygon."""
-    parent = ring.getparent()
-    return parent is not None and _name(parent) in ("outerBoundaryIs", "innerBoundaryIs")
-
-
-def _name(element: Any) -> str:
-    """Name of an element without its namespace."""
-    return str(element.tag).rpartition("}")[2]
-
-
-def _ring(element: Any, where: str) -> tuple[tuple[float, float], ...]:
-    found: Iterable[Any] = element.iterfind("{*}coordinates")
-    text = " ".join(str(one.text or "") for one in found)
-    return tuple(_corner(corner, where) for corner in _COMMA.sub(",", text).split())
+def _rings_of(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
+    """Rings of each Polygon, the outer one first, and those that stand alone."""
+    found: list[_Rings] = []
+    open_: list[str] = []
+    ring: list[tuple[float, float]] = []
+    rings: dict[str, list[tuple[tuple[float, float], ...]]] = {}
+    for name, text in elements:
+        if name:
+            open_.append(name)
+            if len(open_) > MAX_XML_DEPTH:
+                raise UnreadableXMLError(
+                    Message("elements within each other, more than {0} deep", MAX_XML_DEPTH)
+                )
+            if name == "Polygon":
+                rings = {boundary: [] for boundary in _BOUNDARIES}
+            elif name == "LinearRing":
+                ring = []
+            elif open_[-2:] == ["LinearRing", "coordinates"]:
+                ring += [_corner(corner, where) for corner in _COMMA.sub(",", text).split()]
+            continue
+        ended, parent = open_.pop(), open_[-1] if open_ else ""
+        if ended == "LinearRing" and parent not in _BOUNDARIES:
+            found.append((tuple(ring),))
+        elif ended == "LinearRing" and open_[-2:-1] == ["Polygon"]:
+            rings[parent].append(tuple(ring))
+        elif ended == "Polygon":
+            outer, inner = rings.values()
+            found += [(outer[0], *inner)] if outer else []
+    return found
 
 
 def _corner(text: str, where: str) -> tuple[float, float]:

@@ -1018,6 +1018,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>No-fly areas</source>
         <translation>Zonas de exclusión aérea</translation>
@@ -2946,6 +2947,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
+        <source>{count} files, {first} to {last}, are already there. Replace them?</source>
+        <translation>{count} archivos, de {first} a {last}, ya existen. ¿Reemplazarlos?</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is already there. Replace it?</source>
         <translation>{name} ya existe. ¿Reemplazarlo?</translation>
     </message>
@@ -3428,6 +3434,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>Images left out: {count}</source>
+        <translation>Imágenes omitidas: {count}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Left out</source>
         <translation>Se omite</translation>
     </message>
@@ -3561,8 +3572,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <source>{images} in 1 row</source>
-        <translation>{images} en 1 pasada</translation>
+        <source>{images} in one row</source>
+        <translation>{images} en una pasada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -9533,6 +9544,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/safe_xml.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
         <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
     </message>
@@ -10182,6 +10199,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>las alturas son sobre el lugar de despegue: igual sobre el terreno solo donde este está a su nivel</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
+        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/rows.py"/>
         <source>start earlier</source>
         <translation>empezar antes</translation>
@@ -10278,13 +10301,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
-        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
-        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+        <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
+        <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
-        <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
-        <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
+        <source>the drone stops at each waypoint, which times and sorties count with the trigger hover alone</source>
+        <translation>el dron se detiene en cada punto de ruta, lo que los tiempos y las salidas solo cuentan con el disparo hover</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
@@ -10318,23 +10341,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as before</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, como antes</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, as before</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, como antes</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, tan largo como con {3:g}°</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, as long as {3:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, tan largo como con {3:g}°</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más largo que con {4:g}°</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, {3} % longer than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, un {3} % más largo que con {4:g}°</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
-        <source>row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°</source>
-        <translation>acimut de las pasadas {0:g}°: {1}, {2:.3g} km, un {3} % más corto que con {4:g}°</translation>
+        <source>row azimuth {0:g}°: {1}, {2}, {3} % shorter than {4:g}°</source>
+        <translation>acimut de las pasadas {0:g}°: {1}, {2}, un {3} % más corto que con {4:g}°</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
@@ -10358,6 +10381,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/flight/alignment.py"/>
         <source>{0} rows</source>
         <translation>{0} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/flight/alignment.py"/>
+        <source>{0} with turns</source>
+        <translation>{0} con giros</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/gusts.py"/>
@@ -12921,11 +12949,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/safe_xml.py"/>
         <source>a document type or entities of its own, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
-    </message>
-    <message>
-        <location filename="../../core/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>

@@ -44,6 +44,7 @@ from ..form.area import point_words
 from ..i18n import number_text, tr
 from ..map.canvas import LON_LAT, box_of
 from ..tasks import Task
+from .kml import xml_elements
 
 Floats = NDArray[np.float64]
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
@@ -320,12 +321,12 @@ def text_file(path: str, agl_unit: str) -> Reading:
 
 def area_file(path: str) -> Reading:
     """Reader of the polygons of a GeoJSON, KML or KMZ file, which are the area."""
-    return lambda _cancelled: Found(load_area(path))
+    return lambda _cancelled: Found(load_area(path, xml_elements))
 
 
 def no_fly_file(path: str) -> Reading:
     """Reader of the polygons of such a file, which are no-fly areas."""
-    return lambda _cancelled: Found(Polygons(load_no_fly(path)))
+    return lambda _cancelled: Found(Polygons(load_no_fly(path, xml_elements)))
 
 
 def rectangle_area(

@@ -28,19 +28,25 @@ class ExportTask(Task):
     Attributes
     ----------
     exported : Exported or None
+    there : tuple of Path
+        Files that parts of the plan would have replaced, unasked; then nothing is written.
     """
 
-    def __init__(self, plan: Plan, path: Path) -> None:
+    def __init__(self, plan: Plan, path: Path, replace_parts: bool = False) -> None:
         super().__init__(tr("Writing {name}").format(name=path.name))
-        self.path = path
+        self.plan, self.path = plan, path
         self.exported: Exported | None = None
-        self._plan = plan
+        self.there: tuple[Path, ...] = ()
+        self._replace_parts = replace_parts
 
     def work(self) -> None:
         """Write."""
-        from ...core.mission.export import write_plan
+        from ...core.mission.export import PartsAlreadyThere, write_plan
 
-        self.exported = write_plan(self._plan, self.path)
+        try:
+            self.exported = write_plan(self.plan, self.path, replace_parts=self._replace_parts)
+        except PartsAlreadyThere as wrong:
+            self.there = wrong.files
 
 
 class PlanExport(QObject):
@@ -104,18 +110,23 @@ class PlanExport(QObject):
             return
         path = with_ending(Path(chosen), kind, usual)
         # The dialog has asked for the name that it shows, which may have got another ending.
-        if path != Path(chosen) and path.exists() and not self._may_replace(path):
+        if path != Path(chosen) and path.exists() and not self._may_replace((path,)):
             return
         settings.plan_ending = _ending(path.name) or usual
         refusal = tr("Nothing to export yet.")
         self.plan_wanted.emit(lambda planned: self._write(planned, path), refusal)
 
-    def _may_replace(self, path: Path) -> bool:
+    def _may_replace(self, there: tuple[Path, ...]) -> bool:
         buttons = QMessageBox.StandardButton
+        question = tr("{name} is already there. Replace it?").format(name=there[0].name)
+        if len(there) > 1:
+            question = tr("{count} files, {first} to {last}, are already there. Replace them?").format(
+                count=len(there), first=there[0].name, last=there[-1].name
+            )
         answer = QMessageBox.question(
             self._parent.window(),
             tr("TerrAInav: export plan"),
-            tr("{name} is already there. Replace it?").format(name=path.name),
+            question,
             buttons.Yes | buttons.No,
             buttons.No,
         )
@@ -129,13 +140,20 @@ class PlanExport(QObject):
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
             return
-        self._task = ExportTask(planned.plan, path)
-        self._task.begin(self._ended)
+        self._begin(ExportTask(planned.plan, path))
+
+    def _begin(self, task: ExportTask) -> None:
+        self._task = task
+        task.begin(self._ended)
 
     def _ended(self, task: ExportTask) -> None:
         self._task = None
         if task.error:
             self._messages.failed(translate(task.error), task.trace)
+            return
+        if task.there:
+            if self._may_replace(task.there):
+                self._begin(ExportTask(task.plan, task.path, replace_parts=True))
             return
         if task.exported is None:
             return

@@ -11,6 +11,7 @@ from qgis.PyQt.QtCore import QObject
 
 from ..i18n import tr, translate
 from ..tasks import LatestWorker, reason_of
+from ..units import length_text
 
 if TYPE_CHECKING:
     from ...core.mission.flight.alignment import Alignment
@@ -64,7 +65,8 @@ class RowAlignment(QObject):
             )
             return
         self._form.set_state(replace(state, row_azimuth_deg=found.azimuth_deg))
-        text = translate(found.text())
+        # In the words of the flight's figure, which is then the same.
+        text = translate(found.text(partial(length_text, unit=state.agl_unit)))
         self._messages.success(text[:1].upper() + text[1:])
 
     def _failed(self, error: Exception) -> None:

@@ -212,6 +212,9 @@ def _label(name: str) -> QLabel:
 
 def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:
     lines = [(tr("Images"), _images(summary))]
+    if summary.images_over_no_fly:
+        lost = tr("Images left out: {count}").format(count=number_text(summary.images_over_no_fly))
+        lines.append((tr("No-fly areas"), lost))
     if summary.covered_share is not None:
         lines.append((tr("Coverage"), _coverage(summary, unit)))
     if summary.imagery_share is not None and summary.imagery_share < 1.0:
@@ -346,7 +349,7 @@ def _table(lines: Iterable[tuple[str, str]]) -> str:
 
 
 def _images(summary: Summary) -> str:
-    rows = tr("{images} in 1 row") if summary.rows == 1 else tr("{images} in {rows} rows")
+    rows = tr("{images} in {rows} rows") if summary.rows != 1 else tr("{images} in one row")
     text = rows.format(images=number_text(summary.images), rows=number_text(summary.rows))
     types = len(summary.map_types)
     return text if types == 1 else tr("{text}, for each of {count} map types").format(text=text, count=types)

@@ -9,6 +9,8 @@ from qgis.PyQt.QtWidgets import QGroupBox, QStyle, QStyleOptionGroupBox
 from ..i18n import tr
 from ..plain import shown_plain
 
+#: Height of a folded group over that of its letters: QGIS gives it less, and cuts off what hangs below the line.
+_ABOVE_AND_BELOW_PX = 5
 #: What a group's title leaves free on both sides, for its arrow and its frame.
 _AROUND_PX = 24
 
@@ -47,6 +49,7 @@ class Heading(QObject):
         if title != QGroupBox.title(box):
             box.setTitle(title)
         box.setToolTip(tip)
+        box.setMinimumHeight(box.fontMetrics().height() + _ABOVE_AND_BELOW_PX if box.isCollapsed() else 0)
 
     def _mark_px(self) -> int:
         """Width of the box to tick, of a group that has one."""

@@ -66,16 +66,21 @@ class Planning(QObject):
         self._closed = True
         self._planner.close()
 
-    def with_plan(self, act: Callable[[Planned], None], refusal: str) -> None:
+    def with_plan(self, act: Callable[[Planned], None], refusal: str, *, anew: bool = False) -> None:
         """Do something with the plan of what is entered now, as soon as there is one.
 
         Parameters
         ----------
         refusal : str
             What to say after the reason where there is none.
+        anew : bool
+            Plan again also where the plan of what is entered is there: the source may be another by now.
         """
         if self._closed:
             # Unloaded while a dialog was open that has led here.
+            return
+        if self.latest is not None and not anew and self._is_entered(self.latest.mission):
+            act(self.latest)
             return
         self._when_planned = act
         self._refusal = refusal
@@ -103,6 +108,12 @@ class Planning(QObject):
         timed = not self._cost_of(mission) and self._may_time() and self._when_planned is None
         self._planner.request(mission, at_once, timed)
         return True
+
+    def _is_entered(self, mission: Mission) -> bool:
+        try:
+            return bool(mission_form.mission(self._form.state()) == mission)
+        except FormError:
+            return False
 
     def refuse(self, what: str) -> None:
         """Say what there is not, and the first thing that is wrong with the entries."""

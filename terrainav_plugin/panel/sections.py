@@ -312,6 +312,13 @@ class RouteSection(Section):
         ):
             self.add_declared(name)
 
+    def enter(self, state: FormState) -> None:
+        """Enter the fields of a state; a place that was not typed is shown from its beginning."""
+        typed = self.takeoff.text()
+        super().enter(state)
+        if self.takeoff.text() != typed:
+            self.takeoff.setCursorPosition(0)
+
 
 class WindSection(Section):
     """What moves and turns the camera at each exposure; off unless it is ticked."""

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 import re
+import sys
+import zipfile
 
 import numpy as np
 import pytest
+from osgeo import ogr
 from pyproj import Proj, Transformer
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -21,13 +24,17 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QDate, QDateTime, QPoint, Qt, QTime
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
-from terrainav.core.errors import Cancelled, InvalidInput
+from terrainav.core.errors import Cancelled, InvalidInput, OutputError
 from terrainav.core.mission.area import Box
+from terrainav.core.mission.area_files import load_area
 from terrainav.terrainav_plugin.area.dialogs import LayerDialog
+from terrainav.terrainav_plugin.area.kml import xml_elements
 from terrainav.terrainav_plugin.area.layers import (
     EDGE_TOLERANCE_M,
     PointFields,
+    area_file,
     lines_of,
+    no_fly_file,
     points_of,
     polygons_of,
 )
@@ -81,6 +88,90 @@ def accept(desk, dialog):
 
 def choose_way(desk, name):
     desk.form.area.area_from.actions_by_name[name].trigger()
+
+
+# --- KML
+
+OUTER, INNER = (
+    "-89.9,35.1,0 -89.8,35.1 -89.8,35.2 -89.9,35.2 -89.9,35.1",
+    "-89.86,35.14 -89.84,35.14 -89.84,35.16",
+)
+
+
+def ring(coordinates):
+    return f"<LinearRing><coordinates>{coordinates}</coordinates></LinearRing>"
+
+
+def document(*placemarks, head='<?xml version="1.0" encoding="UTF-8"?>', mark=""):
+    inside = "".join(f"<Placemark>{one}</Placemark>" for one in placemarks)
+    kml = f'<{mark}kml xmlns{":" + mark[:-1] if mark else ""}="http://www.opengis.net/kml/2.2">'
+    return f"{head}<!-- drawn -->{kml}{inside}</{mark}kml>"
+
+
+FIELD = (
+    f"<name>Größe &amp; Form</name><Polygon><outerBoundaryIs>{ring(OUTER)}</outerBoundaryIs><innerBoundaryIs>"
+    f"{ring(INNER)}</innerBoundaryIs></Polygon>"
+)
+OTHER = FIELD.replace("-89.", "-88.").replace(
+    INNER.replace("-89.", "-88."), "-88.86, 35.14 -88.84, 35.14 -88.84, 35.16"
+)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        document(FIELD).encode(),
+        document(FIELD, f"<MultiGeometry>{OTHER[OTHER.index('<Polygon') :]}</MultiGeometry>").encode(),
+        document(FIELD, head='<?xml version="1.0" encoding="ISO-8859-1"?>').encode("latin-1"),
+        document(FIELD, head="").encode("utf-16"),
+        document(ring(OUTER), "<Point><coordinates>1,2</coordinates></Point>").encode(),
+        document(FIELD.replace(OUTER, f"<![CDATA[{OUTER}]]>")).encode(),
+        re.sub(r"<(/?)(?=[A-Za-z])(?!k:)", r"<\1k:", document(FIELD, mark="k:")).encode(),
+        document("<Polygon/>", FIELD).encode(),
+    ],
+)
+def test_kml_is_read_as_with_lxml(tmp_path, body):
+    pytest.importorskip("lxml")
+    path = tmp_path / "area.kml"
+    path.write_bytes(body)
+    assert load_area(path, xml_elements) == load_area(path)
+
+
+def test_kml_is_read_without_lxml(tmp_path, monkeypatch):
+    path = tmp_path / "area.kmz"
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("doc.kml", document(FIELD))
+    monkeypatch.setitem(sys.modules, "lxml.etree", None)
+    with pytest.raises(OutputError, match="lxml"):
+        load_area(path)
+    found = area_file(str(path))(lambda: False).area
+    # Kept, as what is read of it belongs to it.
+    opened = ogr.Open(f"/vsizip/{path}/doc.kml")
+    feature = opened.GetLayer(0).GetNextFeature()
+    drawn = feature.GetGeometryRef()
+    assert drawn.GetGeometryCount() == len(found.rings)
+    for at, corners in enumerate(found.rings):
+        shape = drawn.GetGeometryRef(at)
+        assert set(corners) == {shape.GetPoint_2D(number) for number in range(shape.GetPointCount())}
+    assert no_fly_file(str(path))(lambda: False).area.parts == (found,)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("<kml><a>", "cannot be read as KML"),
+        (document(FIELD)[:-9], "cannot be read as KML"),
+        ("<kml>" + "<a>" * 5000 + "</a>" * 5000 + "</kml>", "deep"),
+        ('<!DOCTYPE kml [<!ENTITY a "1">]>' + document(FIELD, head=""), "document type or entities"),
+        (document(FIELD.replace(",35.1,0", ",north,0")), "corner '-89.9,north,0' is not longitude,latitude"),
+    ],
+)
+def test_kml_that_is_none_is_refused_in_one_line(tmp_path, text, says):
+    path = tmp_path / "area.kml"
+    path.write_text(text)
+    with pytest.raises(InvalidInput, match=says) as refused:
+        load_area(path, xml_elements)
+    assert "\n" not in str(refused.value)
 
 
 # --- polygons

@@ -117,6 +117,43 @@ def test_a_file_that_the_dialog_did_not_ask_for_is_not_replaced_unasked(
     assert (tmp_path / "field.survey.plan").read_text().startswith("{") is replaced
 
 
+@pytest.mark.parametrize("replaced", [True, False])
+def test_parts_of_a_flight_replace_files_only_when_the_user_says_so(
+    desk, tmp_path, choose_file, monkeypatch, replaced
+):
+    desk.enter_small_mission()
+    route = desk.form.route
+    route.takeoff.setText("35.1353, -89.8715")
+    route.entries["battery_min"].setValue(8.0)
+    assert desk.wait_planned().plan.path.sorties > 2
+    for number in (1, 2):
+        (tmp_path / f"field-{number}.kmz").write_text("kept")
+    buttons, asked = QMessageBox.StandardButton, []
+
+    def answer(_parent, _title, text, *_):
+        asked.append(text)
+        return buttons.Yes if replaced else buttons.No
+
+    monkeypatch.setattr(QMessageBox, "question", answer)
+    choose_file(tmp_path / "field.kmz")
+    export(desk)
+    assert asked == ["2 files, field-1.kmz to field-2.kmz, are already there. Replace them?"]
+    assert ((tmp_path / "field-1.kmz").read_bytes() != b"kept") is replaced
+    assert (tmp_path / "field-3.kmz").exists() is replaced
+    assert any("Plan exported as field-1.kmz" in text for text in desk.messages()) is replaced
+
+
+def test_a_plan_that_is_there_is_not_made_again(desk, tmp_path, choose_file, monkeypatch):
+    desk.enter_small_mission()
+    planned = desk.wait_planned()
+    asked = []
+    monkeypatch.setattr(desk.session.planner, "request", lambda *given: asked.append(given))
+    choose_file(tmp_path / "survey.csv")
+    export(desk)
+    assert asked == []
+    assert len((tmp_path / "survey.csv").read_text().splitlines()) == len(planned.plan) + 1
+
+
 def test_the_dialog_names_programs_and_begins_with_the_last_ending(desk, tmp_path, monkeypatch):
     desk.enter_small_mission()
     desk.wait_planned()

@@ -55,6 +55,22 @@ def test_the_panel_says_what_a_pilot_needs(routed):
     routed.wait(lambda: "the way to image 1 and back takes" in routed.message("battery_min"))
 
 
+def test_a_folded_group_shows_its_whole_title(desk):
+    route = desk.form.route
+    desk.session.show_dock(True)
+    route.setCollapsed(False)
+    assert route.minimumHeight() == 0
+    route.setCollapsed(True)
+    assert route.minimumHeight() >= route.fontMetrics().height() + 5
+    assert route.maximumHeight() >= route.minimumHeight()
+
+
+def test_a_take_off_point_that_was_set_is_shown_from_its_beginning(desk):
+    desk.form.area_editing.set_takeoff("35.1310932, -89.8681622", "test")
+    assert desk.form.route.takeoff.text() == "35.1310932, -89.8681622"
+    assert desk.form.route.takeoff.cursorPosition() == 0
+
+
 def test_a_wrong_take_off_is_marked_at_its_entry(routed):
     routed.form.route.takeoff.setText("somewhere")
     routed.wait(lambda: "must be a latitude and a longitude" in routed.message("takeoff"))

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 
 #: What clauses of advice begin with.
 VERBS = frozenset(
-    "add agree allow ask capture choose clean click close copy correct cut drag draw enter finish fly get give go "
+    "add agree allow ask capture choose clean click close copy correct cut drag draw enter finish fix fly get give go "
     "have install leave make mend move name overlap pip plan press put raise remove rename repair resize resume run "
     "say select set shorten show split start take tick tilt try use wait write".split()
 )
@@ -52,6 +52,14 @@ NO_ADVICE = frozenset(
         "--plot shows what a threshold rejects: it does not go with --undo",
         "footprints {path}: have no poses",
         "Plan exported as {names}.",
+        # Groups of entries in a few words.
+        "tilt {angle}",
+        "overlap {share} %",
+        (
+            "The entropies form one group: nothing stands out, and the threshold stays as it is. Cut in two at {bits} "
+            "bits (Otsu's method, the dotted line), {rejected} of {count} images ({percent} %) would be rejected, "
+            "which may all be good."
+        ),
         # What a part of a window is for, and a question that windows ask.
         (
             "Drag the line: images with less entropy (bits) are rejected.\nArrow keys move it by {step}, with Shift by "
@@ -68,6 +76,7 @@ NO_ADVICE = frozenset(
             "pixel of the screen, with Shift by ten; Esc ends it."
         ),
         "Set take-off point, by a click on the map",
+        "Lay this image on the map, orthorectified where it is turned or tilted; press again to remove it",
         "{name}\n{bits} bits; press to show it on the map",
         "Remove “{title}” from your sources? Captured images stay.",
         # Titles of windows.

@@ -10,6 +10,6 @@ In reading order:
 """
 
 from .rows import COLUMNS
-from .writing import ENDINGS, Exported, check_plan_ending, write_plan
+from .writing import ENDINGS, Exported, PartsAlreadyThere, check_plan_ending, write_plan
 
-__all__ = ["COLUMNS", "ENDINGS", "Exported", "check_plan_ending", "write_plan"]
+__all__ = ["COLUMNS", "ENDINGS", "Exported", "PartsAlreadyThere", "check_plan_ending", "write_plan"]

@@ -89,12 +89,15 @@ def text_of(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[
 
 def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     """What the plan cannot say, one line each."""
-    return (
-        *not_flown(plan),
-        Message(
-            "heights are over the place of take-off: as high above the ground only where the ground is level with it"
-        ),
+    heights = Message(
+        "heights are over the place of take-off: as high above the ground only where the ground is level with it"
     )
+    if plan.relief is not None:
+        heights = Message(
+            "heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there",
+            plan.path.base_m,
+        )
+    return *not_flown(plan), heights
 
 
 def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict[str, Any]:

@@ -156,6 +156,12 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
             notes.append(
                 Message("DJI Fly releases no camera by distance: each image has a waypoint of its own")
             )
+        if plan.mission.trigger != HOVER:
+            notes.append(
+                Message(
+                    "the drone stops at each waypoint, which times and sorties count with the trigger hover alone"
+                )
+            )
     return (*not_flown(plan), *notes)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ...errors import InvalidInput, Message
+from ...errors import InvalidInput, Message, OutputError
 from ...files import write_whole
 from ..plan import Plan
 from .geojson import geojson_text
@@ -35,6 +35,19 @@ class Exported(NamedTuple):
 
     files: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+
+
+class PartsAlreadyThere(OutputError):
+    """Files that parts of a plan would replace.
+
+    Attributes
+    ----------
+    files : tuple of Path
+    """
+
+    def __init__(self, files: tuple[Path, ...]) -> None:
+        super().__init__("parts of the plan are already there: {0}", ", ".join(file.name for file in files))
+        self.files = files
 
 
 class _Format(NamedTuple):
@@ -85,7 +98,7 @@ def check_plan_ending(path: str | os.PathLike[str]) -> str:
     raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(ENDINGS))
 
 
-def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
+def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> Exported:
     """Write a plan in the format that the file's ending names, whole or not at all.
 
     They are the table (.csv), footprints (.geojson), layers of a GIS (.gpkg), Google Earth (.kml), and for those who
@@ -93,10 +106,17 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
     and a route (.gpx). A flight of several sorties, or of more waypoints than a drone takes at once, is cut into
     ``NAME-1.kmz``, ``NAME-2.kmz`` and so on.
 
+    Parameters
+    ----------
+    replace_parts : bool
+        Whether such parts replace files that are there, whose names nobody has chosen.
+
     Raises
     ------
     InvalidInput
         Any other ending, and a plan that the format cannot hold.
+    PartsAlreadyThere
+        Some parts would replace files, and must not.
     OutputError
         Where the file cannot be written.
     """
@@ -105,7 +125,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
         write_geopackage(plan, target)
         return Exported((target,), geopackage_notes(plan))
     if ending in _PARTED:
-        return _write_parts(plan, target, ending)
+        return _write_parts(plan, target, ending, replace_parts)
     form = _TEXTS[ending]
     if form.check is not None:
         form.check(plan)
@@ -113,7 +133,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str]) -> Exported:
     return Exported((target,), () if form.notes is None else form.notes(plan))
 
 
-def _write_parts(plan: Plan, target: Path, lowered: str) -> Exported:
+def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) -> Exported:
     form = _PARTED[lowered]
     form.check(plan)
     contents = form.contents(plan)
@@ -121,6 +141,9 @@ def _write_parts(plan: Plan, target: Path, lowered: str) -> Exported:
     files = [target]
     if len(contents) > 1:
         files = [target.with_name(f"{stem}-{number}{ending}") for number in range(1, len(contents) + 1)]
+        there = tuple(file for file in files if file.exists())
+        if there and not replace_parts:
+            raise PartsAlreadyThere(there)
     written: list[Path] = []
     try:
         for file, blocks in zip(files, contents):

@@ -13,6 +13,7 @@ from ...errors import Cancelled, InvalidInput, Message, OptionName
 from ...geodesy.mercator import PixelGrid
 from ...geodesy.projections import LocalPlane
 from ..area import Box, Points, Polygon, Polygons
+from ..estimate import length_text
 from ..layout.coverage import rings_of
 from ..layout.framing import ground_of
 from ..layout.rotated import is_rotated, lay_out_rotated
@@ -56,30 +57,33 @@ class Alignment(NamedTuple):
     @property
     def gain(self) -> float:
         """Share of the flight before that is saved; negative where the flight is longer."""
-        before = self.before.flight_distance_m
-        return 1.0 - self.made.flight_distance_m / before if before > 0.0 else 0.0
+        before = flown_m(self.before)
+        return 1.0 - flown_m(self.made) / before if before > 0.0 else 0.0
 
-    def text(self) -> Message:
-        """What was found, and what it gains, in words."""
+    def text(self, length: Callable[[float], str] = length_text) -> Message:
+        """What was found, and what it gains, in words; ``length`` puts metres into words."""
         azimuth, before = self.azimuth_deg, self.before.mission.flight.row_azimuth_deg
         count = self.made.rows
         rows = Message("{0} row", count) if count == 1 else Message("{0} rows", count)
-        figures = (azimuth, rows, self.made.flight_distance_m / 1000.0)
+        flown: str = length(flown_m(self.made))
+        if not self.made.path.is_captures:
+            flown = Message("{0} with turns", flown)
+        figures = (azimuth, rows, flown)
         percent = abs(round(100.0 * self.gain))
         if azimuth == before:
-            return Message("row azimuth {0:g}°: {1}, {2:.3g} km, as before", *figures)
+            return Message("row azimuth {0:g}°: {1}, {2}, as before", *figures)
         if percent == 0:
-            return Message("row azimuth {0:g}°: {1}, {2:.3g} km, as long as {3:g}°", *figures, before)
+            return Message("row azimuth {0:g}°: {1}, {2}, as long as {3:g}°", *figures, before)
         if self.gain > 0.0:
             return Message(
-                "row azimuth {0:g}°: {1}, {2:.3g} km, {3} % shorter than {4:g}°",
-                *figures,
-                percent,
-                before,
+                "row azimuth {0:g}°: {1}, {2}, {3} % shorter than {4:g}°", *figures, percent, before
             )
-        return Message(
-            "row azimuth {0:g}°: {1}, {2:.3g} km, {3} % longer than {4:g}°", *figures, percent, before
-        )
+        return Message("row azimuth {0:g}°: {1}, {2}, {3} % longer than {4:g}°", *figures, percent, before)
+
+
+def flown_m(made: Plan) -> float:
+    """Metres that are flown: with turns and the ways there and back where the mission has such, as estimates say it."""
+    return made.flight_distance_m if made.path.is_captures else made.path.distance_m
 
 
 def aligned(
@@ -91,8 +95,9 @@ def aligned(
 ) -> Alignment:
     """Mission whose rows run along the longest side of its area, or so that its flight is shortest.
 
-    Flights are compared as they are planned, from the first capture to the last, without wind. The shortest is looked
-    for in ever finer steps about the best azimuths, those of the area's sides among them.
+    Compared is what is flown without wind: from the first capture to the last, and with a route all of its sorties,
+    turns and ways around no-fly areas. The shortest is looked for in ever finer steps about the best azimuths, those of
+    the area's sides among them.
 
     Parameters
     ----------
@@ -179,15 +184,18 @@ class _Flights:
         self._mission, self._grid, self._heights = mission.with_(wind=None), grid, heights
         self._area = area
         self._lengths_m: dict[float, float] = {}
+        self._by_places = False
 
     def plan(self, azimuth_deg: float) -> Plan:
         """Flight at an azimuth."""
         made = plan(self._mission.with_(row_azimuth_deg=azimuth_deg), self._grid, self._heights)
-        self._lengths_m[azimuth_deg] = made.flight_distance_m
+        self._lengths_m[azimuth_deg] = flown_m(made)
         return made
 
     def shortest(self, before: Plan, go_on: GoOn) -> Plan:
         """The shortest flight; the one before where none is shorter."""
+        # Where images are all that is flown, and none are left out, their places tell the length.
+        self._by_places = before.path.is_captures and not self._mission.no_fly
         tried = [
             *np.arange(0.0, _HALF_TURN_DEG, _STEPS_DEG[0]).tolist(),
             *_sides_deg(self._area)[:_SIDES],
@@ -204,17 +212,18 @@ class _Flights:
                 for beside in range(-_BESIDE, _BESIDE + 1)
             ]
         azimuth = min(self._lengths_m, key=lambda one: (self._lengths_m[one], one))
-        if self._lengths_m[azimuth] > (1.0 - _WORTH) * before.flight_distance_m:
+        if self._lengths_m[azimuth] > (1.0 - _WORTH) * flown_m(before):
             return before
         return self.plan(azimuth)
 
     def _laid_out_m(self, azimuth_deg: float) -> float:
-        """Length of the flight at an azimuth; of turned rows over level ground by their places alone."""
+        """Length of the flight at an azimuth; of turned rows over level ground by their places where they tell it."""
         mission = self._mission.with_(row_azimuth_deg=azimuth_deg)
         # Map frames of rows along the map's axes leave room for their rounding.
         along_axes = azimuth_deg % EASTWARD_DEG == 0.0
-        if self._heights is not None or self._grid.own is not None or along_axes or not is_rotated(mission):
-            return self.plan(azimuth_deg).flight_distance_m
+        by_places = self._by_places and self._heights is None and self._grid.own is None
+        if along_axes or not by_places or not is_rotated(mission):
+            return flown_m(self.plan(azimuth_deg))
         layout, _ = lay_out_rotated(mission, ground_of(mission))
         return float(np.sum(legs(layout.lat_deg, layout.lon_deg).distance_m))
 

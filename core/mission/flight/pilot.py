@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ......errors import Message, OptionName
-from ......geodesy.sun import sun_position
-from .....parts import HOVER, Flight, utc_time
-from .....plan import Plan
+from ...errors import Message, OptionName
+from ...geodesy.sun import sun_position
+from ..parts import HOVER, Flight, utc_time
+from ..plan import Plan
 from .path import HOVER_S
 
 Floats = NDArray[np.float64]

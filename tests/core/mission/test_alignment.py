@@ -9,6 +9,7 @@ from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.estimate import estimate, length_text
 from terrainav.core.mission.flight.alignment import aligned, longest_side_deg
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
@@ -74,13 +75,37 @@ def test_what_is_gained_is_said():
     found = aligned(mission, GRID, way=LONGEST_SIDE)
     gain = round(100.0 * (1.0 - found.made.flight_distance_m / found.before.flight_distance_m))
     km = found.made.flight_distance_m / 1000.0
-    assert found.text() == f"row azimuth 57°: {found.made.rows} rows, {km:.3g} km, {gain} % shorter than 90°"
+    assert found.text() == f"row azimuth 57°: {found.made.rows} rows, {km:.4g} km, {gain} % shorter than 90°"
+    assert found.text(lambda metres: f"{metres:.0f} steps").split(", ")[1] == f"{1000.0 * km:.0f} steps"
     back = aligned(found.mission.with_(area=strip(90.0)), GRID, way=LONGEST_SIDE)
     assert back.azimuth_deg == pytest.approx(90.0, abs=0.02)
     same = aligned(found.mission, GRID, way=LONGEST_SIDE)
     assert same.text().endswith("km, as before")
     across = aligned(mission.with_(row_azimuth_deg=147.0, overlap_across=0.8), GRID, way=LONGEST_SIDE)
     assert ("longer" in across.text()) == (across.gain < 0.0)
+
+
+def test_what_is_flown_counts_with_its_turns_and_ways_around():
+    """Turns that are much longer than the rows between make few rows the shortest flight, whatever lies between."""
+    field = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), (-89.868, 35.1405)),))
+    forbidden = (
+        Polygon((((-89.864, 35.1405), (-89.8635, 35.1405), (-89.8635, 35.141), (-89.864, 35.141)),)),
+    )
+    mission = Mission(field, 150.0, WIDE, takeoff=(35.1375, -89.8675), turnaround_m=400.0, no_fly=forbidden)
+    found = aligned(mission, GRID)
+    others = [
+        plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).path.distance_m
+        for azimuth in range(0, 180, 15)
+    ]
+    assert found.made.path.distance_m <= min(others)
+    captures_alone = aligned(mission.with_(takeoff=None, turnaround_m=0.0, no_fly=()), GRID)
+    there = plan(mission.with_(row_azimuth_deg=captures_alone.azimuth_deg), GRID).path.distance_m
+    assert found.made.path.distance_m < there
+    before = plan(mission, GRID).path.distance_m
+    assert found.gain == 1.0 - found.made.path.distance_m / before
+    said = estimate(found.made).path_m
+    assert said is not None
+    assert f", {length_text(said)} with turns, {round(100.0 * found.gain)} % shorter than 90°" in found.text()
 
 
 def test_a_flight_that_is_hardly_longer_is_kept():

@@ -8,9 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.opening import SourceOptions
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
 from tests.core.mission.qgc_survey import GEOD, photos
@@ -72,6 +76,15 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
     assert {tuple(item["params"][:3]) for item in items if item["command"] == PICTURE} == {(0, 0, 1)}
     assert "wind is left out" in exported.notes[0]
     assert "place of take-off" in exported.notes[-1]
+
+
+def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
+    mission = HERE.with_(elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
+    flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
+    (note,) = write_plan(flown, tmp_path / "field.plan").notes
+    assert note == (
+        f"heights are over the take-off, worked out for ground at {flown.path.base_m:.1f} m over the ellipsoid there"
+    )
 
 
 def test_home_is_below_the_first_waypoint(tmp_path):

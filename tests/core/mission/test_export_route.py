@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pyproj import Geod
 from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.export import PartsAlreadyThere, write_plan
 from terrainav.core.mission.export.waypoints import waypoints
 from terrainav.core.mission.flight.path import CAPTURE, LANDING, TAKEOFF
 from terrainav.core.mission.mission import Mission
@@ -65,6 +65,20 @@ def test_between_captures_heading_and_gimbal_are_those_of_the_capture_ahead():
             ahead = one
         elif ahead is not None:
             assert (one.heading_deg, one.gimbal_pitch_deg) == (ahead.heading_deg, ahead.gimbal_pitch_deg)
+
+
+@pytest.mark.parametrize("ending", [".kmz", ".plan", ".litchi.csv"])
+def test_parts_replace_files_only_where_they_may(tmp_path, ending):
+    mine = tmp_path / f"survey-2{ending}"
+    mine.write_text("mine")
+    with pytest.raises(PartsAlreadyThere, match=rf"are already there: survey-2{re.escape(ending)}$") as wrong:
+        write_plan(FLOWN, tmp_path / f"survey{ending}", replace_parts=False)
+    assert wrong.value.files == (mine,)
+    assert mine.read_text() == "mine"
+    assert list(tmp_path.iterdir()) == [mine]
+    written = write_plan(FLOWN, tmp_path / f"survey{ending}").files
+    assert mine in written
+    assert mine.read_bytes() != b"mine"
 
 
 # --- Litchi

@@ -88,6 +88,10 @@ def test_files_are_as_the_reference_says(tmp_path, survey, drone, trigger):
     assert any("by distance" in str(note) for note in exported.notes) is (
         trigger == "distance" and read.of_fly
     )
+    # What the file has the drone do, and no figure counts.
+    assert ("stops at each waypoint, which times and sorties count with the trigger hover alone" in said) is (
+        trigger != "hover" and read.of_fly
+    )
 
 
 def test_every_drone_has_its_own_code(tmp_path, survey):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 from functools import partial
 from typing import Any
@@ -18,6 +19,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import read_poses
 
+from tests.core.mission.wpml_reader import Wpml
 from tests.core.remedies.files import extra_brings
 from tests.support.remedies import Case, remedy
 
@@ -351,6 +353,24 @@ def _one_waypoint_of_dji(case: Case) -> None:
 def _wpml(case: Case) -> None:
     case.monkeypatch.setattr(wpml, "MOST_FILES", 1)
     _fewest(case, "flight.kmz", drone="dji-fly")
+
+
+@remedy(
+    "mission/export/wpml.py",
+    "DJI Fly opens no files: put this one in the place of a mission that you made there",
+)
+def _into_dji_fly(case: Case) -> None:
+    made = plan(Mission(AREA, 120.0, drone="dji-fly"), GRID)
+    (file,), notes = write_plan(made, case.tmp_path / "flight.kmz")
+    case.says("\n".join(notes))
+    # As the program keeps a mission that was made in it.
+    kept = case.tmp_path / "waypoint" / "4C0B9E6B" / "4C0B9E6B.kmz"
+    kept.parent.mkdir(parents=True)
+    kept.write_bytes(b"made there")
+    case.follow(
+        "put this one in the place of a mission that you made there",
+        lambda: shutil.copy(file, kept) and len(Wpml(kept).marks) == len(made),
+    )
 
 
 def _not_a_survey(case: Case, area: Any, **changes: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransformContext,
@@ -16,6 +18,7 @@ from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
 from terrainav.terrainav_plugin.area.dialogs import LineDialog, PolygonDialog
 from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, lines_of, points_of, polygons_of
+from terrainav.terrainav_plugin.area.patterns import CorridorDialog, RandomDialog
 from terrainav.terrainav_plugin.form.area import area_of_text, entered_area
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
@@ -246,6 +249,37 @@ def _no_line_layer(case: Case) -> None:
 
     case.follow("add one", add)
     case.follow("draw a box instead.", lambda: drawn(desk))
+
+
+@remedy("area/patterns.py", "no area to draw poses in: draw a box or a polygon first")
+def _no_area_for_poses(case: Case) -> None:
+    desk = case.fixture("desk")
+
+    def poses():
+        return RandomDialog(desk.dock, desk.session.state()).reading(QgsProject.instance())
+
+    case.refused(poses)
+    case.follow("draw a box", lambda: drawn(desk) and poses() is not None)
+    desk.session.missions.begin_new()
+    case.follow("a polygon first", lambda: drawn_polygon(desk) and poses() is not None)
+
+
+@remedy("area/patterns.py", "the camera is not complete: fix its fields in the panel first")
+def _no_camera_for_rows(case: Case) -> None:
+    desk = case.fixture("desk")
+    layer = layer_of("LineString", "EPSG:4326", [LINE])
+    desk.form.set_state(replace(desk.session.state(), aspect="wide"))
+
+    def rows():
+        return CorridorDialog(desk.dock, layer, desk.session.state()).reading(QgsProject.instance())
+
+    case.refused(rows)
+
+    def fix():
+        desk.type_text(desk.form.camera_group.aspect, "3:2")
+        return rows() is not None
+
+    case.follow("fix its fields in the panel first", fix)
 
 
 def drawn(desk):

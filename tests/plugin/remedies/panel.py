@@ -14,6 +14,7 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import LONGEST_SIDE
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.credentials import key_in, problem_with
 from terrainav.terrainav_plugin.form import mission_form
@@ -186,6 +187,35 @@ def _changed_meanwhile(case: Case) -> None:
     case.says("\n".join(desk.messages()))
     assert not desk.folder.exists()
     case.follow("press the button again.", lambda: captured(desk))
+
+
+@remedy(
+    "panel/alignment.py", "The entries changed while the rows were being aligned: press the button again."
+)
+def _changed_while_aligned(case: Case) -> None:
+    desk = case.fixture("desk")
+    desk.enter_small_mission()
+    align = desk.form.flight.align
+
+    def press():
+        action = next(one for one in align.menu().actions() if one.objectName() == LONGEST_SIDE)
+        action.trigger()
+        return not align.isEnabled()
+
+    desk.form.set_state(replace(desk.session.state(), row_azimuth_deg=30.0))
+    desk.wait_planned()
+    assert press()
+    desk.form.agl.setValue(140.0)
+    desk.wait(align.isEnabled)
+    case.says("\n".join(desk.messages()))
+    desk.wait_planned()
+
+    def again():
+        press()
+        desk.wait(align.isEnabled)
+        return desk.session.state().row_azimuth_deg == 90.0
+
+    case.follow("press the button again.", again)
 
 
 @remedy("panel/figures.py", "Fix the highlighted fields.")
