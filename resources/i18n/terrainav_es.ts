@@ -4255,6 +4255,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: has no field {field}</source>
+        <translation>área {name}: no tiene el campo {field}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area {name}: no such layer</source>
         <translation>área {name}: no existe tal capa</translation>
     </message>
@@ -5228,8 +5233,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” in the panel's Missions menu.</source>
-        <translation>{names}: sigue como antes de mover imágenes; «Abrir carpeta de conjunto de datos», en las misiones del panel, lo crea de nuevo.</translation>
+        <source>{names}: does not yet reflect the moved images; to update it, run “Make an orthomosaic”, or choose “Open dataset folder” in the panel's Missions menu.</source>
+        <translation>{names}: sigue como antes de mover imágenes; «Crear un ortomosaico», o «Abrir carpeta de conjunto de datos» en las misiones del panel, lo crea de nuevo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5483,6 +5488,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Align rows</source>
+        <translation>Alinear filas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>All files (*.*)</source>
         <translation>Todos los archivos (*.*)</translation>
     </message>
@@ -5605,6 +5615,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the flight path (seconds)</source>
         <translation>Tiempo de la trayectoria de vuelo (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Turns the rows along the longest side of the area, or so that the flight is shortest, instead of the row azimuth; the mission file has the azimuth found.</source>
+        <translation>Orienta las filas según el lado más largo del área, o de modo que el vuelo sea el más corto, en lugar del acimut de las filas; el archivo de misión tiene el acimut hallado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
