@@ -304,9 +304,11 @@ def run_convert(arguments: argparse.Namespace) -> int:
 
 def run_mosaic(arguments: argparse.Namespace) -> int:
     """Write one orthophoto of all images of a dataset."""
-    from ..mosaic.orthomosaic import make_orthomosaic
+    from ..mosaic.orthomosaic import check_ending, make_orthomosaic
     from .flying import Bar
 
+    if arguments.output is not None:
+        check_ending(arguments.output)
     bar = Bar(arguments.quiet)
 
     def progress(share: float) -> bool:

@@ -375,3 +375,7 @@ def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):
         in done.stdout
     )
     assert terrainav("mosaic", "set", "--map-type", "roadmap").returncode == BAD_INPUT
+    refused = terrainav("mosaic", "set", "--output", "map.jpg")
+    assert refused.returncode == BAD_INPUT
+    assert refused.stderr == "terrainav: mosaic map.jpg: must end in .tif or .tiff\n"
+    assert not (tmp_path / "map.jpg").exists()
