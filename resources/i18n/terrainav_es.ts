@@ -11829,6 +11829,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mosaic/orthomosaic.py"/>
+        <source>mosaic {0}: must end in {1}</source>
+        <translation>mosaico {0}: debe terminar en {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic: stopped</source>
         <translation>mosaico: detenido</translation>
