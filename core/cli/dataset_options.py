@@ -326,6 +326,7 @@ def _add_mosaic(commands: Any) -> None:
         help="ground sample distance (default: that of the images straight below their cameras)",
     )
     mosaicking.add_argument("--map-type", help="map type (default: the dataset's first)")
+    mosaicking.add_argument("--quiet", action="store_true", help="no progress bar")
     add_json(mosaicking)
 
 

@@ -304,11 +304,27 @@ def run_convert(arguments: argparse.Namespace) -> int:
 
 def run_mosaic(arguments: argparse.Namespace) -> int:
     """Write one orthophoto of all images of a dataset."""
-    from ..mosaic.orthomosaic import make_orthomosaic
+    from ..mosaic.orthomosaic import check_ending, make_orthomosaic
+    from .flying import Bar
 
-    made = make_orthomosaic(
-        arguments.folder, arguments.output, map_type=arguments.map_type, gsd_m=arguments.gsd_m
-    )
+    if arguments.output is not None:
+        check_ending(arguments.output)
+    bar = Bar(arguments.quiet)
+
+    def progress(share: float) -> bool:
+        bar.show("mosaic", share, f"{100.0 * share:.0f} %")
+        return True
+
+    try:
+        made = make_orthomosaic(
+            arguments.folder,
+            arguments.output,
+            map_type=arguments.map_type,
+            gsd_m=arguments.gsd_m,
+            progress=progress,
+        )
+    finally:
+        bar.close()
     if arguments.json:
         print(json.dumps(asdict(made), indent=1))
         return DONE

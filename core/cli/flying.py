@@ -288,7 +288,7 @@ class Bar:
     """Progress on one line of the error output, where that is a terminal; a line a map type elsewhere."""
 
     def __init__(self, quiet: bool) -> None:
-        self._live = not quiet and sys.stderr.isatty()
+        self._live, self._shown = not quiet and sys.stderr.isatty(), False
 
     def __call__(self, progress: Progress) -> None:
         """Show how far a capture is."""
@@ -297,14 +297,19 @@ class Bar:
         finished = progress.done + progress.failed + progress.skipped
         share = finished / progress.total if progress.total else 1.0
         rate = progress.done / max(progress.active_s, 1e-3)
-        full = int(share * _BAR_WIDTH)
         failed = f", {progress.failed} failed" if progress.failed else ""
-        line = f"{progress.map_type:10s}[{'#' * full:{_BAR_WIDTH}s}] {finished}/{progress.total}{failed}, {rate:.0f}/s"
-        self._print(f"\r{line:78s}", end="")
+        self.show(progress.map_type, share, f"{finished}/{progress.total}{failed}, {rate:.0f}/s")
+
+    def show(self, title: str, share: float, text: str) -> None:
+        """Show that a share, 0 to 1, of something is done."""
+        if self._live:
+            self._shown = True
+            line = f"{title:10s}[{'#' * int(share * _BAR_WIDTH):{_BAR_WIDTH}s}] {text}"
+            self._print(f"\r{line:78s}", end="")
 
     def close(self) -> None:
         """End the line."""
-        if self._live:
+        if self._live and self._shown:
             self._print()
 
     def _print(self, text: str = "", end: str = "\n") -> None:

@@ -162,7 +162,9 @@ def _add_orbit(actions: Any) -> None:
     orbit = actions.add_parser(
         "orbit", help="make a table of circles around a place that the camera looks at"
     )
-    orbit.add_argument("centre", nargs=2, type=float, metavar=("LAT", "LON"), help="centre in degrees")
+    # One by one: argparse cannot show the two names of one positional argument.
+    for axis in ("lat", "lon"):
+        orbit.add_argument(f"{axis}_deg", type=float, metavar=axis.upper(), help="of the centre, in degrees")
     _add_output(orbit)
     for field in declared_fields(Orbit):
         _add_field(orbit, field)

@@ -169,7 +169,7 @@ def _orbit(arguments: argparse.Namespace) -> int:
         arguments.images,
         arguments.target,
     )
-    lat_deg, lon_deg = arguments.centre
+    lat_deg, lon_deg = arguments.lat_deg, arguments.lon_deg
     _write(orbit(lat_deg, lon_deg, wanted), arguments.output)
     return DONE
 

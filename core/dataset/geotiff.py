@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from html import unescape
+from mmap import mmap
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -131,7 +132,7 @@ def geotiff_of(data: bytes) -> GeoTiff | None:
     return image
 
 
-def affine_of(data: bytes) -> tuple[float, float, float, float, float, float] | None:
+def affine_of(data: bytes | mmap) -> tuple[float, float, float, float, float, float] | None:
     """GDAL's six numbers of a little-endian GeoTIFF, as captures write them; None where it says no such place."""
     try:
         tags = _tags(data)
@@ -191,7 +192,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     )
 
 
-def _tags(data: bytes) -> dict[int, Any]:
+def _tags(data: bytes | mmap) -> dict[int, Any]:
     """Numbers, or text, of a file's first directory by tags."""
     (at,) = struct.unpack_from("<I", data, 4)
     (count,) = struct.unpack_from("<H", data, at)

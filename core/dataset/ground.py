@@ -38,6 +38,10 @@ _SAME_PX = 1.0
 _PLACE_TAGS = frozenset((33550, 34264))
 _WORLD_FILES = (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
 _CORNERS = ("nw", "ne", "se", "sw")
+_QUARTER_DEG = 90.0
+#: Map frames stand for images that are turned from the map by less than this: one of 640 x 480 px is then wrong by up
+#: to 35 px, which no error budget that means something lets pass.
+_NEARLY_DEG = 5.0
 #: Points along each edge of a camera frame at which its ground is worked out.
 _EDGE_POINTS = 33
 #: Camera frames that are worked out at a time, to bound memory: some 50 MB.
@@ -234,14 +238,18 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
 
     A turned camera's are, whatever lies beside them. One that looks straight down, with its top to the map's north or a
     quarter turn from it, may have made either kind: of the two, only map frames have a place on the map of their own,
-    which a GeoTIFF says itself, and of others the world file that a capture leaves beside each.
+    which a GeoTIFF says itself, and of others the world file that a capture leaves beside each. Where it is off by as
+    little as an error budget lets pass, as on rows along meridians, images are map frames if they have such a place.
     """
     table = images.table
     # Map frames in a CRS of their own point to its north.
-    angles = (*(() if any(table.crs) else (table.yaw_deg,)), table.tilt_deg, table.roll_deg)
-    turned = [np.mod(np.nan_to_num(angle[rows]), 90.0) != 0.0 for angle in angles[:-2]]
-    turned += [np.nan_to_num(angle[rows]) != 0.0 for angle in angles[-2:]]
-    if np.any(turned):
+    yaw = np.zeros(len(rows)) if any(table.crs) else np.nan_to_num(table.yaw_deg[rows])
+    angles = (
+        yaw - _QUARTER_DEG * np.rint(yaw / _QUARTER_DEG),
+        *(np.nan_to_num(angle[rows]) for angle in (table.tilt_deg, table.roll_deg)),
+    )
+    most = max(float(np.abs(angle).max()) for angle in angles)
+    if most > _NEARLY_DEG:
         return True
     path = images.path(int(rows[0]))
     if path.suffix.lower() in (".tif", ".tiff"):
@@ -254,7 +262,7 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
     captured = any((dataset / name).is_file() for name in (MISSION_FILE, PLAN_FILE))
-    return captured and not any(path.with_suffix(ending).exists() for ending in _WORLD_FILES)
+    return (captured or most > 0.0) and not any(path.with_suffix(ending).exists() for ending in _WORLD_FILES)
 
 
 def _size(path: Path) -> tuple[int, int]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from typing import NamedTuple, Union
 
@@ -463,7 +464,9 @@ def _affine_of(path: Path) -> tuple[float, ...]:
     """GDAL's six numbers of a captured map frame, as its file or the world file beside it says."""
     try:
         if path.suffix not in _WORLD_FILES:
-            found = affine_of(path.read_bytes())
+            # Of a large file, its directory alone is read.
+            with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
+                found = affine_of(data)
         else:
             text = path.with_suffix(_WORLD_FILES[path.suffix]).read_text("ascii")
             xx, yx, xy, yy, x, y = map(float, text.split())

@@ -46,6 +46,8 @@ _OPAQUE = 255
 #: Of an image alone: rays along each side by which the box of its ground is found, the widest pixel of its map in
 #: pixels of the camera straight below it, and the flattest view, degrees.
 _RAYS_OF_ONE, _COARSEST, _LEVEL_DEG = 65, 8.0, 89.99
+#: Of the files that are written.
+_ENDINGS = (".tif", ".tiff")
 #: Most pixels along a side of a mosaic.
 _MOST_PX = 1 << 22
 
@@ -129,6 +131,12 @@ def make_orthomosaic(
         raster.plane.crs,
         shown,
     )
+
+
+def check_ending(path: str | os.PathLike[str]) -> None:
+    """Raise InvalidInput where a file to be written is not called as a GeoTIFF."""
+    if Path(path).suffix.lower() not in _ENDINGS:
+        raise InvalidInput("mosaic {0}: must end in {1}", path, " or ".join(_ENDINGS))
 
 
 def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes]:

@@ -4763,6 +4763,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>area {name}: has no field {field}</source>
+        <translation>área {name}: no tiene el campo {field}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area {name}: no such layer</source>
         <translation>área {name}: no existe tal capa</translation>
     </message>
@@ -5630,8 +5635,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” in the panel's Missions menu.</source>
-        <translation>{names}: sigue como antes de mover imágenes; «Abrir carpeta de conjunto de datos», en las misiones del panel, lo crea de nuevo.</translation>
+        <source>{names}: does not yet reflect the moved images; to update it, run “Make an orthomosaic”, or choose “Open dataset folder” in the panel's Missions menu.</source>
+        <translation>{names}: sigue como antes de mover imágenes; «Crear un ortomosaico», o «Abrir carpeta de conjunto de datos» en las misiones del panel, lo crea de nuevo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/imagery.py"/>
@@ -5875,6 +5880,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Align rows</source>
+        <translation>Alinear filas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>All files (*.*)</source>
         <translation>Todos los archivos (*.*)</translation>
     </message>
@@ -5997,6 +6007,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Time of the flight path (seconds)</source>
         <translation>Tiempo de la trayectoria de vuelo (segundos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Turns the rows along the longest side of the area, or so that the flight is shortest, instead of the row azimuth; the mission file has the azimuth found.</source>
+        <translation>Orienta las filas según el lado más largo del área, o de modo que el vuelo sea el más corto, en lugar del acimut de las filas; el archivo de misión tiene el acimut hallado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -12311,6 +12326,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mosaic/orthomosaic.py"/>
         <source>mosaic of {0:,} x {1:,} px: at most {2:,} px along a side</source>
         <translation>mosaico de {0:,} x {1:,} px: como mucho {2:,} px por lado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mosaic/orthomosaic.py"/>
+        <source>mosaic {0}: must end in {1}</source>
+        <translation>mosaico {0}: debe terminar en {1}</translation>
     </message>
     <message>
         <location filename="../../core/mosaic/orthomosaic.py"/>

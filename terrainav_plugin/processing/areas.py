@@ -72,6 +72,12 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
             )
             for name in POINT_FIELDS
         }
+        for field in filter(None, fields.values()):
+            # QGIS checks that for nobody but its own windows.
+            if source.fields().lookupField(field) < 0:
+                raise InvalidInput(
+                    tr("area {name}: has no field {field}").format(name=source.sourceName(), field=field)
+                )
         if fields["tilt_field"] and fields["gimbal_pitch_field"]:
             raise InvalidInput(tr("fields of tilts and of gimbal pitches given: needs one of the two"))
         crs, context = source.sourceCrs(), run.context.transformContext()

@@ -194,8 +194,8 @@ def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
     if mosaics:
         feedback.pushWarning(
             tr(
-                "{names}: does not yet reflect the moved images; to update it, choose “Open dataset folder” "
-                "in the panel's Missions menu."
+                "{names}: does not yet reflect the moved images; to update it, run “Make an orthomosaic”, or choose "
+                "“Open dataset folder” in the panel's Missions menu."
             ).format(names=", ".join(mosaics))
         )
 

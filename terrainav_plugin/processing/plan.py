@@ -21,14 +21,17 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QDateTime, Qt
 
+from ...core.mission.parts import ALIGNMENTS
 from ..compat import field
 from ..i18n import tr, translate
 from ..tasks import crs_named, held_crs
-from .algorithm import Algorithm, Run, Words, off_main_thread
+from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
+from .choices import Choice
 from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
     from ...core.mission.estimate import Summary
+    from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan as WorkedOut
 
 #: Features written between two looks at whether the user has cancelled.
@@ -87,6 +90,13 @@ class Plan(Algorithm):
         from ..missions.plan_export import file_filters
 
         add_mission_parameters(self, listed=self._listed)
+        self.add(
+            Choice("ALIGN", tr("Align rows"), {way: way for way in ALIGNMENTS}),
+            tr(
+                "Turns the rows along the longest side of the area, or so that the flight is shortest, instead of the "
+                "row azimuth; the mission file has the azimuth found."
+            ),
+        )
         kinds = QgsProcessing.SourceType
         for name, title, kind, usual in (
             ("FOOTPRINTS", tr("Footprints"), kinds.TypeVectorPolygon, True),
@@ -94,9 +104,7 @@ class Plan(Algorithm):
             ("FLIGHT", tr("Flight line"), kinds.TypeVectorLine, False),
         ):
             self.addParameter(
-                QgsProcessingParameterFeatureSink(
-                    name, title, kind, optional=not usual, createByDefault=usual
-                )
+                QgsProcessingParameterFeatureSink(name, title, kind, optional=True, createByDefault=usual)
             )
         for name, title, ending in (
             ("MISSION_FILE", tr("Mission as a file"), tr("Mission files (*.json)")),
@@ -113,6 +121,7 @@ class Plan(Algorithm):
         from ..sources import grid_finder
 
         self._mission = mission_of(run)
+        self._align = run.choice("ALIGN") if run.is_given("ALIGN") else None
         self._grid = grid_finder(self._mission)
         self._export = self.parameterAsFileOutput(run.parameters, "EXPORT", run.context)
         if self._export:
@@ -127,7 +136,9 @@ class Plan(Algorithm):
         from ..sources import costs_of
         from ..sources import worked_out as planned
 
-        def work(_watch: object) -> tuple[WorkedOut, Summary]:
+        def work(watch: Watch) -> tuple[WorkedOut, Summary]:
+            if self._align is not None:
+                self._mission = self._aligned(watch)
             worked_out = planned(self._mission, self._grid)
             costs, connections = costs_of(self._mission.imagery.source), Settings().connections
             return worked_out, estimate(worked_out, costs, connections, os.cpu_count() or 1)
@@ -155,6 +166,17 @@ class Plan(Algorithm):
             del sink
         self._write_files(worked_out, run, results)
         return results
+
+    def _aligned(self, watch: Watch) -> Mission:
+        """Mission with its rows aligned as asked for; says what that gains."""
+        from ...core.mission.alignment import aligned
+        from ..sources import heights_for
+
+        found = aligned(
+            self._mission, self._grid(), heights_for(self._mission), self._align or "", watch.progress
+        )
+        watch.say(translate(found.text()))
+        return self._mission.with_(row_azimuth_deg=found.azimuth_deg)
 
     def _write_files(self, worked_out: WorkedOut, run: Run, results: dict[str, Any]) -> None:
         from ...core.mission.export import write_plan

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import ast
 import json
 import os
@@ -12,6 +13,7 @@ import time
 from pathlib import Path
 
 import pytest
+from terrainav.core.cli.options import parser
 from terrainav.core.dataset.table import Table
 
 from tests.support.command import command
@@ -304,6 +306,17 @@ def test_version_and_help(run, shell):
     assert "capture" in run("--help").stdout
     assert "--coords" in run("plan", "--help").stdout
     assert run().returncode == 0
+
+
+def test_every_command_and_action_has_help():
+    waiting, seen = [parser()], []
+    while waiting:
+        one = waiting.pop()
+        seen.append(one.prog)
+        assert one.format_help().startswith("usage: terrainav")
+        inner = [action for action in one._actions if isinstance(action, argparse._SubParsersAction)]
+        waiting += [command for action in inner for command in action.choices.values()]
+    assert {"terrainav plan", "terrainav poses orbit", "terrainav benchmark make"} <= set(seen)
 
 
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() != 0, reason="needs root to become another user")

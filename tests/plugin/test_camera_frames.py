@@ -245,6 +245,32 @@ def test_test_shot_of_a_tilted_camera_lies_where_it_looks(tilted):
     assert layer.extent().area() == pytest.approx(outline.boundingBox().area(), rel=0.01)
 
 
+def test_test_shot_of_a_camera_turned_by_a_quarter_lies_on_its_ground(desk, screenshot):
+    """QGIS draws the turned file so that its ground lies where the north-up image of the same place has it."""
+    shots = []
+    for number, yaw_deg in enumerate((0.0, 90.0)):
+        desk.enter_coarse_mission()
+        desk.form.set_state(replace(desk.session.state(), yaw_deg=yaw_deg, aspect="1:1"))
+        desk.wait_planned()
+        desk.look_at("EPSG:3857", (-10_010_000, 4_178_000, -9_998_000, 4_187_000))
+        desk.click(desk.dock.test_shot)
+        desk.click_map(desk.at(0.4, 0.6))
+        desk.wait(lambda count=number: desk.group() is not None and len(desk.group().findLayers()) > count)
+        desk.wait_for_run()
+        shots = [node.layer() for node in desk.group().findLayers()]
+    screenshot("test-shot-turned")
+    turned, upright = shots
+    assert turned.extent().center().distance(upright.extent().center()) < 0.01 * upright.extent().width()
+    assert turned.extent().width() == pytest.approx(upright.extent().width(), rel=0.02)
+    box = upright.extent().buffered(-0.05 * upright.extent().width())
+    drawn = []
+    for layer in shots:
+        block = layer.dataProvider().block(1, box, 60, 60)
+        drawn.append(np.array([[block.value(row, column) for column in range(60)] for row in range(60)]))
+    assert drawn[0].std() > 10.0
+    assert np.corrcoef(drawn[0].ravel(), drawn[1].ravel())[0, 1] > 0.9
+
+
 @pytest.mark.parametrize(
     ("place", "changes"),
     [

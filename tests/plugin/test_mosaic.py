@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import processing
@@ -12,6 +13,7 @@ from osgeo import gdal
 from qgis.core import QgsProject, QgsRasterLayer
 from qgis.PyQt.QtTest import QTest
 from terrainav.core.dataset.clean import clean, undo
+from terrainav.core.dataset.table import Table
 
 from tests.plugin.test_capture import capture, images
 from tests.support.tileserver import TileServer
@@ -154,9 +156,40 @@ def test_update_of_the_mosaic_shows_what_cleaning_has_left_and_put_back(desk):
     assert_shows_all(desk)
 
 
-def middle_entropy(desk):
-    from terrainav.core.dataset.table import Table
+def test_update_of_the_mosaic_of_turned_images_shows_what_cleaning_has_left(desk):
+    desk.enter_box(*PAIR)
+    desk.form.set_state(replace(desk.session.state(), facing="track"))
+    plan = desk.wait_planned().plan
+    assert set(plan.quarter_turns.tolist()) <= {1, 3}
+    capture(desk)
+    mosaic = desk.folder / "satellite.tif"
+    assert shown_share(mosaic) > 0.99
+    (cleaned,) = clean(desk.folder, middle_entropy(desk), move=True)
+    assert 0 < cleaned.moved < len(plan)
+    open_again(desk)
+    with_some = gdal.Open(str(mosaic))
+    place, size = with_some.GetGeoTransform(), (with_some.RasterXSize, with_some.RasterYSize)
+    table = Table.load(desk.folder / "satellite" / "meta_data.csv")
+    left = [name for name in table.img_names if (desk.folder / "satellite" / name).is_file()]
+    edges = []
+    for name in left:
+        one = gdal.Open(str(desk.folder / "satellite" / name))
+        edges.append(gdal.Info(one, format="json")["cornerCoordinates"].values())
+    x, y = np.array([[corner[:2] for corner in corners] for corners in edges]).reshape(-1, 2).T
+    assert place[0] == pytest.approx(x.min(), abs=0.01)
+    assert place[3] == pytest.approx(y.max(), abs=0.01)
+    assert size[0] * place[1] == pytest.approx(np.ptp(x), abs=0.01)
+    undo(desk.folder)
+    open_again(desk)
+    assert shown_share(mosaic) > 0.99
 
+
+def shown_share(path):
+    raster = gdal.Open(str(path))
+    return float((raster.GetRasterBand(4).ReadAsArray() == 255).mean())
+
+
+def middle_entropy(desk):
     return float(np.median(Table.load(desk.folder / "satellite" / "meta_data.csv").entropies))
 
 

@@ -56,7 +56,7 @@ EXTENT = "-89.90,-89.895,35.156,35.16 [EPSG:4326]"
 NEVER_S = 60.0
 NAMES = {
     *("plan", "posesalongline", "capture", "capturefailed", "accuracyreport"),
-    *("clean", "split", "mosaic", "makebenchmark", "scorebenchmark"),
+    *("clean", "split", "mosaic", "export", "makebenchmark", "scorebenchmark"),
 }
 
 
@@ -360,6 +360,32 @@ def test_poses_along_a_line_are_an_area_with_attitudes_and_times():
 def test_a_flight_along_a_line_that_is_none(parameters, words):
     layer = memory_layer("LineString", "EPSG:4326", ["LineString (0 0, 0 1)"])
     assert words in refusal("posesalongline", INPUT=layer, OUTPUT="memory:", **parameters)
+
+
+def test_a_field_that_a_layer_does_not_have_is_named():
+    layer = memory_layer("Point", "EPSG:4326", ["Point (0 0)"], "&field=a:double", [(90.0,)])
+    assert refusal("plan", AREA=layer, AGL_FIELD="height").endswith("has no field height")
+
+
+def test_rows_are_aligned_and_the_mission_file_says_how(tmp_path):
+    area = memory_layer(
+        "Polygon",
+        "EPSG:4326",
+        ["Polygon ((-89.9 35.16, -89.898 35.165, -89.897 35.165, -89.899 35.16, -89.9 35.16))"],
+    )
+    path, feedback = tmp_path / "mission.json", Feedback()
+    # No layer need be asked for.
+    made = run("plan", feedback, AREA=area, AGL=100, ALIGN="shortest", MISSION_FILE=str(path))
+    as_it_was = run("plan", AREA=area, AGL=100)
+    assert made["FLIGHT_M"] < as_it_was["FLIGHT_M"]
+    assert "FOOTPRINTS" not in as_it_was
+    azimuth = Mission.load(path).flight.row_azimuth_deg
+    assert azimuth != 90.0
+    assert any(f"row azimuth {azimuth:g}°" in line and "shorter than 90°" in line for line in feedback.lines)
+    again = run("plan", AREA=area, AGL=100, ROW_AZIMUTH=azimuth)
+    assert again["FLIGHT_M"] == made["FLIGHT_M"]
+    places = memory_layer("Point", "EPSG:4326", ["Point (0 0)"])
+    assert "points have no rows" in refusal("plan", AREA=places, ALIGN="longest-side")
 
 
 def test_a_tilt_is_said_once():

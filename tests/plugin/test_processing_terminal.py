@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from qgis.core import QgsVectorLayer
+from qgis.core import QgsProcessingFeedback, QgsVectorLayer
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.imagery.opening import open_source
@@ -74,7 +74,13 @@ def results(process):
     return dict(re.findall(r"^(\w+):\t(.*)$", text, re.MULTILINE))
 
 
-def test_the_algorithms_are_listed_and_explained(terminal):
+@pytest.fixture(scope="module")
+def help_of_plan(terminal):
+    """What is printed of the algorithm that has most choices."""
+    return terminal("help", "terrainav:plan").stdout
+
+
+def test_the_algorithms_are_listed_and_explained(terminal, help_of_plan):
     listed = terminal("list").stdout
     for name in (
         "plan",
@@ -82,14 +88,15 @@ def test_the_algorithms_are_listed_and_explained(terminal):
         "capturefailed",
         "clean",
         "split",
+        "mosaic",
+        "export",
         "makebenchmark",
         "scorebenchmark",
         "accuracyreport",
     ):
         assert f"terrainav:{name}\t" in listed
-    told = terminal("help", "terrainav:plan").stdout
-    assert "without fetching imagery" in told
-    assert "FRONT_OVERLAP: Overlap along rows (percent)" in told
+    assert "without fetching imagery" in help_of_plan
+    assert "FRONT_OVERLAP: Overlap along rows (percent)" in help_of_plan
 
 
 def test_plan(terminal, tmp_path):
@@ -115,26 +122,27 @@ def test_plan(terminal, tmp_path):
 def listed(help_text, name):
     """Values of a choice, as the help of an algorithm lists them: numbers and texts."""
     about = re.search(
-        rf"^{name}: .*?^\tAvailable values:\n((?:\t\t- .*\n)+)", help_text, re.MULTILINE | re.DOTALL
+        rf"^{name}: .*?^\tAvailable values:\n((?:\t\t- [^\n]*\n)+)", help_text, re.MULTILINE | re.DOTALL
     )
     return re.findall(r"^\t\t- (\d+): (.*)$", about[1], re.MULTILINE)
 
 
-def saved(terminal, path, *arguments):
-    """Mission that a plan is made of."""
+def saved(path, parameters, terminal=None):
+    """Mission that a plan is made of: from a terminal, or with the same texts in this application, which is quicker."""
     file = path / f"{len(list(path.iterdir()))}.json"
-    where = (
-        "--COORDS=35.16_-89.90_35.155_-89.89_400",
-        f"--MISSION_FILE={file}",
-        "--FOOTPRINTS=TEMPORARY_OUTPUT",
-    )
-    results(terminal("run", "terrainav:plan", *where, *arguments))
+    asked = {"COORDS": "35.16_-89.90_35.155_-89.89_400", "MISSION_FILE": str(file), **parameters}
+    if terminal is None:
+        import processing
+
+        processing.run("terrainav:plan", asked, feedback=QgsProcessingFeedback(False))
+    else:
+        results(terminal("run", "terrainav:plan", *(f"--{name}={text}" for name, text in asked.items())))
     return Mission.load(str(file))
 
 
-def test_every_value_that_the_help_lists_is_taken(terminal, tmp_path):
-    """One run for each way in which all of the choices can be named."""
-    told = terminal("help", "terrainav:plan").stdout
+@pytest.mark.usefixtures("plugin")
+def test_every_value_that_the_help_lists_is_taken(terminal, help_of_plan, tmp_path):
+    """One run for each way in which all of the choices can be named; from a terminal as its help lists them."""
     expected = {
         "LAYOUT": "paper",
         "ORDER": "one-way",
@@ -143,7 +151,7 @@ def test_every_value_that_the_help_lists_is_taken(terminal, tmp_path):
         "MAP_TYPES": "roadmap",
     }
     expected |= {"SOURCE": "world", "RESAMPLING": "nearest"}
-    at = {name: {text: number for number, text in listed(told, name)} for name in expected}
+    at = {name: {text: number for number, text in listed(help_of_plan, name)} for name in expected}
     assert "Synthetic (offline) [world]" in at["SOURCE"]
     assert "OpenStreetMap [osm]" in at["SOURCE"]
     as_listed = {**expected, "SOURCE": "Synthetic (offline) [world]"}
@@ -153,8 +161,7 @@ def test_every_value_that_the_help_lists_is_taken(terminal, tmp_path):
         {**{name: text.upper() for name, text in expected.items()}, "SOURCE": "synthetic (OFFLINE)"},
     )
     missions = [
-        saved(terminal, tmp_path, "--ACCEPT_ERROR=1", *(f"--{name}={text}" for name, text in way.items()))
-        for way in ways
+        saved(tmp_path, {"ACCEPT_ERROR": "1", **way}, terminal if way is as_listed else None) for way in ways
     ]
     assert missions == missions[:1] * len(ways)
     one = missions[0]
@@ -170,10 +177,11 @@ def test_choices_that_are_none_are_refused_and_not_made_the_default(terminal):
     assert "IMAGES" not in refused.stdout
 
 
-def test_overlaps_are_percent_and_shares_under_their_earlier_names(terminal, tmp_path):
-    percent = saved(terminal, tmp_path, "--FRONT_OVERLAP=60", "--SIDE_OVERLAP=0.7")
+@pytest.mark.usefixtures("plugin")
+def test_overlaps_are_percent_and_shares_under_their_earlier_names(tmp_path):
+    percent = saved(tmp_path, {"FRONT_OVERLAP": "60", "SIDE_OVERLAP": "0.7"})
     assert (percent.flight.overlap_along, percent.flight.overlap_across) == (0.6, 0.007)
-    earlier = saved(terminal, tmp_path, "--OVERLAP_ALONG=0.6", "--OVERLAP_ACROSS=0.3")
+    earlier = saved(tmp_path, {"OVERLAP_ALONG": "0.6", "OVERLAP_ACROSS": "0.3"})
     assert (earlier.flight.overlap_along, earlier.flight.overlap_across) == (0.6, 0.3)
 
 

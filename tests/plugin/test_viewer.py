@@ -287,12 +287,12 @@ def test_the_tool_ends_with_the_window(desk, captured, viewing):
     assert viewing.tool.isActive()
 
 
-@pytest.mark.parametrize("tilt_deg", [0.0, 40.0])
-def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing, screenshot, tilt_deg):
+@pytest.mark.parametrize(("tilt_deg", "yaw_deg"), [(0.0, 0.0), (0.0, 270.0), (40.0, 20.0)])
+def test_an_image_is_shown_on_the_map_and_removed_again(
+    desk, captured, viewing, screenshot, tilt_deg, yaw_deg
+):
     def tilt():
-        desk.form.set_state(
-            replace(desk.session.state(), tilt_deg=tilt_deg, yaw_deg=20.0 if tilt_deg else 0.0)
-        )
+        desk.form.set_state(replace(desk.session.state(), tilt_deg=tilt_deg, yaw_deg=yaw_deg))
 
     plan = captured(tilt)
     index = len(plan) // 2
@@ -314,7 +314,7 @@ def test_an_image_is_shown_on_the_map_and_removed_again(desk, captured, viewing,
     assert layer.extent().center().distance(at.center()) < 0.02 * at.width()
     # The map has gone there.
     assert desk.canvas.extent().contains(at)
-    screenshot(f"viewer-on-map-{tilt_deg:.0f}")
+    screenshot(f"viewer-on-map-{tilt_deg:.0f}-{yaw_deg:.0f}")
     # Another image is not there; this one still is.
     desk.click(viewer.following)
     desk.wait(lambda: not viewing.busy and viewing.seen.shot.name != name)

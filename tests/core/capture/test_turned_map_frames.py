@@ -11,13 +11,16 @@ from pyproj import Transformer
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.ground import boxes_of, of_camera
+from terrainav.core.errors import InvalidInput
+from terrainav.core.exports.kinds import export_as
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.mosaic.orthomosaic import make_orthomosaic
 from terrainav.core.picture.map_frame import north_up, turned
 from terrainav.core.picture.optics import optics_of
 from terrainav.core.world import WorldSource
@@ -32,6 +35,12 @@ CAMERA = Camera(60.0, 1.5)
 YAWS = (0.0, 90.0, 180.0, -90.0, 450.0 - 360.0)
 PLACES = Points(tuple((35.1405 + 0.0001 * at, -89.863, 60.0) for at in range(len(YAWS))), yaws_deg=YAWS)
 SMALL = Box(35.1425, -89.866, 35.1405, -89.863)
+FIELDS = Polygons(
+    tuple(
+        Polygon((((west, 35.1405), (west + 0.001, 35.1405), (west + 0.001, 35.1415), (west, 35.1415)),))
+        for west in (-89.866, -89.863)
+    )
+)
 
 
 def captured(folder, mission, source=None):
@@ -154,6 +163,35 @@ def test_rows_to_and_fro_are_map_frames_of_one_dataset(tmp_path):
     assert (table.image_width_px == table.height_px).all()
     assert (table.image_height_px == table.width_px).all()
     assert (table.image_width_px > table.image_height_px).all()
+
+
+@pytest.mark.parametrize("ending", ["tif", "jpg", "png"])
+def test_images_of_rows_along_meridians_are_read_as_the_map_frames_that_they_are(tmp_path, ending):
+    """Their cameras are turned from the map by what meridians converge: as little as the budget lets pass."""
+    mission = Mission(
+        FIELDS, 60.0, CAMERA, facing="track", row_azimuth_deg=0.0, overlap_along=0.3, image_format=ending
+    )
+    made, source = captured(tmp_path, mission)
+    images = read_dataset(tmp_path).image_sets["satellite"]
+    rows = np.arange(len(made))
+    assert np.any(images.table.yaw_deg % 90.0)
+    assert not of_camera(images, rows, tmp_path)
+    boxes = boxes_of(images, rows, tmp_path, -89.86)
+    west, _, east, _ = made.edges
+    assert np.abs((boxes.east_u - boxes.west_u) * 2.0 * np.pi * 6378137.0 - (east - west)).max() < 1e-6
+    with pytest.raises(InvalidInput, match="windows of the map"):
+        export_as(tmp_path, tmp_path / "model", "colmap", None)
+    if ending != "jpg":
+        make_orthomosaic(tmp_path, tmp_path / "whole.tif")
+        whole = gdal.Open(str(tmp_path / "whole.tif"))
+        x, y = places_of(whole)
+        half, size = np.pi * 6378137.0, 2.0 * np.pi * 6378137.0 / (256 << made.zoom)
+        columns, lines = (np.floor(at / size).astype(np.int64) for at in (x + half, half - y))
+        pixels = pixels_of(whole)
+        there = pixels[..., 3] > 0
+        assert there.mean() > 0.2
+        own = source_pixels(source, made.zoom, columns, lines)
+        assert (pixels[there][:, :3] == own[there]).all()
 
 
 @pytest.mark.parametrize("azimuth", [90.0, 0.0])

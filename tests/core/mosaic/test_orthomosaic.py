@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import re
+import sys
 
 import numpy as np
 import pytest
@@ -351,8 +353,13 @@ def test_a_mosaic_beyond_measure_is_refused(tmp_path):
 def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):
     captured(tmp_path / "set", yaw_deg=33.0)
     terrainav = command(tmp_path, monkeypatch, capsys)
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     done = terrainav("mosaic", "set", "--gsd", "0.5", "--output", "map.tif")
     assert done.returncode == 0, done.stderr
+    assert re.search(
+        r"^\rmosaic +\[#+\] 100 % *\n$", done.stderr.rpartition("\r")[1] + done.stderr.rpartition("\r")[2]
+    )
+    assert terrainav("mosaic", "set", "--gsd", "0.5", "--output", "map.tif", "--quiet").stderr == ""
     said = json.loads(terrainav("mosaic", "set", "--gsd", "0.5", "--json").stdout)
     with (
         rasterio.open(tmp_path / "map.tif") as one,
@@ -368,3 +375,7 @@ def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):
         in done.stdout
     )
     assert terrainav("mosaic", "set", "--map-type", "roadmap").returncode == BAD_INPUT
+    refused = terrainav("mosaic", "set", "--output", "map.jpg")
+    assert refused.returncode == BAD_INPUT
+    assert refused.stderr == "terrainav: mosaic map.jpg: must end in .tif or .tiff\n"
+    assert not (tmp_path / "map.jpg").exists()
