@@ -167,12 +167,12 @@ class Card(QFrame):
     def __init__(self, number: int) -> None:
         super().__init__()
         self.setObjectName(f"card_{number}")
-        self.image, self.depth = _Image(f"card_image_{number}"), _Image(f"card_depth_{number}")
+        self.image, self.depth_image = _Image(f"card_image_{number}"), _Image(f"card_depth_{number}")
         self.scale = DepthScale(f"card_scale_{number}")
         self.name, self.text = wrapped_label(f"card_name_{number}"), wrapped_label(f"card_text_{number}")
         beside = QVBoxLayout()
         beside.setSpacing(1)
-        beside.addWidget(self.depth)
+        beside.addWidget(self.depth_image)
         beside.addWidget(self.scale)
         beside.addStretch(1)
         line = QHBoxLayout()
@@ -190,10 +190,10 @@ class Card(QFrame):
         self.image.show_image(preview.picture.image)
         depth = preview.depth
         seen = depth is not None and depth.image is not None
-        self.depth.setVisible(seen)
+        self.depth_image.setVisible(seen)
         self.scale.setVisible(seen)
         if seen:
-            self.depth.show_image(depth.image)
+            self.depth_image.show_image(depth.image)
             self.scale.show_depth(depth)
         self.name.setText(preview.name)
         self.text.setText("\n".join(_lines(preview, is_split)))

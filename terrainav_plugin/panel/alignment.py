@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..messages import Messages
     from ..planner import Planned
-    from .form import MissionForm
+    from .form import DockForm
     from .planning import Planning
 
 
@@ -27,12 +27,12 @@ class RowAlignment(QObject):
 
     Parameters
     ----------
-    form : MissionForm
+    form : DockForm
     planning : Planning
     messages : Messages
     """
 
-    def __init__(self, form: MissionForm, planning: Planning, messages: Messages) -> None:
+    def __init__(self, form: DockForm, planning: Planning, messages: Messages) -> None:
         super().__init__()
         self._form, self._planning, self._messages = form, planning, messages
         self._worker = LatestWorker("align", self)

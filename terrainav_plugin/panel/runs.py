@@ -120,7 +120,7 @@ class RunList(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.scroll = RunRows()
+        self.listed = RunRows()
         self.clear = push_button(
             "clear_finished",
             tr("Clear finished"),
@@ -135,28 +135,28 @@ class RunList(QWidget):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(2)
         layout.addLayout(top)
-        layout.addWidget(self.scroll)
+        layout.addWidget(self.listed)
         self.hide()
 
     @property
     def rows(self) -> list[RunRow]:
         """From the top."""
-        return self.scroll.rows
+        return self.listed.rows
 
     def add(self, row: RunRow) -> None:
         """Put a row below the others."""
-        self.scroll.add(row)
+        self.listed.add(row)
         self.show()
 
     def remove(self, row: RunRow) -> None:
         """Take a row away."""
-        self.scroll.remove(row)
+        self.listed.remove(row)
         self.setVisible(bool(self.rows))
 
     def fit(self, finished: bool) -> None:
         """Ask for room after rows have changed; ``finished`` is whether one is over."""
         self.clear.setEnabled(finished)
-        self.scroll.fit()
+        self.listed.fit()
 
 
 class RunRows(QScrollArea):

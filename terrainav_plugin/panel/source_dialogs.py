@@ -133,7 +133,7 @@ class AddSourceDialog(QDialog):
             "{key} stands for an API key"
         )
         self.url = line_edit("url", tip, "https://…/{z}/{x}/{y}.png")
-        self.find = push_button(
+        self.find_layers = push_button(
             "find", tr("&Find layers"), tr("Ask the service what it is, and which layers it offers")
         )
         self.key = line_edit(
@@ -186,7 +186,7 @@ class AddSourceDialog(QDialog):
         self._form = form
         row = QHBoxLayout()
         row.addWidget(self.marks.field("url", self.url), 1)
-        row.addWidget(self.find, 0, Qt.AlignmentFlag.AlignTop)
+        row.addWidget(self.find_layers, 0, Qt.AlignmentFlag.AlignTop)
         form.addRow(tr("URL"), row)
         self._rows = {
             "key": (QLabel(tr("Key")), self.key),
@@ -234,8 +234,8 @@ class AddSourceDialog(QDialog):
         self.name.textEdited.connect(self._take_name)
         self.url.textChanged.connect(self._forget)
         self.url.textChanged.connect(self._suggest_name)
-        self.find.clicked.connect(lambda _checked: self._find())
-        self.url.returnPressed.connect(lambda: self._find() if self.find.isEnabled() else None)
+        self.find_layers.clicked.connect(lambda _checked: self._find())
+        self.url.returnPressed.connect(lambda: self._find() if self.find_layers.isEnabled() else None)
         self.layers.itemSelectionChanged.connect(self._layer_chosen)
         self.system.currentIndexChanged.connect(lambda _index: self._describe())
         self.test.clicked.connect(lambda _checked: self._try())
@@ -496,7 +496,7 @@ class AddSourceDialog(QDialog):
         for name, visible in shown.items():
             for widget in self._rows[name]:
                 widget.setVisible(visible)
-        self.find.setEnabled(service and not busy)
+        self.find_layers.setEnabled(service and not busy)
         self.told.setVisible(bool(self.told.text()))
         dated = "{date}" in self.url.text()
         for widget in (self._date_label, self._date_row):

@@ -169,7 +169,7 @@ class Plan(Algorithm):
 
     def _aligned(self, watch: Watch) -> Mission:
         """Mission with its rows aligned as asked for; says what that gains."""
-        from ...core.mission.alignment import aligned
+        from ...core.mission.flight.alignment import aligned
         from ..sources import heights_for
 
         found = aligned(

@@ -9,6 +9,7 @@ from qgis.core import QgsLayerTreeNode, QgsMapLayer, QgsProject
 from qgis.gui import QgisInterface
 from qgis.PyQt import sip
 from qgis.PyQt.QtCore import QEvent, QObject, QSignalBlocker, Qt, QTimer, pyqtSignal
+from qgis.PyQt.QtGui import QKeyEvent
 from qgis.PyQt.QtWidgets import QComboBox, QDialog, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from ..compat import RASTER
@@ -70,7 +71,8 @@ class Compare(QObject):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take the space bar where the map has the keyboard; QGIS would move the map with it."""
         kinds = (QEvent.Type.KeyPress, QEvent.Type.KeyRelease, QEvent.Type.ShortcutOverride)
-        if event.type() in kinds and event.key() == Qt.Key.Key_Space and not event.modifiers():
+        is_key = isinstance(event, QKeyEvent) and event.type() in kinds
+        if is_key and event.key() == Qt.Key.Key_Space and not event.modifiers():
             if event.type() == QEvent.Type.KeyPress and not event.isAutoRepeat():
                 self.switch()
             event.accept()
@@ -251,7 +253,7 @@ class CompareDialog(QDialog):
         else:
             self.state.setText(tr("Shown: {image}").format(image=self.boxes[shown].currentText()))
 
-    def keyPressEvent(self, event: QEvent) -> None:
+    def keyPressEvent(self, event: QKeyEvent) -> None:
         """Switch by the space bar, wherever it is not taken by a field."""
         if event.key() == Qt.Key.Key_Space and not event.isAutoRepeat():
             self.switch_wanted.emit()

@@ -253,7 +253,7 @@ def test_labels_and_depths_are_those_of_the_files(desk, window, dataset, screens
         assert shown[0] == pytest.approx(float(there.min()), rel=0.05)
         assert shown[1] == pytest.approx(float(there.max()), rel=0.05)
         assert not card.image.pixmap().isNull()
-        assert not card.depth.pixmap().isNull()
+        assert not card.depth_image.pixmap().isNull()
     screenshot("dataset-labels", window.window)
     # Further, and back; no further than there are images.
     desk.click(tab.next)

@@ -55,7 +55,7 @@ def row_of(desk, run):
 def press(desk, run, action):
     """Press a button of a run's row with the mouse."""
     button = row_of(desk, run).buttons[action]
-    desk.dock.run_list.scroll.ensureWidgetVisible(button)
+    desk.dock.run_list.listed.ensureWidgetVisible(button)
     assert button.isVisible(), action
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
@@ -255,8 +255,8 @@ def test_list_leaves_room_for_the_entries(prepared, server):
     assert prepared.dock.widget().minimumSizeHint().height() < 600
     row = prepared.dock.run_list.rows[-1]
     prepared.qtbot.wait(50)
-    top = row.mapTo(prepared.dock.run_list.scroll.viewport(), QPoint(0, 0)).y()
-    assert 0 <= top < prepared.dock.run_list.scroll.viewport().height()
+    top = row.mapTo(prepared.dock.run_list.listed.viewport(), QPoint(0, 0)).y()
+    assert 0 <= top < prepared.dock.run_list.listed.viewport().height()
 
 
 @pytest.fixture

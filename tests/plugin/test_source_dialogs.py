@@ -146,7 +146,7 @@ def find(dialog, qtbot, text):
     """Type an address, and wait for what the server tells."""
     dialog.url.setText(text)
     assert not dialog.buttons.button(OK).isEnabled()
-    dialog.find.click()
+    dialog.find_layers.click()
     qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
 
 
@@ -237,7 +237,7 @@ def test_dialog_that_is_closed_asks_no_more(dialog, qtbot):
 
     with ServiceServer(answer) as server:
         dialog.url.setText(f"{server.url}/wms")
-        dialog.find.click()
+        dialog.find_layers.click()
         qtbot.waitUntil(lambda: bool(server.asked), timeout=20_000)
         dialog.reject()
         assert dialog._task is None

@@ -115,6 +115,33 @@ class QgsSpinBox(_Clears, QtWidgets.QSpinBox):
     """A whole number."""
 
 
+class QgsDateTimeEdit(QtWidgets.QDateTimeEdit):
+    """A day and a time, or none."""
+
+    valueChanged = QtCore.pyqtSignal(QtCore.QDateTime)  # noqa: N815  QGIS's name
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._is_null = True
+
+    def setAllowNull(self, _on: bool) -> None:
+        """It may be empty."""
+
+    def setNullRepresentation(self, _text: str) -> None:
+        """Nothing is shown."""
+
+    def isNull(self) -> bool:
+        return self._is_null
+
+    def clear(self) -> None:
+        self._is_null = True
+
+    def setDateTime(self, time: QtCore.QDateTime) -> None:
+        self._is_null = False
+        super().setDateTime(time)
+        self.valueChanged.emit(time)
+
+
 class QgsFileWidget(QtWidgets.QWidget):
     """A path."""
 
