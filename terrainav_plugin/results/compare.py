@@ -71,8 +71,12 @@ class Compare(QObject):
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Take the space bar where the map has the keyboard; QGIS would move the map with it."""
         kinds = (QEvent.Type.KeyPress, QEvent.Type.KeyRelease, QEvent.Type.ShortcutOverride)
-        is_key = isinstance(event, QKeyEvent) and event.type() in kinds
-        if is_key and event.key() == Qt.Key.Key_Space and not event.modifiers():
+        if (
+            isinstance(event, QKeyEvent)
+            and event.type() in kinds
+            and event.key() == Qt.Key.Key_Space
+            and not event.modifiers()
+        ):
             if event.type() == QEvent.Type.KeyPress and not event.isAutoRepeat():
                 self.switch()
             event.accept()
