@@ -628,13 +628,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>clear</source>
-        <translation>quitar</translation>
+        <source>degrees</source>
+        <translation>grados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>degrees</source>
-        <translation>grados</translation>
+        <source>remove</source>
+        <translation>quitar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -6260,12 +6260,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <location filename="../../terrainav_plugin/results/viewing.py"/>
-        <source>Click a captured footprint on the map.</source>
-        <translation>Pulsar una huella capturada en el mapa.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Column, row</source>
         <translation>Columna, fila</translation>
     </message>
@@ -6453,6 +6447,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{}°, {}°, {}°</source>
         <translation>{}°, {}°, {}°</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>Click a captured footprint on the map.</source>
+        <translation>Pulsar una huella capturada en el mapa.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewing.py"/>

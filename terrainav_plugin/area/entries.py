@@ -144,7 +144,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
         """Say how many no-fly areas there are."""
         words = tr("1 no-fly area") if count == 1 else tr("{n} no-fly areas").format(n=number_text(count))
         if count:
-            words = f'{html.escape(words)} (<a href="clear">{html.escape(tr("clear"))}</a>)'
+            words = f'{html.escape(words)} (<a href="remove">{html.escape(tr("remove"))}</a>)'
         self.no_fly_words.setText(words)
         self.no_fly_words.setVisible(count > 0)
 

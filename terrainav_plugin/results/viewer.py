@@ -93,7 +93,6 @@ class Viewer(QgsDockWidget):
         self.place.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self._make_buttons()
         self.setWidget(self._contents())
-        self.show_hint(tr("Click a captured footprint on the map."))
 
     def show_hint(self, text: str) -> None:
         """Show a text in place of an image."""

@@ -73,22 +73,22 @@ def test_no_fly_areas_are_drawn_listed_undone_and_cleared(desk, screenshot):
     area = entered_area(desk.session.state())
     assert words(desk) == ""
     draw_no_fly(desk)
-    assert words(desk) == "1 no-fly area (clear)"
+    assert words(desk) == "1 no-fly area (remove)"
     (one,) = entered_no_fly(desk.session.state())
     assert on_map(desk, crs, one).area() == pytest.approx(hatched(desk), rel=1e-3)
     draw_no_fly(desk, ((0.1, 0.6), (0.3, 0.6), (0.2, 0.95)))
-    assert words(desk) == "2 no-fly areas (clear)"
+    assert words(desk) == "2 no-fly areas (remove)"
     screenshot("no-fly")
     assert desk.form.area.undo.toolTip() == "Undo: draw a no-fly area (Ctrl+Z)"
     desk.click(desk.form.area.undo)
     assert entered_no_fly(desk.session.state()) == (one,)
     desk.click(desk.form.area.redo)
     assert len(desk.wait_planned().mission.no_fly) == 2
-    desk.form.area.no_fly_words.linkActivated.emit("clear")
+    desk.form.area.no_fly_words.linkActivated.emit("remove")
     assert words(desk) == ""
     assert hatched(desk) == 0.0
     desk.click(desk.form.area.undo)
-    assert words(desk) == "2 no-fly areas (clear)"
+    assert words(desk) == "2 no-fly areas (remove)"
     assert entered_area(desk.session.state()) == area
 
 
@@ -133,7 +133,7 @@ def test_no_fly_areas_of_a_layer(desk, screenshot):
     assert "all 2 polygons" in dialog.words.text()
     screenshot("no-fly-layer", dialog)
     accept(desk, dialog)
-    desk.wait(lambda: words(desk) == "2 no-fly areas (clear)")
+    desk.wait(lambda: words(desk) == "2 no-fly areas (remove)")
     assert [len(one.rings) for one in entered_no_fly(desk.session.state())] == [2, 1]
     # More are added to those that are there.
     layer.selectByIds([2])
@@ -142,7 +142,7 @@ def test_no_fly_areas_of_a_layer(desk, screenshot):
     desk.wait_for_tasks()
     # The same polygon once more forbids no more.
     desk.qtbot.wait(50)
-    assert words(desk) == "2 no-fly areas (clear)"
+    assert words(desk) == "2 no-fly areas (remove)"
 
 
 @pytest.mark.parametrize("write", [geojson, kml])
@@ -150,7 +150,7 @@ def test_no_fly_areas_of_a_file(desk, tmp_path, monkeypatch, write):
     beside = tuple((lon + 1.0, lat) for lon, lat in RING)
     choose_file(monkeypatch, write(tmp_path / f"some.{write.__name__}", RING, beside))
     desk.form.area.no_fly_from.actions_by_name["no_fly_file"].trigger()
-    desk.wait(lambda: words(desk) == "2 no-fly areas (clear)")
+    desk.wait(lambda: words(desk) == "2 no-fly areas (remove)")
     assert entered_no_fly(desk.session.state()) == (Polygon((RING,)), Polygon((beside,)))
 
 

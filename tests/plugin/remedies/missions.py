@@ -166,19 +166,12 @@ def hint_of(viewing):
     return viewing.viewer.view.accessibleName()
 
 
-@remedy("results/viewer.py", "Click a captured footprint on the map.")
-def _first_look(case: Case) -> None:
-    _, viewing, click = looked_at(case)
-    case.says(hint_of(viewing), only_here=False)
-    case.follow("Click a captured footprint on the map.", click)
-
-
 @remedy("results/viewing.py", "Click a captured footprint on the map.")
 def _image_has_gone(case: Case) -> None:
     desk, viewing, click = looked_at(case)
     assert click()
     QgsProject.instance().removeMapLayer(desk.layer("Captured images").id())
-    case.says(hint_of(viewing), only_here=False)
+    case.says(hint_of(viewing))
     open_by_menu(case, desk, case.tmp_path / "out")
     desk.canvas.waitWhileRendering()
     case.follow("Click a captured footprint on the map.", click)
