@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.flight.motion import gusts
+from terrainav.core.mission.flight import gusts
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.timing import QUICK
 

@@ -15,8 +15,9 @@ from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Points
+from terrainav.core.mission.flight import gusts, motion
 from terrainav.core.mission.flight.gusts import LinearSystem, factor
-from terrainav.core.mission.flight.motion import fly, gusts, motion
+from terrainav.core.mission.flight.motion import fly
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.units import M_PER_FT
