@@ -20,6 +20,8 @@ _NAME = "terrainav_guide"
 _PICTURES = (".jpg", ".png")
 #: Left and right of a picture.
 _MARGINS_PX = 12
+#: By which Qt indents the items of a list, which images may stand in.
+_LIST_PX = 40
 #: Pause in stretching the window after which the pictures follow.
 _PAUSE_MS = 150
 #: Where pages are that are not installed with the plugin.
@@ -140,7 +142,7 @@ class GuideWindow(QTextBrowser):
         if path.suffix not in _PICTURES:
             return super().loadResource(kind, name)
         reader = QImageReader(str(path))
-        size, room = reader.size(), self.viewport().width() - _MARGINS_PX
+        size, room = reader.size(), self.viewport().width() - _MARGINS_PX - _LIST_PX
         if size.width() > room > 0:
             # Readers of JPEG scale while they read, in a fraction of the time.
             reader.setScaledSize(size * (room / size.width()))

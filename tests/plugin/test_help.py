@@ -41,6 +41,7 @@ def pictures(window):
 def test_pictures_are_as_wide_as_the_window_lets_them(window, qtbot, screenshot):
     for width in (600, 1000):
         window.resize(width, 700)
+        qtbot.waitUntil(lambda: window._fitted_px == window.viewport().width())
         qtbot.waitUntil(lambda: not window._fit_soon.isActive())
         shown = pictures(window)
         assert len(shown) > 10
