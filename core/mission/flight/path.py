@@ -15,8 +15,9 @@ from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane, along_geodesics, geodesics
 from ...geodesy.ways import way_around
-from ..area import Points, Polygon, inside
+from ..area import Points, Polygon
 from ..mission import Mission
+from ..no_fly import in_no_fly
 from ..parts import GROUND, HOVER, ONE_WAY
 from ..relief import Overflown, ReliefBelow, no_ground
 from .motion import legs
@@ -293,7 +294,7 @@ class _Maker:
             return None
         lat, lon = self._route.takeoff
         lon += 360.0 * round((lon_deg - lon) / 360.0)
-        if self._forbidden(np.array([lat]), np.array([lon]))[0]:
+        if in_no_fly(self._mission.no_fly, np.array([lat]), np.array([lon]))[0]:
             raise InvalidInput(
                 "take-off at latitude {0:.6f}, longitude {1:.6f}: lies inside a no-fly area",
                 *self._route.takeoff,
@@ -378,7 +379,7 @@ class _Maker:
         lat, lon, _ = along_geodesics(own.lat, wrap_lon_deg(own.lon), azimuth, np.full(len(which), length_m))
         lon = own.lon + wrap_lon_deg(lon - own.lon)
         least, _ = self._least_m(lat, lon, self._asked_agl[which])
-        free = ~self._forbidden(lat, lon)
+        free = ~in_no_fly(self._mission.no_fly, lat, lon)
         points = _Points.of(kind, lat, lon, np.fmax(own.height, least))
         return points.taken(free), which[free]
 
@@ -574,13 +575,6 @@ class _Maker:
         seconds = np.maximum(way.distance_m / speed, np.abs(np.diff(points.height)) / climb)
         hovered: Floats = seconds + self._hover_s * (points.capture[:-1] >= 0)
         return hovered
-
-    def _forbidden(self, lat: Floats, lon: Floats) -> NDArray[np.bool_]:
-        """Which places lie inside a no-fly area."""
-        found = np.zeros(len(lat), bool)
-        for polygon in self._mission.no_fly:
-            found |= inside(polygon, lat, lon)
-        return found
 
 
 def _near(polygon: Polygon, lon_deg: float) -> list[tuple[Floats, Floats]]:
