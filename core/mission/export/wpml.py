@@ -56,7 +56,7 @@ class _Drone(NamedTuple):
     camera: int | None
     lens: str = "visable"
     namespace: str = "http://www.dji.com/wpmz/1.0.6"
-    most_waypoints: int = 65_536
+    most_waypoints: int = 65_535
     highest_m: float = 1500.0
 
     @property

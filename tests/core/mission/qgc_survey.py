@@ -43,18 +43,18 @@ def footprint_m(camera):
 
 
 def photos(items):
-    """Places of the images that items ask for, in order, each with its height."""
+    """Places of the images that items ask for, in order, each with its height and the heading there."""
     found, here, spacing = [], None, 0.0
     for item in items:
         params = item["params"]
         if item["command"] == WAYPOINT:
-            there = params[4], params[5], params[6]
+            there = params[4], params[5], params[6], params[3]
             if spacing:
                 azimuth, _, length = GEOD.inv(here[1], here[0], there[1], there[0])
                 # The last one is that which the trigger's end asks for.
                 for step in range(1, math.ceil(length / spacing - 1e-6)):
                     lon, lat, _ = GEOD.fwd(here[1], here[0], azimuth, step * spacing)
-                    found.append((lat, lon, here[2]))
+                    found.append((lat, lon, *here[2:]))
             here = there
         elif item["command"] == PHOTO:
             found.append(here)

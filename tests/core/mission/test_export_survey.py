@@ -74,7 +74,7 @@ def test_what_is_flown_is_what_was_planned(tmp_path, plans, name):
     numbers = [item["doJumpId"] for item in (*items[:3], *transects["Items"], items[-1])]
     assert numbers == list(range(1, len(numbers) + 1))
     assert [item["command"] for item in transects["Items"]] == [WAYPOINT, PHOTO] * len(flown)
-    lat, lon, height = np.array(photos(transects["Items"])).T
+    lat, lon, height, _ = np.array(photos(transects["Items"])).T
     assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 1e-3
     assert height == pytest.approx(flown.agl_m, abs=1e-9)
     assert transects["CameraShots"] == len(flown)
@@ -140,7 +140,7 @@ def test_distance_releases_the_camera_along_each_row(tmp_path, plans):
     survey = survey_of(exported(flown, tmp_path)[1][0])
     transects = checked(survey)
     assert [item["command"] for item in transects["Items"]] == [16, 206, 16, 206] * flown.rows
-    lat, lon, _ = np.array(photos(transects["Items"])).T
+    lat, lon, _, _ = np.array(photos(transects["Items"])).T
     assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 0.05
     assert transects["HoverAndCapture"] is False
 
@@ -157,7 +157,7 @@ def test_over_relief_the_survey_follows_the_terrain(tmp_path):
     loaded_plan(data)
     transects = checked(survey_of(data))
     assert transects["FollowTerrain"] is True
-    lat, lon, height = np.array(photos(transects["Items"])).T
+    lat, lon, height, _ = np.array(photos(transects["Items"])).T
     assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 1e-3
     captures = flown.path.capture >= 0
     assert height == pytest.approx((flown.path.height_m - flown.path.base_m)[captures], abs=1e-9)
@@ -191,7 +191,7 @@ def test_ways_there_and_back_are_outside_the_survey(tmp_path):
         assert data["mission"]["plannedHomePosition"] == [47.39, 8.49, 430.0]
         numbers = [item["doJumpId"] for item in (*items[:5], *transects["Items"], *items[6:])]
         assert numbers == list(range(1, len(numbers) + 1))
-        assert {height for *_, height in photos(transects["Items"])} == {170.0}
+        assert {height for _, _, height, _ in photos(transects["Items"])} == {170.0}
 
 
 @pytest.mark.parametrize(

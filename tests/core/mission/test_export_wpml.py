@@ -15,6 +15,7 @@ from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.export.wpml import _DRONES
 from terrainav.core.mission.flight.path import (
     CAPTURE,
     LANDING,
@@ -172,6 +173,8 @@ def test_every_drone_has_its_own_code(tmp_path, survey):
         write_plan(routed(survey, drone=drone), tmp_path / f"{drone}.kmz")
         kinds.append(Wpml(tmp_path / f"{drone}.kmz").kind)
     assert len(set(kinds)) == len(DRONES)
+    # DJI's programs take 2 to 65,535 waypoints, though their indices would count one more.
+    assert max(drone.most_waypoints for drone in _DRONES.values()) == 65_535
 
 
 @pytest.mark.parametrize("mission", [HERE, ACROSS, IN_WIND], ids=["here", "antimeridian", "wind"])
