@@ -8,13 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.imagery.opening import SourceOptions
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
 
 from tests.core.mission.flights import worked_out
 from tests.core.mission.qgc_loaders import loaded_plan
@@ -143,25 +139,6 @@ def test_distance_releases_the_camera_along_each_row(tmp_path, plans):
     lat, lon, _, _ = np.array(photos(transects["Items"])).T
     assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 0.05
     assert transects["HoverAndCapture"] is False
-
-
-def test_over_relief_the_survey_follows_the_terrain(tmp_path):
-    mission = BOX.with_(
-        area=Box(35.16, -89.90, 35.155, -89.89),
-        elevation=("world",),
-        takeoff=(35.1545, -89.895),
-        yaw_deg=90.0,
-    )
-    flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
-    _, (data,) = exported(flown, tmp_path)
-    loaded_plan(data)
-    transects = checked(survey_of(data))
-    assert transects["FollowTerrain"] is True
-    lat, lon, height, _ = np.array(photos(transects["Items"])).T
-    assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 1e-3
-    captures = flown.path.capture >= 0
-    assert height == pytest.approx((flown.path.height_m - flown.path.base_m)[captures], abs=1e-9)
-    assert np.ptp(height) > 1.0
 
 
 def test_hovering_stops_at_each_image(tmp_path, plans):
