@@ -10335,6 +10335,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
+        <source>not of this flight, and left as they were: {0}</source>
+        <translation>no son de este vuelo y quedan como estaban: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
         <source>plan file {0!r}: must end in {1}</source>
         <translation>archivo de plan {0!r}: debe terminar en {1}</translation>
     </message>
