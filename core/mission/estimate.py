@@ -76,7 +76,8 @@ class Summary:
     ``fov_deg`` is 0 where the camera does not look straight down.
 
     ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out
-    because their camera would stand inside one of the ``no_fly_areas``.
+    because their camera would stand inside one of the ``no_fly_areas``. What is covered and uncovered counts the ground
+    outside those; ``no_fly_m2`` is the area's ground inside them.
 
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
@@ -129,6 +130,7 @@ class Summary:
     polygons: int = 0
     no_fly_areas: int = 0
     images_over_no_fly: int = 0
+    no_fly_m2: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -171,6 +173,8 @@ class Summary:
             if self.hidden_share:
                 words = Message("{0}; relief hides about {1:.1f} %", words, 100.0 * self.hidden_share)
             share = percent(self.covered_share, exact=bool(self.complete))
+            if self.no_fly_m2:
+                share = Message("{0} of the area outside no-fly areas", share)
             lines.append((Message("coverage"), Message("{0} ({1})", share, words)))
         if self.imagery_share is not None and self.lacks_imagery:
             lines.append(
@@ -223,6 +227,8 @@ class Summary:
             )
         if self.no_fly_areas:
             words = Message("{0:,} images left out", self.images_over_no_fly)
+            if self.no_fly_m2:
+                words = Message("{0}, {1} of the area", words, area_text(self.no_fly_m2))
             lines.append((Message("over no-fly areas"), words))
         return lines
 
@@ -295,7 +301,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         delivered_gsd_m_per_px=plan.delivered_gsd_m_per_px,
         flight_distance_m=plan.flight_distance_m,
         flight_s=plan.flight_s,
-        area_m2=None if coverage is None else coverage.area_m2,
+        area_m2=None if coverage is None else coverage.area_m2 + coverage.no_fly_m2,
         uncovered_m2=None if coverage is None else coverage.uncovered_m2,
         covered_share=None if coverage is None else coverage.share,
         complete=None if coverage is None else coverage.complete,
@@ -316,6 +322,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         polygons=_polygons(plan),
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
+        no_fly_m2=None if coverage is None else coverage.no_fly_m2,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
         **relief,
         **_flown(plan),
