@@ -251,22 +251,31 @@ def run_plan(arguments: argparse.Namespace) -> int:
     mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.by_imagery
     plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
+    files: list[str] = []
     for path in arguments.output:
         if path.endswith(".json"):
             mission.save(path)
+            files.append(path)
             continue
         for name, worked_out in plans.items():
             target = _beside(path, name)
-            for note in write_plan(worked_out, target).notes:
-                print(f"{target}: {note}", file=sys.stderr)
+            exported = write_plan(worked_out, target)
+            files += map(str, exported.files)
+            for note in exported.notes:
+                print(printable(f"{target}: {note}"), file=sys.stderr)
+            if exported.replaced:
+                names = ", ".join(file.name for file in exported.replaced)
+                print(printable(f"{target}: replaced {names}"), file=sys.stderr)
     if arguments.json:
         figures = {name: _figures(plan, sources[name], values) for name, plan in plans.items()}
-        print(json.dumps({"imageries": figures} if each else figures[""], indent=1))
+        print(json.dumps({**({"imageries": figures} if each else figures[""]), "written": files}, indent=1))
         return DONE
     for number, (name, worked_out) in enumerate(plans.items()):
         if each:
             print("\n" * bool(number) + f"{'imagery':24s}{name}")
         _print_figures(worked_out, sources[name], values)
+    for file in files:
+        print(printable(f"{'written':24s}{file}"))
     return DONE
 
 

@@ -3542,6 +3542,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{area} outside no-fly areas</source>
+        <translation>{area} fuera de las zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{count} of the {most} requests that the provider allows</source>
         <translation>{count} de las {most} peticiones que permite el proveedor</translation>
     </message>
@@ -3579,6 +3584,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{images} in {rows} rows</source>
         <translation>{images} en {rows} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{lost}; {held} of the area</source>
+        <translation>{lost}; {held} del área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -4789,12 +4799,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>no-fly areas {name}</source>
-        <translation>zonas de exclusión aérea {name}</translation>
+        <translation>zonas de exclusión {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>no-fly areas {name}: no such layer</source>
-        <translation>zonas de exclusión aérea {name}: no existe esa capa</translation>
+        <translation>zonas de exclusión {name}: no existe esa capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -8072,7 +8082,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>no way leads around the no-fly areas</source>
-        <translation>ningún camino rodea las zonas de exclusión aérea</translation>
+        <translation>ningún camino rodea las zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
@@ -9975,7 +9985,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>over no-fly areas</source>
-        <translation>sobre zonas de exclusión aérea</translation>
+        <translation>sobre zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10081,6 +10091,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0} of the area outside no-fly areas</source>
+        <translation>{0} del área fuera de las zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0} uncovered</source>
         <translation>{0} sin cubrir</translation>
     </message>
@@ -10108,6 +10123,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} {2} {3} or less</source>
         <translation>{0} {1} {2} {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}, {1} of the area</source>
+        <translation>{0}, {1} del área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10332,6 +10352,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/wpml.py"/>
         <source>the speed of {0:g} m/s is cut to DJI's {1:g} m/s</source>
         <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de DJI</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>not of this flight, and left as they were: {0}</source>
+        <translation>no son de este vuelo y quedan como estaban: {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
@@ -11142,7 +11167,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>all {0:,} images lie over no-fly areas</source>
-        <translation>las {0:,} imágenes están sobre zonas de exclusión aérea</translation>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/no_fly.py"/>

@@ -6,6 +6,7 @@ import argparse
 import ast
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -112,6 +113,8 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert figures["covered_share"] == 1.0
     assert len((tmp_path / "plan.csv").read_text().splitlines()) == figures["images"] + 1
     again = json.loads(run("plan", "plan.json", "--json").stdout)
+    assert figures.pop("written") == ["plan.csv", "plan.geojson", "plan.kml", "plan.json"]
+    assert again.pop("written") == []
     # Costs are timed, each time anew.
     assert figures.pop("cost")["picture_s"] > 0.0
     assert again.pop("cost")["picture_s"] > 0.0
@@ -120,6 +123,30 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert accuracy["footprint"]["chosen"]["name"] == "exact"
     assert accuracy["image"]["chosen"]["name"] == "map"
     assert 0.0 < accuracy["bound_px"] <= accuracy["budget_px"] == 0.1
+
+
+def test_each_sortie_is_a_file_that_the_command_names(run, tmp_path):
+    area = "35.16_-89.90_35.155_-89.89_200"
+    flight = ["plan", "--coords", area, "--takeoff", "35.1585", "-89.901", "--battery"]
+    mine = tmp_path / "survey-2.plan"
+    mine.write_text("mine")
+    done = run(*flight, "5", "--output", "survey.plan")
+    assert done.returncode == 0, done.stderr
+    sorties = int(re.search(r"^sorties +(\d+):", done.stdout, re.MULTILINE).group(1))
+    assert sorties > 1
+    files = [f"survey-{number}.plan" for number in range(1, sorties + 1)]
+    assert re.findall(r"^written +(\S+)$", done.stdout, re.MULTILINE) == files
+    assert sorted(path.name for path in tmp_path.glob("*.plan")) == sorted(files)
+    # Each is a flight of its own, and what one replaces is named.
+    assert len({(tmp_path / file).read_bytes() for file in files}) == sorties
+    assert "survey.plan: replaced survey-2.plan\n" in done.stderr
+    # A flight of one sortie leaves those of the other, and says so.
+    done = run(*flight, "60", "--output", "survey.plan", "--json")
+    assert json.loads(done.stdout)["written"] == ["survey.plan"]
+    left = f"survey.plan: not of this flight, and left as they were: {', '.join(files)}\n"
+    assert left in done.stderr
+    done = run(*flight, "5", "--output", "survey.plan")
+    assert "not of this flight, and left as they were: survey.plan\n" in done.stderr
 
 
 def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterable, Iterator
+from itertools import count, islice, takewhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,10 +32,13 @@ class Exported(NamedTuple):
     ----------
     notes : tuple of str
         What the format cannot say of the plan, one line each.
+    replaced : tuple of Path
+        Parts of a flight, whose names nobody has chosen, that took the place of files that were there.
     """
 
     files: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+    replaced: tuple[Path, ...] = ()
 
 
 class PartsAlreadyThere(OutputError):
@@ -138,12 +142,16 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
     form.check(plan)
     contents = form.contents(plan)
     stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
-    files = [target]
+    parts = (target.with_name(f"{stem}-{number}{ending}") for number in count(1))
+    files, there = [target], tuple[Path, ...]()
     if len(contents) > 1:
-        files = [target.with_name(f"{stem}-{number}{ending}") for number in range(1, len(contents) + 1)]
+        files = list(islice(parts, len(contents)))
         there = tuple(file for file in files if file.exists())
         if there and not replace_parts:
             raise PartsAlreadyThere(there)
+    # Of an earlier flight in fewer parts, or in more.
+    left = [file for file in [target] if file not in files and file.exists()]
+    left += takewhile(Path.exists, parts)
     written: list[Path] = []
     try:
         for file, blocks in zip(files, contents):
@@ -161,4 +169,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
             Message("{0} parts of one flight, {1} to {2}", len(files), files[0].name, files[-1].name),
             *notes,
         )
-    return Exported(tuple(files), notes)
+    if left:
+        names = ", ".join(file.name for file in left)
+        notes = (*notes, Message("not of this flight, and left as they were: {0}", names))
+    return Exported(tuple(files), notes, there)
