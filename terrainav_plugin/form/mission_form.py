@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
-from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
@@ -118,15 +117,8 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
 
 
 def _check(name: str, value: Any) -> None:
-    """Refuse a value that a mission's field does not have; shares are typed in percent."""
+    """Refuse a value that a mission's field does not have."""
     field = ENTERED_AS_DECLARED.get(name) or DECLARED.get(name) or field_named(Output, name)
-    if field.unit is UNITS["share"] and value is not None and not 0.0 <= value < 1.0:
-        raise InvalidInput(
-            tr("overlap {percent} %: must be at least 0 and below 100 %").format(
-                percent=number_text(100.0 * value, "g")
-            ),
-            field=name,
-        )
     field.settled(value)
 
 

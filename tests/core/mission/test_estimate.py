@@ -39,7 +39,7 @@ def test_what_is_not_complete_never_reads_so():
 def test_points_have_no_area():
     words = text(estimate(plan(Mission(Points(((35, -89, 120),)), 120.0), PixelGrid())))
     assert "coverage" not in words
-    assert "overlap along rows" not in words
+    assert "front overlap" not in words
 
 
 def test_two_map_types_take_twice_as_much():
