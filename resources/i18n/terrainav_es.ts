@@ -2472,6 +2472,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>coordinates “{text}”: a comma may stand between numbers or before decimals; write points before decimals, or spaces between numbers</source>
+        <translation>coordenadas «{text}»: una coma puede separar números o preceder a los decimales; escriba puntos ante los decimales, o espacios entre los números</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>each with its {values}</source>
         <translation>cada uno con su {values}</translation>
     </message>
@@ -2665,8 +2670,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
+        <source>take-off “{text}”: must be a latitude and a longitude, such as {example}</source>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como {example}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>

@@ -14,7 +14,15 @@ from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
 from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
-from .text import SEPARATORS, aspect_text, exact_degrees_text, parse_aspect, parse_number
+from .text import (
+    SEPARATORS,
+    aspect_text,
+    exact_degrees_text,
+    parse_aspect,
+    parse_number,
+    short_place,
+    with_points,
+)
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box
@@ -134,11 +142,11 @@ def takeoff(state: FormState) -> tuple[float, float] | None:
     if not text:
         return None
     try:
-        lat, lon = map(parse_number, (part for part in SEPARATORS.split(text) if part))
+        lat, lon = map(parse_number, (part for part in SEPARATORS.split(with_points(text)) if part))
     except ValueError as wrong:
         raise InvalidInput(
-            tr("take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9").format(
-                text=text
+            tr("take-off “{text}”: must be a latitude and a longitude, such as {example}").format(
+                text=text, example=short_place("35.15, -89.9")
             ),
             field="takeoff",
         ) from wrong
