@@ -38,6 +38,8 @@ NAMED_FAILURES = 10
 _BAR_WIDTH = 30
 #: Beside the options' values: whether the user has named the source himself.
 NAMED = "named_by_user"
+#: Ending of a mission's file, which a plan's is not.
+_MISSION = ".json"
 #: Requests that a report may make for the few pictures it measures on.
 _REPORT_REQUESTS = 200
 
@@ -239,9 +241,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     """Work a mission out, print its figures, write its files; of several imageries, one after the other."""
     from ..mission.export import check_plan_ending, write_plan
 
-    for path in arguments.output:
-        if not path.endswith(".json"):
-            check_plan_ending(path)
+    endings = {path: check_plan_ending(path, _MISSION) for path in arguments.output}
     mission, values = _settings(arguments)
     each = mission.by_imagery
     sources = {
@@ -252,8 +252,8 @@ def run_plan(arguments: argparse.Namespace) -> int:
     each = mission.by_imagery
     plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
     files: list[str] = []
-    for path in arguments.output:
-        if path.endswith(".json"):
+    for path, ending in endings.items():
+        if ending == _MISSION:
             mission.save(path)
             files.append(path)
             continue

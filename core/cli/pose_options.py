@@ -9,13 +9,13 @@ from ..fields import Field, declared_fields
 from ..mission.options import OPTIONS, Option
 from ..mission.parts import Flight
 from ..poses.settings import Corridor, LineFlight, Orbit, Scan, Sensors
+from .dataset_options import add_option
 
 #: Formats in metres of a local frame, and all of them; as `poses.trajectories` has them, which needs numpy.
 LOCAL = ("tum", "kitti", "euroc")
 FORMATS = (*LOCAL, "gpx", "ulog", "dataflash")
-#: Options of a camera, and what its images share, as a mission has them.
-CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio")
-OVERLAP = "overlap"
+#: Options of a camera and of its overlaps, as a mission has them.
+CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "overlap")
 BODIES, WORLDS = ("camera", "frd", "flu", "urf"), ("enu", "ned", "rdf")
 
 
@@ -135,13 +135,7 @@ _LINES = "GeoJSON file of LineStrings, flown one after the other"
 def _add_field(group: Any, field: Field) -> None:
     """Option of a declared field."""
     option = Option.of(field)
-    name = f"--{option.name.replace('_', '-')}"
-    if option.flag:
-        group.add_argument(name, action="store_true", help=option.told)
-        return
-    group.add_argument(
-        name, type=field.kind, required=field.needed, default=option.default, metavar="X", help=option.told
-    )
+    add_option(group, option, type=field.kind, required=field.needed, default=option.default)
 
 
 def _add_corridor(actions: Any) -> None:
@@ -193,13 +187,12 @@ def _add_scans(actions: Any) -> None:
 
 def _add_camera(command: argparse.ArgumentParser) -> None:
     """Add the options of a camera and of its overlaps."""
-    group = command.add_argument_group("camera", "as those of plan and capture")
-    for option in (one for one in OPTIONS if one.name in (*CAMERA, OVERLAP)):
-        low, high = option.count or (1, 1)
-        many: Any = None if option.count is None else high if low == high else "+"
-        name = "--" + option.name.replace("_", "-")
-        metavar = option.metavar if many != "+" else None
-        group.add_argument(name, nargs=many, metavar=metavar, help=option.told)
+    group = command.add_argument_group(
+        "camera", "as those of plan and capture, each also in the environment or config.json"
+    )
+    for option in OPTIONS:
+        if option.name in CAMERA:
+            add_option(group, option)
 
 
 def _add_priors(actions: Any) -> None:

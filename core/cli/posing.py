@@ -202,17 +202,12 @@ def _scan(arguments: argparse.Namespace) -> Scan:
 
 def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]:
     """Camera of the command's options, and its overlaps along and across rows."""
-    from ..mission.options import OPTIONS
-    from ..mission.settings import camera_from
-    from .pose_options import CAMERA, OVERLAP
+    from ..mission.settings import camera_from, resolve
+    from .pose_options import CAMERA
 
-    values = {}
-    for option in OPTIONS:
-        if option.name in (*CAMERA, OVERLAP):
-            given = getattr(arguments, option.name)
-            values[option.name] = option.default if given is None else option.read(given, "option")
-    along, *across = values[OVERLAP]
-    return camera_from(values)[0], (along, across[0] if across else along)
+    values = resolve({name: getattr(arguments, name) for name in CAMERA})
+    overlap = values["overlap"]
+    return camera_from(values)[0], (overlap[0], overlap[-1])
 
 
 def _area(text: str) -> Box | Polygon | Polygons:

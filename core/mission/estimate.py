@@ -186,8 +186,8 @@ class Summary:
                 )
             )
         for label, least, median in (
-            (Message("overlap along rows"), self.least_overlap_along, self.median_overlap_along),
-            (Message("overlap across rows"), self.least_overlap_across, self.median_overlap_across),
+            (Message("front overlap"), self.least_overlap_along, self.median_overlap_along),
+            (Message("side overlap"), self.least_overlap_across, self.median_overlap_across),
         ):
             if least is not None and median is not None:
                 lines.append((label, Message("least {0:.2f} %, median {1:.2f} %", 100 * least, 100 * median)))

@@ -31,7 +31,7 @@ class LineFlight(Part):
     )
     every_s: float | None = declared(
         None,
-        title="interval in seconds",
+        title="time interval",
         help="time from one exposure to the next",
         unit="s",
         option="every_s",
@@ -39,7 +39,7 @@ class LineFlight(Part):
     )
     every_m: float | None = declared(
         None,
-        title="interval in metres",
+        title="distance interval",
         help="way flown from one exposure to the next",
         unit="m",
         option="every_m",

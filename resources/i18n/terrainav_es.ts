@@ -1609,8 +1609,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
-        <source>Error (m)</source>
-        <translation>Error (m)</translation>
+        <source>Error (metres)</source>
+        <translation>Error (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
@@ -1671,8 +1671,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Block size (m)</source>
-        <translation>Tamaño de los bloques (m)</translation>
+        <source>Block size (metres)</source>
+        <translation>Tamaño de los bloques (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -1691,8 +1691,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Gap between parts (m)</source>
-        <translation>Separación entre partes (m)</translation>
+        <source>Gap between parts (metres)</source>
+        <translation>Separación entre partes (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -2472,6 +2472,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>coordinates “{text}”: a comma may stand between numbers or before decimals; write points before decimals, or spaces between numbers</source>
+        <translation>coordenadas «{text}»: una coma puede separar números o preceder a los decimales; escriba puntos ante los decimales, o espacios entre los números</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>each with its {values}</source>
         <translation>cada uno con su {values}</translation>
     </message>
@@ -2660,18 +2665,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>overlap {percent} %: must be at least 0 and below 100 %</source>
-        <translation>solape {percent} %: debe ser al menos 0 y menor que 100 %</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>southern edge</source>
         <translation>borde sur</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
+        <source>take-off “{text}”: must be a latitude and a longitude, such as {example}</source>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como {example}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -4914,6 +4914,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>How much of a tile its neighbour shows again.</source>
+        <translation>Cuánto de una tesela vuelve a mostrar su vecina.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part.</source>
         <translation>Si está vacía, una dentro de la del banco de pruebas, con el nombre del método de referencia o del archivo de predicciones, y de la parte.</translation>
     </message>
@@ -4955,8 +4960,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Margin of the reference (m)</source>
-        <translation>Margen de la referencia (m)</translation>
+        <source>Margin of the reference (metres)</source>
+        <translation>Margen de la referencia (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4980,8 +4985,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Overlap of tiles</source>
-        <translation>Solape de las teselas</translation>
+        <source>Overlap of tiles (percent)</source>
+        <translation>Solape de las teselas (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -5105,11 +5110,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Share of a tile that its neighbour shows again.</source>
-        <translation>Proporción de una tesela que su vecina vuelve a mostrar.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Take the queries and the reference from imagery of different dates, sources or kinds, as rasters or by name: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap, such as 2014=esri-wayback@2014-02-20. world is the embedded landscape. If no imagery of the queries is given, it is that of the mission.</source>
         <translation>Tome las consultas y la referencia de imágenes de fechas, fuentes o tipos distintos, como ráster o por nombre: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:roadmap, por ejemplo 2014=esri-wayback@2014-02-20. world es el paisaje incorporado. Si no se indican imágenes de las consultas, son las de la misión.</translation>
     </message>
@@ -5155,8 +5155,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Widths of tiles (m)</source>
-        <translation>Anchos de las teselas (m)</translation>
+        <source>Widths of tiles (metres)</source>
+        <translation>Anchos de las teselas (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -5400,8 +5400,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Ground sample distance (m)</source>
-        <translation>Distancia de muestreo del terreno (m)</translation>
+        <source>Ground sample distance (metres)</source>
+        <translation>Distancia de muestreo del terreno (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5900,18 +5900,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Bound of the error (px)</source>
-        <translation>Cota del error (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Coverage (percent)</source>
-        <translation>Cobertura (tanto por ciento)</translation>
+        <translation>Cobertura (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Download (bytes)</source>
         <translation>Descarga (bytes)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Error bound (px)</source>
+        <translation>Cota del error (px)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5965,13 +5965,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Minimum overlap across rows (share)</source>
-        <translation>Solape mínimo entre pasadas (proporción)</translation>
+        <source>Minimum front overlap (percent)</source>
+        <translation>Solape longitudinal mínimo (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Minimum overlap along rows (share)</source>
-        <translation>Solape mínimo a lo largo de las pasadas (proporción)</translation>
+        <source>Minimum side overlap (percent)</source>
+        <translation>Solape transversal mínimo (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -9927,6 +9927,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>front overlap</source>
+        <translation>solape longitudinal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>ground below</source>
         <translation>terreno debajo</translation>
     </message>
@@ -9994,18 +10000,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
-        <source>overlap across rows</source>
-        <translation>solape transversal a las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
-        <source>overlap along rows</source>
-        <translation>solape a lo largo de las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
         <source>requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more detail; ask for {4}</source>
         <translation>se piden {0}, pero la fuente tiene aquí {1} (zoom {2}): sobremuestreadas {3:.3g} veces, las imágenes no muestran más detalle; pedir {4}</translation>
     </message>
@@ -10018,6 +10012,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>rows, columns</source>
         <translation>pasadas, columnas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>side overlap</source>
+        <translation>solape transversal</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -11616,11 +11616,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>front overlap: share of an image that the next one of its row shows again</source>
-        <translation>solape longitudinal: parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>ground height</source>
         <translation>altura del terreno</translation>
     </message>
@@ -11951,8 +11946,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>side overlap: share of an image that the next row shows again</source>
-        <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+        <source>share of an image that the next one of its row shows again</source>
+        <translation>parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>share of an image that the next row shows again</source>
+        <translation>parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12681,6 +12681,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>distance interval</source>
+        <translation>intervalo de distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>distance of the captures from the centre</source>
         <translation>distancia de las capturas al centro</translation>
     </message>
@@ -12751,16 +12756,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>interval in metres</source>
-        <translation>intervalo en metros</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
-        <source>interval in seconds</source>
-        <translation>intervalo en segundos</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
         <source>interval: must be either in seconds or in metres</source>
         <translation>intervalo: debe indicarse en segundos o en metros, uno de los dos</translation>
     </message>
@@ -12813,6 +12808,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>time from one exposure to the next</source>
         <translation>tiempo de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>time interval</source>
+        <translation>intervalo de tiempo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13072,7 +13072,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/units.py"/>
         <source>percent</source>
-        <translation>tanto por ciento</translation>
+        <translation>porcentaje</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

@@ -13,7 +13,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ...core.fields import field_named
+from ...core.fields import Field, field_named
 from ...core.mission.pose_table import usual_names
 from ...core.poses.line import turn_radius_m
 from ...core.poses.settings import LineFlight
@@ -26,7 +26,7 @@ from ..plain import plain_label
 from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, spin, tick
 from .layers import PointFields
 
-_MOST_AGL, _MOST_INTERVAL = 1e9, 1e6
+_MOST, _MOST_INTERVAL = 1e9, 1e6
 #: Seconds from picture to picture, where nothing else is entered.
 _INTERVAL_S = 2.0
 
@@ -215,7 +215,7 @@ class PointsDialog(LayerDialog):
             tr("An attribute holds each point's height above ground (AGL), in the unit below")
         )
         self.agl: NumberBox = spin(
-            "agl", 0.0, _MOST_AGL, 4, "", tr("Height above the ground (AGL) in the unit below")
+            "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) in the unit below")
         )
         self.agl.setValue(self._agl)
         self.agl_field = _fields("agl_field", tr("Numbers above 0, in the unit below"))
@@ -297,7 +297,9 @@ class LineDialog(LayerDialog):
             self.words.setText(tr("The project has no layer of lines: add one, or draw a box instead."))
 
     def _add_entries(self) -> None:
-        self.speed, self.bank = _number("speed_m_per_s"), _number("bank_deg")
+        self.speed, self.bank = (
+            number_entry(field_named(LineFlight, name)) for name in ("speed_m_per_s", "bank_deg")
+        )
         self.interval: NumberBox = spin(
             "interval",
             0.001,
@@ -310,7 +312,7 @@ class LineDialog(LayerDialog):
             "interval_in", (("every_s", tr("seconds")), ("every_m", tr("metres"))), tr("Time, or way flown")
         )
         self.agl: NumberBox = spin(
-            "agl", 0.0, _MOST_AGL, 4, "", tr("Height above the ground (AGL) of the whole flight")
+            "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) of the whole flight")
         )
         self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
         camera = field_named(LineFlight, "fixed_camera")
@@ -347,10 +349,12 @@ class LineDialog(LayerDialog):
         return f"{which} {turns}"
 
 
-def _number(name: str) -> NumberBox:
-    """Entry for a number of a line's flight, as it is declared."""
-    field = field_named(LineFlight, name)
-    return spin(name, field.least, field.most, field.unit.decimals, field.unit.suffix, tip_of(field))
+def number_entry(field: Field, name: str = "") -> NumberBox:
+    """Entry for a number as it is declared, in the range that is right of it."""
+    decimals = 0 if field.kind is int else field.unit.decimals
+    least = field.least if field.least is not None else 10.0**-decimals
+    most = field.most if field.most is not None else _MOST
+    return spin(name or field.name, least, most, decimals, field.unit.suffix, tip_of(field))
 
 
 def _fields(name: str, tip: str, more: QgsFieldProxyModel.Filter | None = None) -> QgsFieldComboBox:

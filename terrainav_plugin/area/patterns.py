@@ -16,20 +16,20 @@ from qgis.core import (
 from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
 
 from ...core.errors import InvalidInput
-from ...core.fields import Field, declared_fields, field_named
+from ...core.fields import declared_fields, field_named
 from ...core.mission.area import Box, Polygon, Polygons, parts_of
 from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS
 from ..form.area import entered_area
 from ..form.camera import camera_of
-from ..form.fields import label_of, tip_of
+from ..form.fields import label_of
 from ..i18n import number_text, tr
 from ..map.canvas import lon_lat_of
 from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
-from .dialogs import LayerDialog
+from .dialogs import LayerDialog, number_entry
 from .layers import Found, Reading, lines_of, polygons_of
 from .menu import Way
 
@@ -68,7 +68,7 @@ class _Entries:
         self._part = part
         self.boxes: dict[str, NumberBox] = {}
         for field in declared_fields(part):
-            box = _number(field)
+            box = number_entry(field)
             # There is one height until a higher one is entered.
             start = field_named(part, "lowest_m") if field.name == "highest_m" else field
             box.setValue(start.starts_with or 0.0)
@@ -239,7 +239,7 @@ class RandomDialog(QDialog):
         self.count.setValue(_RANDOM_COUNT)
         form.addRow(tr("&Images"), self.count)
         agl, tilt = field_named(Flight, "agl_m"), field_named(Attitude, "tilt_deg")
-        self.low, self.high = (_number(agl, name) for name in ("lowest", "highest"))
+        self.low, self.high = (number_entry(agl, name) for name in ("lowest", "highest"))
         self.tilt = spin(
             "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Greatest tilt; the least is 0")
         )
@@ -287,14 +287,6 @@ def _taken(layer: QgsVectorLayer) -> QgsFeatureRequest:
     """Features of a layer that are selected, or all where none is."""
     request = QgsFeatureRequest()
     return request.setFilterFids(layer.selectedFeatureIds()) if layer.selectedFeatureCount() else request
-
-
-def _number(field: Field, name: str = "") -> NumberBox:
-    """Entry for a declared number."""
-    unit = field.unit
-    decimals = 0 if field.kind is int else unit.decimals
-    least = field.least if field.least is not None else 10.0**-decimals
-    return spin(name or field.name, least, field.most or 1e9, decimals, unit.suffix, tip_of(field))
 
 
 def _camera(state: FormState) -> Camera:

@@ -153,7 +153,8 @@ def _value(run: Run, field: Field) -> Any:
     if field.choices:
         return run.choice(name)
     if field.kind is str:
-        return run.text(name).strip() or None
+        text = run.text(name).strip()
+        return (text.lower() if field.name == "facing" else text) or None
     if field.name in _OF_PATHS:
         return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:

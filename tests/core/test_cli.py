@@ -149,6 +149,23 @@ def test_each_sortie_is_a_file_that_the_command_names(run, tmp_path):
     assert "not of this flight, and left as they were: survey.plan\n" in done.stderr
 
 
+def test_a_pattern_has_the_camera_of_plan_and_capture(run, tmp_path):
+    line = {"type": "LineString", "coordinates": [[-89.9, 35.1], [-89.89, 35.1]]}
+    (tmp_path / "line.geojson").write_text(json.dumps(line))
+    (tmp_path / "config.json").write_text('{"overlap": [0.5, 0.4]}')
+    asked = ("poses", "corridor", "line.geojson", "--agl", "120", "--width", "300", "--output")
+    written = {}
+    for name, options, environment in (
+        ("options", ("--fov", "60", "--overlap", "50%", "0.4"), {}),
+        ("elsewhere", (), {"TERRAINAV_FOV": "60"}),
+        ("usual", ("--overlap", "50%", "0.4"), {}),
+    ):
+        done = run(*asked, f"{name}.csv", *options, **environment)
+        assert done.returncode == 0, done.stderr
+        written[name] = (tmp_path / f"{name}.csv").read_text()
+    assert written["options"] == written["elsewhere"] != written["usual"]
+
+
 def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):
     run("capture", "--coords", "35.14_-89.86_120", "--data-dir", "out")
     mark = tmp_path / "out" / "mission.json"
@@ -279,12 +296,13 @@ def test_whatever_ends_a_capture_leaves_its_table(tmp_path, name, code):
         (["plan", "--coords", "35_-89_120", "--fov", "wide"], "'wide'"),
         (["plan", "--coords", "35_-89_120", "--aspect-ratio", "4"], "aspect-ratio"),
         (["plan", "--coords", "35_-89_-5"], "-5.0 m"),
-        (["plan", "--coords", BOX, "--overlap", "1"], "overlap along rows 1.0"),
+        (["plan", "--coords", BOX, "--overlap", "1"], "overlap '1': must be a share from 0 to below 1"),
+        (["plan", "--coords", BOX, "--overlap", "120%"], "overlap '120%': must be a share from 0 to below 1"),
         (["plan", "--coords", BOX, "--map-type", "hybrid"], "hybrid"),
         (["plan", "--coords", BOX, "--source", "atlantis"], "atlantis"),
         (["plan", "--coords", BOX, "--layout", "spiral"], "spiral"),
         (["plan", "--coords", BOX, "--max-images", "3"], "limit is 3"),
-        (["plan", "--coords", BOX, "--output", "plan.shp"], "plan.shp"),
+        (["plan", "--coords", BOX, "--output", "plan.shp"], ".kmz, .plan, .survey.plan, .json"),
         (["plan", "gone.json"], "gone.json"),
         (["plan", "--nonsense"], "--nonsense"),
         (["fly"], "fly"),

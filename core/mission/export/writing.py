@@ -92,14 +92,14 @@ _PARTED = {
 ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", *_PARTED)
 
 
-def check_plan_ending(path: str | os.PathLike[str]) -> str:
-    """Return the ending of a plan's file; refuse one that names no format a plan can be written in."""
-    name = Path(path).name.lower()
+def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
+    """Return the ending of a plan's file; refuse one that is neither of a plan's format nor one of ``more``."""
+    name, known = Path(path).name.lower(), (*ENDINGS, *more)
     # The longest one that it ends in: Litchi's table is a .csv as well.
-    ending = max((one for one in ENDINGS if name.endswith(one)), key=len, default=name)
+    ending = max((one for one in known if name.endswith(one)), key=len, default=name)
     if name != ending:
         return ending
-    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(ENDINGS))
+    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(known))
 
 
 def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> Exported:

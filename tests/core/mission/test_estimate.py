@@ -61,7 +61,7 @@ def test_images_over_relief_take_longer_the_more_of_its_cells_they_see():
 def test_points_have_no_area():
     words = text(estimate(plan(Mission(Points(((35, -89, 120),)), 120.0), PixelGrid())))
     assert "coverage" not in words
-    assert "overlap along rows" not in words
+    assert "front overlap" not in words
 
 
 def test_two_map_types_take_twice_as_much():
