@@ -103,6 +103,13 @@ def growing_form(parent: QWidget | None = None) -> QFormLayout:
     return form
 
 
+def show_row(form: QFormLayout, field: QWidget, shown: bool) -> None:
+    """Show or hide a row of a form, by its entry."""
+    for part in (field, form.labelForField(field)):
+        if part is not None:
+            part.setVisible(shown)
+
+
 def scrolled(contents: QWidget) -> QScrollArea:
     """Widget in an area that is scrolled where it is too small for it."""
     scroll = QScrollArea()

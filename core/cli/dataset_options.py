@@ -47,16 +47,16 @@ Without --heights, --yaws and --views the drone flies as in University-1652: 54 
 """
 
 
-def add_option(group: Any, option: Option, **more: Any) -> None:
-    """Add an option of a mission; ``more`` is what else `add_argument` takes, of options with values."""
+def add_option(group: Any, option: Option, told: str = "", **more: Any) -> None:
+    """Add an option; ``told`` is its help in another's place, and ``more`` what else is said of one with values."""
     name = "--" + option.name.replace("_", "-")
     if option.flag:
-        group.add_argument(name, action="store_true", default=None, help=option.told)
+        group.add_argument(name, action="store_true", default=more.get("default"), help=told or option.told)
         return
     low, high = option.count or (1, 1)
     many: Any = None if option.count is None else high if low == high else "+"
     metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
-    group.add_argument(name, nargs=many, metavar=metavar, help=option.told, **more)
+    group.add_argument(name, nargs=many, metavar=metavar, help=told or option.told, **more)
 
 
 def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:

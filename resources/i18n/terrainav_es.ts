@@ -90,6 +90,17 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Trajectories and flight logs (*.gpx *.ulg *.bin *.log *.txt *.csv);;All files (*)</source>
+        <translation>Trayectorias y registros de vuelo (*.gpx *.ulg *.bin *.log *.txt *.csv);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Trajectory or flight log</source>
+        <translation>Trayectoria o registro de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>add a polygon</source>
         <translation>añadir un polígono</translation>
     </message>
@@ -152,6 +163,11 @@
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>polygons of {layer}</source>
         <translation>polígonos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>poses of {file}</source>
+        <translation>poses de {file}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -257,8 +273,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>All positions of the file, or one each so much time or way</source>
+        <translation>Todas las posiciones del archivo, o una cada cierto tiempo o distancia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
         <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Begin at the panel's &amp;start</source>
+        <translation>Come&amp;nzar en el inicio del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -307,6 +333,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Give the first position the time of Start; otherwise times are those of the file</source>
+        <translation>Dar a la primera posición la hora de Inicio; si no, las horas son las del archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Height above the ground (AGL) in the unit below</source>
         <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
     </message>
@@ -319,6 +350,21 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Height from &amp;field</source>
         <translation>Altura del ca&amp;mpo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Heights are those above home, or above the first position. The camera is fixed to the aircraft and looks down, the top of its image ahead.</source>
+        <translation>Las alturas son sobre el punto de partida (home) o sobre la primera posición. La cámara está fija a la aeronave y mira hacia abajo, con el borde superior de la imagen hacia delante.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Heights of GPX are above the sea, as a rule. The top of each image points along the way.</source>
+        <translation>Las alturas de GPX suelen ser sobre el nivel del mar. El borde superior de cada imagen apunta en el sentido del recorrido.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Heights of the fi&amp;le, over ground at</source>
+        <translation>Alturas del a&amp;rchivo, sobre el terreno a</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -382,6 +428,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Poses in metres of a local frame. Where that lies, the file does not say.</source>
+        <translation>Poses en metros de un sistema local. El archivo no dice dónde se encuentra este.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Select on the &amp;map</source>
         <translation>Seleccionar &amp;en el mapa</translation>
     </message>
@@ -427,6 +478,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>all positions</source>
+        <translation>todas las posiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>ft</source>
         <translation>ft</translation>
@@ -435,6 +491,11 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>gimbal pitch: -90 looks down</source>
         <translation>cabeceo del gimbal: -90 mira hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>home</source>
+        <translation>punto de partida</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -454,8 +515,20 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <location filename="../../terrainav_plugin/panel/start.py"/>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>not set</source>
+        <translation>sin definir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>seconds</source>
         <translation>segundos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>the origin</source>
+        <translation>el origen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -715,6 +788,11 @@
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>rectangle</source>
         <translation>rectángulo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{count} of {total} positions are left out, at or below the ground.</source>
+        <translation>Se omiten {count} de {total} posiciones, a ras del terreno o por debajo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -998,8 +1076,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The poses of a GPX track, a PX4 or ArduPilot log, or a TUM, KITTI or EuRoC trajectory: an image from each, or one each so many seconds or metres</source>
+        <translation>Las poses de un track GPX, de un registro de PX4 o ArduPilot o de una trayectoria TUM, KITTI o EuRoC: una imagen desde cada una, o una cada tantos segundos o metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>The selected polygons, or all, with their holes; images that touch none are left out</source>
         <translation>Los polígonos seleccionados, o todos, con sus huecos; las imágenes que no tocan ninguno se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Trajectory or &amp;flight log…</source>
+        <translation>Tra&amp;yectoria o registro de vuelo…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
@@ -4573,12 +4661,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_list.py"/>
         <source>TerrAInav: remove source</source>
         <translation>TerrAInav: eliminar fuente</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/start.py"/>
-        <location filename="../../terrainav_plugin/widgets.py"/>
-        <source>not set</source>
-        <translation>sin definir</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/start.py"/>
@@ -9568,12 +9650,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
-        <location filename="../../core/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
         <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
     </message>
@@ -11616,6 +11692,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>ground height</source>
         <translation>altura del terreno</translation>
     </message>
@@ -11641,6 +11718,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>height above ground</source>
         <translation>altura sobre el terreno</translation>
     </message>
@@ -12585,6 +12663,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: casi ninguno de sus números es {2}</translation>
     </message>
     <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>--origin, --body and --world: are for {0}, and not for {1}</source>
+        <translation>--origin, --body y --world: son para {0}, y no para {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>give --format</source>
+        <translation>indique --format</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>say where its origin lies (--origin LAT LON [HEIGHT])</source>
+        <translation>indique dónde está su origen (--origin LAT LON [HEIGHT])</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}</source>
+        <translation>trayectoria {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: cannot be read ({1})</source>
+        <translation>trayectoria {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: its ending does not tell its format</source>
+        <translation>trayectoria {0}: su extensión no indica su formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: no such file</source>
+        <translation>trayectoria {0}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: {1} is in metres of a local frame</source>
+        <translation>trayectoria {0}: {1} está en metros de un sistema local</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Bank in turns</source>
         <translation>Inclinación lateral en los vira&amp;jes</translation>
@@ -12598,6 +12716,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Distance</source>
         <translation>&amp;Distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Format</source>
+        <translation>&amp;Formato</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12621,6 +12744,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Origin: latitude, longitude, height</source>
+        <translation>&amp;Origen: latitud, longitud, altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>&amp;Radius</source>
         <translation>&amp;Radio</translation>
     </message>
@@ -12641,13 +12769,93 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>A&amp;xes of the frame</source>
+        <translation>E&amp;jes del sistema</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>ArduPilot log (DataFlash)</source>
+        <translation>Registro de ArduPilot (DataFlash)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>Camera rolls with the aircr&amp;aft</source>
         <translation>La cámara alabea con la aero&amp;nave</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>EuRoC trajectory</source>
+        <translation>Trayectoria EuRoC</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>EuRoC's inertial unit (up, right, forward)</source>
+        <translation>unidad inercial de EuRoC (arriba, derecha, adelante)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>GPX track</source>
+        <translation>Track GPX</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Gimbal keeps the camera straight &amp;down</source>
+        <translation>El car&amp;dán mantiene la cámara vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>Height of the &amp;target</source>
         <translation>Altura del &amp;objetivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>KITTI trajectory</source>
+        <translation>Trayectoria KITTI</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>PX4 log (ULog)</source>
+        <translation>Registro de PX4 (ULog)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Poses &amp;are of</source>
+        <translation>Las &amp;poses son de</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>TUM trajectory</source>
+        <translation>Trayectoria TUM</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>a gimbal keeps the camera straight down: take only the yaw of the attitude</source>
+        <translation>un cardán mantiene la cámara vertical hacia abajo: tomar de la actitud solo la guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>aircraft (forward, left, up)</source>
+        <translation>aeronave (adelante, izquierda, arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>aircraft (forward, right, down)</source>
+        <translation>aeronave (adelante, derecha, abajo)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>axes of the frame</source>
+        <translation>ejes del sistema</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>axes of the frame that the poses are in</source>
+        <translation>ejes del sistema en el que están las poses</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>axes of what the poses are of</source>
+        <translation>ejes de aquello a lo que pertenecen las poses</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12658,6 +12866,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>bank in turns; with the speed, it gives their radius</source>
         <translation>inclinación lateral en los virajes; con la velocidad da su radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>camera (right, down, forward)</source>
+        <translation>cámara (derecha, abajo, adelante)</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12696,6 +12909,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>east, north, up</source>
+        <translation>este, norte, arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>format</source>
+        <translation>formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>format of a file with another ending</source>
+        <translation>formato de un archivo con otra extensión</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>gimbal keeps the camera straight down</source>
+        <translation>el cardán mantiene la cámara vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>give the highest height as well</source>
         <translation>indique también la altura máxima</translation>
     </message>
@@ -12723,6 +12956,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>height above ground, at the centre, of what the middle of the images shows</source>
         <translation>altura sobre el suelo, en el centro, de lo que muestra el medio de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>height of the ground, as the file counts heights</source>
+        <translation>altura del terreno, tal como cuenta las alturas el archivo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12761,6 +12999,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>keep one position each so many metres of the way</source>
+        <translation>conservar una posición cada tantos metros del recorrido</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>keep one position each so many seconds</source>
+        <translation>conservar una posición cada tantos segundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>latitude, longitude and height of the frame's origin; heights of the file are above that height</source>
+        <translation>latitud, longitud y altura del origen del sistema; las alturas del archivo son sobre esa altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>lowest height</source>
         <translation>altura mínima</translation>
     </message>
@@ -12771,13 +13024,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>north, east, down</source>
+        <translation>norte, este, abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>offset</source>
         <translation>desplazamiento</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>one height above ground for all positions</source>
+        <translation>una sola altura sobre el terreno para todas las posiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>origin of the local frame</source>
+        <translation>origen del sistema local</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>radius</source>
         <translation>radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>right, down, forward of a camera that looks north</source>
+        <translation>derecha, abajo, adelante de una cámara que mira al norte</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12821,6 +13094,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>what the poses are of, with its axes; the camera of an aircraft looks down, the top of its image ahead</source>
+        <translation>a qué pertenecen las poses, con sus ejes; la cámara de una aeronave mira hacia abajo, con el borde superior de la imagen hacia delante</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>width</source>
         <translation>ancho</translation>
     </message>
@@ -12841,18 +13119,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>give one height above ground (--agl)</source>
-        <translation>dé una sola altura sobre el terreno (--agl)</translation>
+        <source>give one height above ground{0}</source>
+        <translation>indique una sola altura sobre el terreno{0}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>give one in metres (--every-m)</source>
-        <translation>dé uno en metros (--every-m)</translation>
+        <source>give one in metres{0}</source>
+        <translation>indique uno en metros{0}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>give that in the heights of the file (--ground-height), or one height above ground (--agl)</source>
-        <translation>dé la del terreno, en las alturas del archivo (--ground-height), o una sola altura sobre el terreno (--agl)</translation>
+        <source>give that in the heights of the file{0}, or one height above ground{1}</source>
+        <translation>indíquela en las alturas del archivo{0}, o una sola altura sobre el terreno{1}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
@@ -12868,6 +13146,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/track.py"/>
         <source>interval of {0} {1}: must be above 0</source>
         <translation>intervalo de {0} {1}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>reading: stopped</source>
+        <translation>lectura: detenida</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
@@ -12993,6 +13276,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/safe_xml.py"/>
         <source>a document type or entities of its own, which are not read</source>
         <translation>tipo de documento o entidades propias, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>

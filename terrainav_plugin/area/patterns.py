@@ -29,7 +29,7 @@ from ..map.canvas import lon_lat_of
 from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
-from .dialogs import LayerDialog, number_entry
+from .dialogs import DEGREES, LayerDialog, number_entry
 from .layers import Found, Reading, lines_of, polygons_of
 from .menu import Way
 
@@ -39,12 +39,10 @@ if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
     from ...core.mission.area import Area
     from ..form.state import FormState
+    from ..tasks import Task
 
 #: Heights and counts that random poses start with.
 _RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
-#: Digits of degrees that are shown: a centimetre.
-_DEGREES = 7
-
 
 #: Ways of the menu that ask for a pattern.
 PATTERNS = (Way.CORRIDOR, Way.FACADE, Way.STRUCTURE, Way.ORBIT, Way.RANDOM)
@@ -183,7 +181,7 @@ class StructureDialog(_PatternDialog):
         source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
         context, request = project.transformContext(), _taken(layer)
 
-        def read(_cancelled: Callable[[], bool]) -> Found:
+        def read(_task: Task) -> Found:
             shapes = (polygons_of([one], crs, context) for one in source.getFeatures(request))
             outlines = [outline for shape in shapes for outline in parts_of(shape)]
             return Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m)
@@ -201,8 +199,8 @@ class OrbitDialog(QDialog):
         self.form = QFormLayout(self)
         lon_deg, lat_deg = lon_lat_of(canvas.center(), canvas.mapSettings().destinationCrs(), project)
         tip = tr("Centre of the circles; starts as the middle of the map")
-        self.lat = spin("centre_lat", -90.0, 90.0, _DEGREES, " °", tip)
-        self.lon = spin("centre_lon", -180.0, 180.0, _DEGREES, " °", tip)
+        self.lat = spin("centre_lat", -90.0, 90.0, DEGREES, " °", tip)
+        self.lon = spin("centre_lon", -180.0, 180.0, DEGREES, " °", tip)
         self.lat.setValue(lat_deg)
         self.lon.setValue(lon_deg)
         self.form.addRow(tr("Centre, l&atitude and longitude"), row(self.lat, self.lon))
@@ -214,7 +212,7 @@ class OrbitDialog(QDialog):
         from ...core.poses.patterns import orbit
 
         wanted, centre = self.entries.value(), (self.lat.value(), self.lon.value())
-        return lambda _cancelled: Found(orbit(*centre, wanted), wanted.lowest_m)
+        return lambda _task: Found(orbit(*centre, wanted), wanted.lowest_m)
 
 
 class RandomDialog(QDialog):
@@ -263,7 +261,7 @@ class RandomDialog(QDialog):
             uniform(0.0, self.tilt.value()),
             Distribution("fixed", 0.0),
         )
-        return lambda _cancelled: _found(random_poses(area, count, poses, seed))
+        return lambda _task: _found(random_poses(area, count, poses, seed))
 
 
 def _found(points: Any) -> Found:
@@ -277,8 +275,8 @@ def _of_lines(
     source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
     context, request = project.transformContext(), _taken(layer)
 
-    def read(cancelled: Callable[[], bool]) -> Found:
-        return Found(made(lines_of(source.getFeatures(request), crs, context, agl_m, cancelled)), agl_m)
+    def read(task: Task) -> Found:
+        return Found(made(lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled)), agl_m)
 
     return read
 
