@@ -14,6 +14,7 @@ from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
+from ..core.dataset.folder import MISSION_FILE
 from ..core.errors import TerrAInavError
 from .area.control import AreaControl
 from .area.tools import BoxTool, PointTool
@@ -261,6 +262,7 @@ class Session(QObject):
         runs.refused.connect(form.show_messages)
         runs.other_folder_wanted.connect(self._capture_into)
         runs.results_shown.connect(self._hide_planned)
+        runs.results_shown.connect(missions.gather)
         runs.test_shot_shown.connect(self.background.zoom_to_layer)
         missions.preview_wanted.connect(self.set_preview)
         missions.reopened.connect(self._show_preview_again)
@@ -309,8 +311,8 @@ class Session(QObject):
     def _show_preview_state(self, on: bool) -> None:
         """Keep a preview from now on, or none; the buttons are pressed while it is to be seen."""
         self._previewing = on
-        self.areas.show_previewed(on)
         seen = on and self.preview.visible
+        self.areas.show_previewed(seen)
         self.dock.show_preview_on(seen)
         self.preview_shown.emit(seen)
 
@@ -319,8 +321,14 @@ class Session(QObject):
         self.messages.error(tr("The preview could not be drawn: {error}").format(error=repr(error)), trace)
 
     def _hide_planned(self, folder: Path) -> None:
-        """Hide the planned images of a mission whose images are there."""
-        if self.group().is_same(self.open_project.group_of(folder)):
+        """Hide the planned images of a mission whose images are there; those of the one planned after it stay."""
+        from ..core.capture.folder import captured_mission, is_of
+
+        planned = self.planned
+        if planned is None or not self.planning.is_entered(planned.mission):
+            return
+        is_here = self.group().is_same(self.open_project.group_of(folder))
+        if is_here and is_of((folder / MISSION_FILE).read_bytes(), captured_mission(planned.plan)):
             self.preview.set_footprints_visible(False)
 
     # --- smaller reactions
@@ -330,6 +338,7 @@ class Session(QObject):
         return [*reversed(self.runs.folders), folder_of(self.state().folder)]
 
     def _capture_into(self, folder: Path) -> None:
+        self.missions.restore_dataset(folder_of(self.state().folder))
         self.settings.suggested_folder = str(folder)
         self.dock.form.set_state(replace(self.state(), folder=str(folder)))
         self.capture()

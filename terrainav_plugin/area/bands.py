@@ -56,6 +56,7 @@ class AreaMark(QObject):
     ----------
     area : Box, Polygon, Polygons, Points or None
         What is outlined while the mark is shown.
+    is_shown : bool
     """
 
     def __init__(
@@ -65,7 +66,7 @@ class AreaMark(QObject):
         self._canvas = canvas
         self.area: Area | None = None
         self._drawn_on = 0
-        self._shown = False
+        self.is_shown = False
         self._bands = AreaBands(canvas, colours, symbol)
         canvas.destinationCrsChanged.connect(self._draw)
         canvas.extentsChanged.connect(self._follow)
@@ -84,8 +85,8 @@ class AreaMark(QObject):
 
     def set_shown(self, shown: bool) -> None:
         """Draw it, or take it away."""
-        if shown != self._shown:
-            self._shown = shown
+        if shown != self.is_shown:
+            self.is_shown = shown
             self._draw()
 
     def _follow(self) -> None:
@@ -101,7 +102,7 @@ class AreaMark(QObject):
 
     def _draw(self) -> None:
         self._drawn_on = self._turn()
-        if self.area is None or not self._shown:
+        if self.area is None or not self.is_shown:
             self._bands.clear()
             return
         crs, near = self._canvas.mapSettings().destinationCrs(), self._canvas.extent().center().x()

@@ -309,6 +309,20 @@ class Missions(QObject):
         self._task = task
         task.begin(lambda task: self._dataset_opened(task, state, begun_in))
 
+    # --- groups of datasets
+
+    def restore_dataset(self, folder: Path) -> None:
+        """Have the project know a dataset's own mission again, whatever has been planned in its group since."""
+        mission = _mission_in(folder)
+        if mission is not None:
+            self._open_project.group_of(folder).remember_mission(mission.to_json())
+
+    def gather(self, folder: Path) -> None:
+        """Put a dataset and those of the same mission, of other imagery, under one group."""
+        mission = _mission_in(folder)
+        if mission is not None:
+            self._open_project.group_of(folder).gather(lambda text: _is_same_flight(text, mission))
+
     # --- other entries of the menu
 
     def begin_new(self) -> None:
@@ -416,7 +430,7 @@ class Missions(QObject):
         self._write(state)
         group = self._open_project.group_of(task.folder)
         group.remember_mission(task.mission.to_json())
-        group.gather(lambda text: _is_same_flight(text, task.mission))
+        self.gather(task.folder)
         group.make_current()
         self.zoom_wanted.emit(task.mission.area.bounds)
         if task.left_out:
@@ -430,6 +444,16 @@ class Missions(QObject):
         self._messages.warning(
             tr("{name} was not opened: {reason}").format(name=name, reason=translate(wrong))
         )
+
+
+def _mission_in(folder: Path) -> Mission | None:
+    """Mission of the dataset in a folder; None where there is none that can be read."""
+    from ...core.mission.mission import Mission
+
+    try:
+        return Mission.load(folder / MISSION_FILE)
+    except TerrAInavError:
+        return None
 
 
 def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:

@@ -79,7 +79,7 @@ class Planning(QObject):
         if self._closed:
             # Unloaded while a dialog was open that has led here.
             return
-        if self.latest is not None and not anew and self._is_entered(self.latest.mission):
+        if self.latest is not None and not anew and self.is_entered(self.latest.mission):
             act(self.latest)
             return
         self._when_planned = act
@@ -109,7 +109,8 @@ class Planning(QObject):
         self._planner.request(mission, at_once, timed)
         return True
 
-    def _is_entered(self, mission: Mission) -> bool:
+    def is_entered(self, mission: Mission) -> bool:
+        """Return whether a mission is what is entered."""
         try:
             return bool(mission_form.mission(self._form.state()) == mission)
         except FormError:

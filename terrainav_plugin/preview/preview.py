@@ -147,7 +147,8 @@ class Preview(QObject):
         if self._group is not None:
             self._group.remove_if_empty()
         self._group = None
-        self._visible = True
+        # Layers of another group are not hidden because those of this one were.
+        self._look_at_visibility()
 
     def close(self) -> None:
         """End for good: nothing of the preview, no thread and no connection is left."""

@@ -13,6 +13,7 @@ from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtGui import QImage
 from qgis.PyQt.QtWidgets import QMessageBox
 from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.map.mission_group import saved_missions
 
 from tests.support.patterns import MODULUS, decode_position, encode_position
 from tests.support.tileserver import TileServer
@@ -414,6 +415,64 @@ def test_key_comes_from_the_authentication_database_only(desk):
     assert key_in("") is None
     stored = [str(QgsSettings().value(key)) for key in QgsSettings().allKeys()]
     assert not any("k3y-of-the-test" in text for text in stored)
+
+
+def test_next_mission_is_planned_beside_the_captured_one(desk):
+    """Its preview stays, it has a group of its own, and the project keeps the mission that was captured."""
+    desk.session.missions.begin_new()
+    first = Path(desk.session.state().folder)
+    desk.enter_coarse_mission()
+    desk.form.folder.setFilePath(str(first))
+    desk.wait_planned()
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    capture(desk)
+    # The planned images are hidden by now: what is planned next is outlined.
+    assert not desk.dock.preview.isChecked()
+    assert desk.session.areas.mark.is_shown
+
+    desk.click(desk.dock.preview)
+    desk.form.agl.setValue(240.0)
+    desk.wait_planned()
+    assert not desk.session.areas.mark.is_shown
+    seen = []
+    desk.session.runs.running.connect(seen.append)
+    desk.click(desk.dock.capture)
+    desk.wait(lambda: not desk.session.runs.idle)
+    second = Path(desk.session.state().folder)
+    desk.form.agl.setValue(200.0)
+    desk.wait(lambda: seen[-1:] == [False])
+    desk.session.runs.running.disconnect(seen.append)
+    assert second.name != first.name
+    # Of what is planned by now, nothing is captured.
+    desk.wait_planned()
+    assert desk.dock.preview.isChecked()
+    assert heights_of(desk)[first.name] == 120.0
+
+    one = next(saved for saved in saved_missions(QgsProject.instance()) if Path(saved.folder) == first)
+    desk.session.preview.set_footprints_visible(False)
+    assert not desk.dock.preview.isChecked()
+    desk.session.missions.open_saved(one)
+    desk.wait_planned()
+    assert desk.dock.preview.isChecked()
+    assert desk.plugin.actions["preview"].isChecked()
+
+
+def heights_of(desk):
+    """Heights above ground of the missions that the project knows, by the names of their folders."""
+    saved = saved_missions(QgsProject.instance())
+    return {Path(one.folder).name: Mission.from_json(one.text).flight.agl_m for one in saved}
+
+
+def test_captures_of_one_mission_stand_under_one_group(prepared):
+    capture(prepared)
+    prepared.choose(prepared.form.source, "world")
+    prepared.form.folder.setFilePath(str(prepared.folder.with_name("other")))
+    prepared.wait_planned()
+    capture(prepared)
+    around = QgsProject.instance().layerTreeRoot().children()[0]
+    assert around.name() == "TerrAInav: datasets of one mission"
+    assert [group.name() for group in around.children()] == ["TerrAInav: other", "TerrAInav: mission"]
 
 
 def test_mission_file_holds_no_more_than_the_mission(prepared):
