@@ -652,7 +652,7 @@ def test_each_of_hundreds_of_systems_takes_as_long_as_one_of_a_few(server):
         sets = [replace(DUTCH, name=f"s{code}", epsg=code) for code in codes[:count]]
         named_source(serve(server, *sets)).entry  # noqa: B018
 
-    assert growth(read, 60) < PROPORTIONAL
+    assert growth(read, 25) < PROPORTIONAL
 
 
 def test_levels_without_number_are_read_in_time(server):
