@@ -331,7 +331,7 @@ def test_details_open_the_log_at_the_plugin_s_tab(plugin, iface, qtbot):
     tabs = panel.findChild(QTabWidget)
     tabs.setCurrentIndex(0)
     QTest.mouseClick(button, Qt.MouseButton.LeftButton)
-    qtbot.waitUntil(panel.isVisible)
+    qtbot.waitUntil(panel.isVisible, timeout=PATIENCE_MS)
     assert tabs.tabText(tabs.currentIndex()) == "TerrAInav"
     assert "and this is why" in tabs.currentWidget().toPlainText()
     panel.close()
@@ -362,7 +362,7 @@ def test_help_is_the_guide_or_the_homepage(plugin, tmp_path, monkeypatch, qtbot)
     (window,) = [
         widget for widget in QApplication.topLevelWidgets() if widget.objectName() == "terrainav_guide"
     ]
-    qtbot.waitUntil(window.isVisible)
+    qtbot.waitUntil(window.isVisible, timeout=PATIENCE_MS)
     assert "Sources and keys" in window.toPlainText()
     there_px = window.verticalScrollBar().value()
     assert there_px > 1000

@@ -75,9 +75,11 @@ def test_cells_of_meshes_stay_within_their_bounds(tolerance):
     assert meshes.count > 10
 
 
-def test_rectangles_lie_inside_what_cameras_see(library):
+@pytest.mark.parametrize("draws", [80, pytest.param(250, marks=pytest.mark.thorough)])
+def test_rectangles_lie_inside_what_cameras_see(library, draws):
     # The shapes are tried with the machine's library; a far worse one takes ten times as long.
-    draws = 250 if library == "own" else 80
+    if library != "own":
+        draws = 80
     found = bounds.rectangles_inside(seed=11, draws=draws, each=6)
     # They give way by half a pixel of the source; what an edge does between the points looked at is far less.
     assert found.worst_px <= 0.05

@@ -68,7 +68,10 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
 
 
 def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
-    mission = HERE.with_(elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
+    area = Box(35.1555, -89.896, 35.154, -89.894)
+    mission = HERE.with_(
+        area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0
+    )
     flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
     (note,) = write_plan(flown, tmp_path / "field.plan").notes
     assert note == (
