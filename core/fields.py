@@ -153,9 +153,16 @@ class Field:
     @property
     def right(self) -> Message:
         """What is right of numbers, in words; empty where every number is."""
+        return self._range(1.0)
+
+    def _range(self, times: float) -> Message:
+        """What is right of numbers that are so many times the field's."""
         low, high = (
-            self.least if self.above is None else self.above,
-            self.most if self.below is None else self.below,
+            None if limit is None else times * limit
+            for limit in (
+                self.least if self.above is None else self.above,
+                self.most if self.below is None else self.below,
+            )
         )
         if low is None and high is None:
             return Message()
@@ -232,13 +239,15 @@ class Field:
         )
         if within and (self.kind is int or math.isfinite(value)):
             return
-        right = self.right
+        # Of what is typed, such as percent.
+        times, symbol = self.unit.times, self.unit.symbol
+        right = self._range(times)
         if within or not right:
             right = Message("a finite number")
         elif self.above is not None and self.most is not None and value > self.most:
-            right = Message("at most {0:g}", self.most)
-        symbol = self.unit.symbol
-        raise self._refused(title, Message("{0} {1}", value, symbol) if symbol else value, right)
+            right = Message("at most {0:g}", times * self.most)
+        shown = value if times == 1.0 else float(f"{times * value:.12g}")
+        raise self._refused(title, Message("{0} {1}", shown, symbol) if symbol else shown, right)
 
 
 def declared_fields(part: Any) -> tuple[Field, ...]:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import codecs
 import importlib
 import re
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, Callable
 
 from .errors import Message
 from .limits import (
@@ -50,6 +51,14 @@ _REFUSED = re.compile(r"<!(?:DOCTYPE|ENTITY)", re.IGNORECASE)
 _NAME = re.compile(r"<[^\s/<>]+|\s[^\s=<>\"'/]+\s*=")
 #: Children of a layer of a WMS that the layers within it have as well.
 _INHERITED = frozenset({"CRS", "SRS", "Style", "BoundingBox"})
+
+
+#: What reads documents that people give: of each element, where it begins, the name without its namespace, its text and
+#: its attributes; nothing of either where it ends. Readers may leave out texts but those of `TEXTS`, and attributes but
+#: those of `ATTRIBUTES`. It raises `UnreadableXMLError`.
+XMLReader = Callable[[bytes], Iterator[tuple[str, str, Mapping[str, str]]]]
+#: Elements of KML and GPX whose text is read, and those whose attributes are.
+TEXTS, ATTRIBUTES = ("coordinates", "ele", "time"), ("trkpt", "rtept")
 
 
 class UnreadableXMLError(ValueError):
@@ -100,6 +109,11 @@ def checked_text(body: bytes) -> str:
     return text
 
 
+def too_deep() -> UnreadableXMLError:
+    """Error of a document with elements that are within each other deeper than `MAX_XML_DEPTH`."""
+    return UnreadableXMLError(Message("elements within each other, more than {0} deep", MAX_XML_DEPTH))
+
+
 def root_of(body: bytes) -> Any:
     """Root of a document as lxml has it, with nothing in it but elements, attributes and text.
 
@@ -128,9 +142,21 @@ def root_of(body: bytes) -> Any:
     except etree.XMLSyntaxError as broken:
         raise UnreadableXMLError(one_line(str(broken))) from None
     if root.xpath(f"boolean({'/*' * (MAX_XML_DEPTH + 1)})"):
-        raise UnreadableXMLError(Message("elements within each other, more than {0} deep", MAX_XML_DEPTH))
+        raise too_deep()
     _check_layers(root)
     return root
+
+
+def elements_of(body: bytes) -> Iterator[tuple[str, str, Mapping[str, str]]]:
+    """Elements of a document as an `XMLReader` gives them, read by lxml; raises as `root_of` does."""
+    todo: list[Any] = [root_of(body)]
+    while todo:
+        element = todo.pop()
+        if element is None:
+            yield "", "", {}
+            continue
+        yield _name(element), str(element.text or ""), element.attrib
+        todo += [None, *reversed(element)]
 
 
 def written(root: Any) -> bytes:

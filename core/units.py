@@ -19,7 +19,7 @@ class Unit:
     Parameters
     ----------
     symbol : Message or str
-        Behind a number in a sentence; empty where numbers stand alone.
+        Behind a number in a sentence, as it is typed; empty where numbers stand alone.
     words : Message or str
         In full, as it stands in brackets behind what is measured.
     ending : str
@@ -53,6 +53,6 @@ UNITS = {
     "s": Unit(Message("s"), Message("seconds"), "_s", " s", 3),
     "min": Unit(Message("min"), Message("minutes"), "_min", " min", 1),
     "share": Unit(
-        words=Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0
+        Message("%"), Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0
     ),
 }

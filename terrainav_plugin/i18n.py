@@ -121,8 +121,13 @@ def number_text(value: float, form: str = ",") -> str:
 def localized(number: str) -> str:
     """Number that Python has written, as the user writes it."""
     locale = QLocale()
-    written = {",": locale.groupSeparator(), ".": locale.decimalPoint()}
+    written = {",": locale.groupSeparator(), ".": decimal_sign()}
     return "".join(written.get(sign, sign) for sign in number)
+
+
+def decimal_sign() -> str:
+    """What the user writes before decimals."""
+    return str(QLocale().decimalPoint())
 
 
 def language() -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
@@ -14,7 +15,7 @@ from qgis.gui import (
     QgsFileWidget,
     QgsSpinBox,
 )
-from qgis.PyQt.QtCore import QPoint, QSize, Qt
+from qgis.PyQt.QtCore import QLocale, QPoint, QSize, Qt
 from qgis.PyQt.QtGui import (
     QColor,
     QIcon,
@@ -63,6 +64,8 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
 }}
 QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 """
+#: A number with a point before its decimals.
+_WITH_POINT = re.compile(r"[-+]?\d+\.\d+")
 #: Where windows come up, from the corner of the map.
 _CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
@@ -98,6 +101,13 @@ def growing_form(parent: QWidget | None = None) -> QFormLayout:
     form = QFormLayout(parent)
     form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
     return form
+
+
+def show_row(form: QFormLayout, field: QWidget, shown: bool) -> None:
+    """Show or hide a row of a form, by its entry."""
+    for part in (field, form.labelForField(field)):
+        if part is not None:
+            part.setVisible(shown)
 
 
 def scrolled(contents: QWidget) -> QScrollArea:
@@ -305,6 +315,13 @@ class NumberBox(QgsDoubleSpinBox):
         text = super().textFromValue(value)
         point = self.locale().decimalPoint()
         return text.rstrip("0").rstrip(point) if point in text else text
+
+    def valueFromText(self, text: str) -> float:
+        """Number of a text; a point stands before decimals in every country, as no thousands are kept apart here."""
+        typed = text.strip()
+        typed = typed.removeprefix(self.prefix().strip()).removesuffix(self.suffix().strip()).strip()
+        omits = self.locale().numberOptions() & QLocale.NumberOption.OmitGroupSeparator
+        return float(typed) if omits and _WITH_POINT.fullmatch(typed) else super().valueFromText(text)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Step only where the box has been entered: otherwise the panel is scrolled."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from typing import Any
 
 from ..dataset.folder import DEFAULT_ENTROPY, FRAMES, LAYOUTS, PARTS, SEED, SHARES, TARGETS, TRAIN, WAYS
@@ -29,12 +30,33 @@ _SHARED = (
     *("elevation", "surface", "vertical_datum", "height_unit", "height_offset", "holes"),
     *("accept_error", "resampling", "connections", "placeholder", "cache_dir", "cache_limit", "no_cache"),
 )
+#: What some of them are for there.
+_OTHER_HELP = {
+    "map_type": f"one of {', '.join(MAP_TYPES)}",
+    "imagery": "imagery of a view that is not --source's: satellite=SOURCE, drone=SOURCE[@DATE][:MAP_TYPE], or both",
+    "camera": "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio",
+    "fov": f"diagonal field of view of a square image in degrees ({Lens.fov_deg})",
+}
+#: What else differs: pairs have one map type.
+_OTHERWISE: dict[str, dict[str, Any]] = {"map_type": {"count": None}}
 _HELP = """
 PLACES is a file of lines `lat lon` or `lat lon name` (the paper's `lat lon agl` too, whose heights are not used), or
 a box "latTL_lonTL_latBR_lonBR" with --count; write a box that begins with a minus with spaces: "-33.8 18.4 -34.0 18.7".
 Without --heights, --yaws and --views the drone flies as in University-1652: 54 views along three rounds that fall from
 256 to 121.5 m. Its camera looks at the place from every view.
 """
+
+
+def add_option(group: Any, option: Option, told: str = "", **more: Any) -> None:
+    """Add an option; ``told`` is its help in another's place, and ``more`` what else is said of one with values."""
+    name = "--" + option.name.replace("_", "-")
+    if option.flag:
+        group.add_argument(name, action="store_true", default=more.get("default"), help=told or option.told)
+        return
+    low, high = option.count or (1, 1)
+    many: Any = None if option.count is None else high if low == high else "+"
+    metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
+    group.add_argument(name, nargs=many, metavar=metavar, help=told or option.told, **more)
 
 
 def add_json(command: argparse.ArgumentParser, default: Any = False) -> None:
@@ -226,9 +248,9 @@ def _add_pairs(commands: Any) -> None:
         action="store_true",
         help="share places out one by one, even where the same ground is seen in two parts",
     )
-    _add_shared(
-        command.add_argument_group("imagery and camera", "each also in the environment or config.json")
-    )
+    shared = command.add_argument_group("imagery and camera", "each also in the environment or config.json")
+    for option in shared_options():
+        add_option(shared, option)
     add_config(command)
     command.add_argument("--resume", action="store_true", help="go on with what is missing or has failed")
     command.add_argument("--dry-run", action="store_true", help="print what would be captured; fetch nothing")
@@ -266,31 +288,13 @@ def _add_views(group: Any) -> None:
     )
 
 
-def _add_shared(group: Any) -> None:
-    for option in shared_options():
-        name = "--" + option.name.replace("_", "-")
-        if option.flag:
-            group.add_argument(name, action="store_true", default=None, help=option.told)
-        else:
-            several = {"nargs": "+"} if option.name == "imagery" else {}
-            group.add_argument(name, metavar=option.metavar, help=_help_of(option), **several)
-
-
-def _help_of(option: Option) -> str:
-    if option.name == "map_type":
-        return f"one of {', '.join(MAP_TYPES)} (default {MAP_TYPES[0]})"
-    if option.name == "imagery":
-        return "imagery of a view that is not --source's: satellite=SOURCE, drone=SOURCE[@DATE][:MAP_TYPE], or both"
-    if option.name == "camera":
-        return "camera by name (see terrainav cameras) instead of --fov, with its own aspect ratio"
-    if option.name == "fov":
-        return f"diagonal field of view of a square image in degrees ({Lens.fov_deg})"
-    return option.told
-
-
 def shared_options() -> list[Option]:
-    """Return the options of missions that ``terrainav pairs`` has as well."""
-    return [option for option in OPTIONS if option.name in _SHARED]
+    """Return the options of missions that ``terrainav pairs`` has as well, as far as it takes them."""
+    return [
+        replace(option, help=_OTHER_HELP.get(option.name, option.help), **_OTHERWISE.get(option.name, {}))
+        for option in OPTIONS
+        if option.name in _SHARED
+    ]
 
 
 def _add_convert(commands: Any) -> None:

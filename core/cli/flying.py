@@ -38,6 +38,8 @@ NAMED_FAILURES = 10
 _BAR_WIDTH = 30
 #: Beside the options' values: whether the user has named the source himself.
 NAMED = "named_by_user"
+#: Ending of a mission's file, which a plan's is not.
+_MISSION = ".json"
 #: Requests that a report may make for the few pictures it measures on.
 _REPORT_REQUESTS = 200
 
@@ -239,9 +241,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
     """Work a mission out, print its figures, write its files; of several imageries, one after the other."""
     from ..mission.export import check_plan_ending, write_plan
 
-    for path in arguments.output:
-        if not path.endswith(".json"):
-            check_plan_ending(path)
+    endings = {path: check_plan_ending(path, _MISSION) for path in arguments.output}
     mission, values = _settings(arguments)
     each = mission.by_imagery
     sources = {
@@ -251,22 +251,31 @@ def run_plan(arguments: argparse.Namespace) -> int:
     mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
     each = mission.by_imagery
     plans = {name: _planned(each.get(name, mission), values, source) for name, source in sources.items()}
-    for path in arguments.output:
-        if path.endswith(".json"):
+    files: list[str] = []
+    for path, ending in endings.items():
+        if ending == _MISSION:
             mission.save(path)
+            files.append(path)
             continue
         for name, worked_out in plans.items():
             target = _beside(path, name)
-            for note in write_plan(worked_out, target).notes:
-                print(f"{target}: {note}", file=sys.stderr)
+            exported = write_plan(worked_out, target)
+            files += map(str, exported.files)
+            for note in exported.notes:
+                print(printable(f"{target}: {note}"), file=sys.stderr)
+            if exported.replaced:
+                names = ", ".join(file.name for file in exported.replaced)
+                print(printable(f"{target}: replaced {names}"), file=sys.stderr)
     if arguments.json:
         figures = {name: _figures(plan, sources[name], values) for name, plan in plans.items()}
-        print(json.dumps({"imageries": figures} if each else figures[""], indent=1))
+        print(json.dumps({**({"imageries": figures} if each else figures[""]), "written": files}, indent=1))
         return DONE
     for number, (name, worked_out) in enumerate(plans.items()):
         if each:
             print("\n" * bool(number) + f"{'imagery':24s}{name}")
         _print_figures(worked_out, sources[name], values)
+    for file in files:
+        print(printable(f"{'written':24s}{file}"))
     return DONE
 
 

@@ -10,9 +10,9 @@ from typing import Any, NoReturn
 
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ..dataset.folder import PARTS
-from ..mission.options import OPTIONS
+from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
-from .dataset_options import add_config, add_consent, add_dataset_commands, add_json
+from .dataset_options import add_config, add_consent, add_dataset_commands, add_json, add_option
 from .exits import BAD_INPUT
 from .pose_options import add_poses
 
@@ -130,15 +130,9 @@ def _add_mission_options(command: argparse.ArgumentParser, but: tuple[str, ...] 
         "mission",
         "each also as TERRAINAV_<NAME> in the environment, or in config.json; the command line comes first",
     )
-    for option in (one for one in OPTIONS if one.name not in but):
-        name = "--" + option.name.replace("_", "-")
-        if option.flag:
-            group.add_argument(name, action="store_true", default=None, help=option.told)
-            continue
-        low, high = option.count or (1, 1)
-        many: Any = None if option.count is None else high if low == high else "+"
-        metavar = option.metavar or (f"{{{','.join(option.choices)}}}" if option.choices else None)
-        group.add_argument(name, nargs=many, metavar=metavar if many != "+" else None, help=option.told)
+    for option in OPTIONS:
+        if option.name not in but:
+            add_option(group, option)
 
 
 def _add_actions(listing: argparse.ArgumentParser) -> Any:
@@ -208,10 +202,10 @@ def _add_benchmark_make(actions: Any) -> None:
     )
     asked.add_argument(
         "--tile-overlap",
-        type=float,
+        type=share,
         default=TILE_OVERLAP,
         metavar="SHARE",
-        help="that neighbours share (%(default)g)",
+        help="share of a tile that its neighbour shows again, as 0.5 or as 50%% (%(default)g)",
     )
     asked.add_argument(
         "--margin",

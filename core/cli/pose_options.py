@@ -8,15 +8,11 @@ from typing import Any
 from ..fields import Field, declared_fields
 from ..mission.options import OPTIONS, Option
 from ..mission.parts import Flight
-from ..poses.settings import Corridor, LineFlight, Orbit, Scan, Sensors
+from ..poses.settings import Corridor, LineFlight, Orbit, PoseFile, Scan, Sensors
+from .dataset_options import add_option
 
-#: Formats in metres of a local frame, and all of them; as `poses.trajectories` has them, which needs numpy.
-LOCAL = ("tum", "kitti", "euroc")
-FORMATS = (*LOCAL, "gpx", "ulog", "dataflash")
-#: Options of a camera, and what its images share, as a mission has them.
-CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio")
-OVERLAP = "overlap"
-BODIES, WORLDS = ("camera", "frd", "flu", "urf"), ("enu", "ned", "rdf")
+#: Options of a camera and of its overlaps, as a mission has them.
+CAMERA = ("camera", "fov", "hfov", "vfov", "sensor", "focal_length", "aspect_ratio", "overlap")
 
 
 def add_poses(commands: Any, parser_class: Any) -> None:
@@ -40,45 +36,25 @@ def _add_read(actions: Any) -> None:
     reading.add_argument(
         "file", metavar="FILE", help="TUM, KITTI, EuRoC, GPX (.gpx), ULog (.ulg), DataFlash (.bin, .log)"
     )
-    reading.add_argument("--format", choices=FORMATS, help="format of a file with another ending")
     _add_output(reading)
+    fields = {field.name: field for field in declared_fields(PoseFile)}
+    _add_field(reading, fields["format"])
     local = reading.add_argument_group("tum, kitti and euroc, which are in metres of a local frame")
+    # As many numbers as there are: how many are right is said in words.
     local.add_argument(
         "--origin",
         nargs="+",
         type=float,
         metavar="DEG",
-        help="LAT LON [HEIGHT] of the frame's origin; heights of the file are above HEIGHT (0)",
+        help=f"LAT LON [HEIGHT]: {fields['origin'].help} (0)",
     )
-    local.add_argument(
-        "--body",
-        choices=BODIES,
-        help="axes of what the poses are of: a camera (right, down, forward), the default; an aircraft whose camera "
-        "looks down, frd (forward, right, down) or flu (forward, left, up); or urf (up, right, forward), EuRoC's "
-        "inertial unit, whose cameras look forward",
-    )
-    local.add_argument(
-        "--world",
-        choices=WORLDS,
-        help="axes of the frame: east, north, up (default); north, east, down; or right, down and forward of a "
-        "camera that looks north (default for kitti)",
-    )
-    heights = reading.add_argument_group("heights, times and attitude")
-    heights.add_argument(
-        "--ground-height", type=float, metavar="M", help="height of the ground, as the file counts heights"
-    )
-    heights.add_argument("--agl", type=float, metavar="M", help="one height above ground for all positions")
-    heights.add_argument(
+    _add_field(local, fields["body"], "camera without this; needed for euroc")
+    _add_field(local, fields["world"], "enu without this; rdf for kitti")
+    others = reading.add_argument_group("heights, times and attitude")
+    for name in ("ground_height_m", "agl_m", "nadir", "every_s", "every_m"):
+        _add_field(others, fields[name])
+    others.add_argument(
         "--start", metavar="TIME", help="time of the first position (ISO 8601), instead of the file's"
-    )
-    heights.add_argument(
-        "--nadir",
-        action="store_true",
-        help="a gimbal keeps the camera straight down: take only the yaw of the attitude",
-    )
-    heights.add_argument("--every-s", type=float, metavar="S", help="keep one position every S seconds")
-    heights.add_argument(
-        "--every-m", type=float, metavar="M", help="keep one position every M metres of the way"
     )
 
 
@@ -132,15 +108,19 @@ def _add_line(actions: Any) -> None:
 _LINES = "GeoJSON file of LineStrings, flown one after the other"
 
 
-def _add_field(group: Any, field: Field) -> None:
-    """Option of a declared field."""
+def _add_field(group: Any, field: Field, default: str = "") -> None:
+    """Option of a declared field; ``default`` says what holds without it."""
     option = Option.of(field)
-    name = f"--{option.name.replace('_', '-')}"
-    if option.flag:
-        group.add_argument(name, action="store_true", help=option.told)
-        return
-    group.add_argument(
-        name, type=field.kind, required=field.needed, default=option.default, metavar="X", help=option.told
+    told = (option.told, *(f"{value}: {label}" for value, label in field.choices.items()), default)
+    more = {"choices": option.choices} if option.choices else {}
+    add_option(
+        group,
+        option,
+        "; ".join(filter(None, told)),
+        type=field.kind,
+        required=field.needed,
+        default=option.default,
+        **more,
     )
 
 
@@ -193,13 +173,12 @@ def _add_scans(actions: Any) -> None:
 
 def _add_camera(command: argparse.ArgumentParser) -> None:
     """Add the options of a camera and of its overlaps."""
-    group = command.add_argument_group("camera", "as those of plan and capture")
-    for option in (one for one in OPTIONS if one.name in (*CAMERA, OVERLAP)):
-        low, high = option.count or (1, 1)
-        many: Any = None if option.count is None else high if low == high else "+"
-        name = "--" + option.name.replace("_", "-")
-        metavar = option.metavar if many != "+" else None
-        group.add_argument(name, nargs=many, metavar=metavar, help=option.told)
+    group = command.add_argument_group(
+        "camera", "as those of plan and capture, each also in the environment or config.json"
+    )
+    for option in OPTIONS:
+        if option.name in CAMERA:
+            add_option(group, option)
 
 
 def _add_priors(actions: Any) -> None:

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import argparse
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput, Message
-from ..files import is_there, read_limited, write_whole
-from ..limits import MAX_MISSION_BYTES
+from ..fields import declared_fields
+from ..files import is_there, write_whole
 from ..text import printable
 from .exits import DONE
-from .pose_options import LOCAL
 
 if TYPE_CHECKING:
     from ..geodesy.camera import Camera
     from ..mission.area import Box, Points, Polygon, Polygons
     from ..poses.settings import Scan
-    from ..poses.track import Track
-
-_ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
 
 
 def run_poses(arguments: argparse.Namespace) -> int:
@@ -39,80 +34,18 @@ def run_poses(arguments: argparse.Namespace) -> int:
 
 
 def _read(arguments: argparse.Namespace) -> int:
+    from ..poses.reading import read_poses_file
+    from ..poses.settings import PoseFile
     from ..text import time_s
 
-    start_s = time_s(arguments.start, "--start") if arguments.start else None
-    track = _track(arguments)
-    if start_s is not None:
-        track = track.starting(start_s)
-    if arguments.nadir:
-        track = track.nadir()
-    points, left_out = track.points(
-        arguments.ground_height, arguments.agl, every_s=arguments.every_s, every_m=arguments.every_m
-    )
-    _write(points, arguments.output)
-    if left_out:
-        print(f"{left_out:,} of {len(track):,} positions left out, at or below the ground")
+    given = {field.name: getattr(arguments, field.name_of_option) for field in declared_fields(PoseFile)}
+    given["origin"] = given["origin"] or ()
+    given["start_s"] = time_s(arguments.start, "--start") if arguments.start else None
+    read = read_poses_file(arguments.file, PoseFile(**given))
+    _write(read.points, arguments.output)
+    if read.left_out:
+        print(f"{read.left_out:,} of {read.positions:,} positions left out, at or below the ground")
     return DONE
-
-
-def _track(arguments: argparse.Namespace) -> Track:
-    from ..poses.gpx import read_gpx
-    from ..poses.logs import read_dataflash, read_ulog
-    from ..poses.trajectories import read_trajectory
-    from ..safe_json import decoded
-
-    path = Path(arguments.file)
-    file_format = arguments.format or _ENDINGS.get(path.suffix.lower())
-    if file_format is None:
-        raise InvalidInput(
-            "trajectory {0}: its ending does not tell its format", path, remedy="give --format"
-        )
-    if file_format not in LOCAL and (arguments.origin or arguments.body or arguments.world):
-        raise InvalidInput(
-            "--origin, --body and --world: are for {0}, and not for {1}", ", ".join(LOCAL), file_format
-        )
-    if not is_there(path):
-        raise InvalidInput("trajectory {0}: no such file", path)
-    if file_format == "ulog":
-        return read_ulog(path)
-    if file_format == "dataflash":
-        return read_dataflash(path, text=path.suffix.lower() == ".log")
-    try:
-        body = read_limited(path, MAX_MISSION_BYTES)
-        text = "" if file_format == "gpx" else decoded(body)
-    except (OSError, InvalidInput) as wrong:
-        raise InvalidInput("trajectory {0}: cannot be read ({1})", path, wrong) from wrong
-    name = f"trajectory {path}"
-    if file_format == "gpx":
-        return read_gpx(body, name)
-    lat_deg, lon_deg, height_m = _origin(arguments.origin or [], path, file_format)
-    return read_trajectory(
-        text,
-        file_format,
-        (lat_deg, lon_deg, height_m),
-        body=arguments.body,
-        world=arguments.world,
-        name=name,
-    )
-
-
-def _origin(numbers: list[float], path: Path, file_format: str) -> tuple[float, float, float]:
-    if len(numbers) not in (2, 3):
-        raise InvalidInput(
-            "trajectory {0}: {1} is in metres of a local frame",
-            path,
-            file_format,
-            remedy="say where its origin lies (--origin LAT LON [HEIGHT])",
-        )
-    from ..fields import field_named
-    from ..mission.area import check_lat_lon
-    from ..mission.parts import Flight
-
-    lat_deg, lon_deg, height_m = (*numbers, 0.0)[:3]
-    check_lat_lon(lat_deg, lon_deg)
-    field_named(Flight, "ground_height_m").settled(height_m)
-    return lat_deg, lon_deg, height_m
 
 
 def _random(arguments: argparse.Namespace) -> int:
@@ -202,17 +135,12 @@ def _scan(arguments: argparse.Namespace) -> Scan:
 
 def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]:
     """Camera of the command's options, and its overlaps along and across rows."""
-    from ..mission.options import OPTIONS
-    from ..mission.settings import camera_from
-    from .pose_options import CAMERA, OVERLAP
+    from ..mission.settings import camera_from, resolve
+    from .pose_options import CAMERA
 
-    values = {}
-    for option in OPTIONS:
-        if option.name in (*CAMERA, OVERLAP):
-            given = getattr(arguments, option.name)
-            values[option.name] = option.default if given is None else option.read(given, "option")
-    along, *across = values[OVERLAP]
-    return camera_from(values)[0], (along, across[0] if across else along)
+    values = resolve({name: getattr(arguments, name) for name in CAMERA})
+    overlap = values["overlap"]
+    return camera_from(values)[0], (overlap[0], overlap[-1])
 
 
 def _area(text: str) -> Box | Polygon | Polygons:

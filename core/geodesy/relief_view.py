@@ -23,7 +23,7 @@ Bools = NDArray[np.bool_]
 Numbers = NDArray[np.int64]
 
 #: Cells of a surface that an image's rays are traced over, at most; farther away cells are twice as large.
-_MOST_CELLS = 1 << 21
+MOST_CELLS = 1 << 21
 #: Cells from the camera to where larger ones begin, at least: seen from there one is less than a pixel of most cameras.
 _LEAST_CELLS = 700.0
 #: Farthest that relief is looked for, and the highest that there is, metres.
@@ -249,9 +249,9 @@ class Tracing:
             area_m2 = float(np.prod(np.ptp(points[:, :2], axis=0)))
             if begin_m == 0.0:
                 # From high up all cells are less than a pixel, which larger ones may be as well.
-                while area_m2 > _MOST_CELLS * cell_m**2 and above_m > 2.0 * _LEAST_CELLS * cell_m:
+                while area_m2 > MOST_CELLS * cell_m**2 and above_m > 2.0 * _LEAST_CELLS * cell_m:
                     cell_m *= 2.0
-            if area_m2 > _MOST_CELLS * cell_m**2:
+            if area_m2 > MOST_CELLS * cell_m**2:
                 end_m = max(_LEAST_CELLS * cell_m, 2.0 * begin_m)
                 points = self._points(
                     directions, begin_m / level, _BULGE * np.minimum(reach_m, end_m) / level

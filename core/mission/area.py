@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, Union
 
@@ -353,6 +353,79 @@ def sides_of(polygon: Rings) -> Edges:
     lon0, lat0 = (np.concatenate(parts) for parts in zip(*rings))
     lon1, lat1 = (np.concatenate([np.roll(part, -1) for part in parts]) for parts in zip(*rings))
     return lon0, lat0, lon1, lat1
+
+
+def shared_rings(area: Box | Rings, others: Sequence[Polygon]) -> list[tuple[Floats, Floats]]:
+    """Ground that an area shares with any of some polygons, as trapezoids between parallels.
+
+    They have no ground in common. Their longitudes are continuous with the area's.
+    """
+    rings = ring_of_box(area) if isinstance(area, Box) else area.arrays()
+    west, east = float(rings[0][0].min()), float(rings[0][0].max())
+    south, north = float(rings[0][1].min()), float(rings[0][1].max())
+    shapes = [rings]
+    for other in others:
+        own = other.arrays()
+        lon, lat = own[0]
+        if lat.max() <= south or lat.min() >= north:
+            continue
+        # It lies there as often as the world goes round beneath the area.
+        first = math.ceil((west - float(lon.max())) / 360.0)
+        last = math.floor((east - float(lon.min())) / 360.0)
+        shapes += [[(x + 360.0 * turn, y) for x, y in own] for turn in range(first, last + 1)]
+    edges, owners = [], []
+    for owner, shape in enumerate(shapes):
+        sides = np.stack(sides_of(Part(tuple(shape))))
+        sides = sides[:, _reach_into((sides[0], sides[1], sides[2], sides[3]), south, north)]
+        edges.append(sides)
+        owners.append(np.full(sides.shape[1], owner))
+    lon0, lat0, lon1, lat1 = np.concatenate(edges, axis=1)
+    owner = np.concatenate(owners)
+    if len(shapes) == 1:
+        return []
+    cuts = np.unique(np.concatenate([lat0, lat1, _crossing_lats(lon0, lat0, lon1, lat1)]))
+    cuts = cuts[(cuts >= south) & (cuts <= north)]
+    low, high = np.minimum(lat0, lat1), np.maximum(lat0, lat1)
+    slope = (lon1 - lon0) / np.where(lat1 == lat0, 1.0, lat1 - lat0)
+    found = []
+    for bottom, top in zip(cuts[:-1].tolist(), cuts[1:].tolist()):
+        here = np.flatnonzero((low < top) & (high > bottom))
+        ends = [lon0[here] + slope[here] * (lat - lat0[here]) for lat in (bottom, top)]
+        order = np.argsort(ends[0] + ends[1], kind="stable")
+        inside, begun = [False] * len(shapes), -1
+        for at in order.tolist():
+            inside[owner[here[at]]] ^= True
+            shared = inside[0] and any(inside[1:])
+            if shared and begun < 0:
+                begun = at
+            elif begun >= 0 and not shared:
+                lon = np.array([ends[0][begun], ends[0][at], ends[1][at], ends[1][begun]])
+                found.append((lon, np.array([bottom, bottom, top, top])))
+                begun = -1
+    return found
+
+
+def _crossing_lats(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> Floats:
+    """Latitudes at which edges (n,) cross each other."""
+    found = [np.empty(0)]
+    for at in range(len(lon0) - 1):
+        rest = slice(at + 1, None)
+        x, y = lon1[at] - lon0[at], lat1[at] - lat0[at]
+        other_x, other_y = lon1[rest] - lon0[rest], lat1[rest] - lat0[rest]
+        apart_x, apart_y = lon0[rest] - lon0[at], lat0[rest] - lat0[at]
+        turn = x * other_y - y * other_x
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = (apart_x * other_y - apart_y * other_x) / turn
+            other_share = (apart_x * y - apart_y * x) / turn
+            cross = (share > 0.0) & (share < 1.0) & (other_share > 0.0) & (other_share < 1.0)
+        found.append(lat0[at] + share[cross] * y)
+    return np.concatenate(found)
+
+
+def ring_of_box(box: Box) -> list[tuple[Floats, Floats]]:
+    """Longitudes and latitudes of a box's corners, as the only ring."""
+    west, south, east, north = box.edges_deg
+    return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
 
 
 def in_band(edges: Edges, south: float, north: float) -> tuple[Floats, Floats]:

@@ -8,14 +8,14 @@ import os
 import re
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import read_limited
-from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES, MAX_XML_DEPTH
+from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
 from ..safe_json import parse_json
-from ..safe_xml import UnreadableXMLError, root_of
+from ..safe_xml import UnreadableXMLError, XMLReader, elements_of
 from .area import Polygon, Polygons
 
 #: First bytes of a zip, which a KMZ is.
@@ -35,24 +35,9 @@ _BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplemente
 
 
 _Rings = tuple[tuple[tuple[float, float], ...], ...]
-#: What reads XML: the name of each element where it begins, without its namespace, and its text; two empty texts where
-#: it ends. Only ``coordinates`` need have their text. It raises `UnreadableXMLError`.
-XMLReader = Callable[[bytes], Iterator[tuple[str, str]]]
 
 
-def _by_lxml(body: bytes) -> Iterator[tuple[str, str]]:
-    """Elements of a document, read by lxml."""
-    todo: list[Any] = [root_of(body)]
-    while todo:
-        element = todo.pop()
-        if element is None:
-            yield "", ""
-            continue
-        yield str(element.tag).rpartition("}")[2], str(element.text or "")
-        todo += [None, *reversed(element)]
-
-
-def load_area(path: str | os.PathLike[str], read_xml: XMLReader = _by_lxml) -> Polygon | Polygons:
+def load_area(path: str | os.PathLike[str], read_xml: XMLReader = elements_of) -> Polygon | Polygons:
     """All polygons of a file as one area.
 
     Raises
@@ -64,13 +49,13 @@ def load_area(path: str | os.PathLike[str], read_xml: XMLReader = _by_lxml) -> P
     return found[0] if len(found) == 1 else Polygons(found)
 
 
-def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = _by_lxml) -> tuple[Polygon, ...]:
+def load_no_fly(path: str | os.PathLike[str], read_xml: XMLReader = elements_of) -> tuple[Polygon, ...]:
     """All polygons of a file where no camera may stand; raises as `load_polygons` does."""
     return load_polygons(path, Message("no-fly file {0}", path), read_xml)
 
 
 def load_polygons(
-    path: str | os.PathLike[str], where: str, read_xml: XMLReader = _by_lxml
+    path: str | os.PathLike[str], where: str, read_xml: XMLReader = elements_of
 ) -> tuple[Polygon, ...]:
     """All polygons of a GeoJSON, KML or KMZ file, in its order, each once.
 
@@ -199,7 +184,7 @@ def _kml_polygons(body: bytes, where: str, read_xml: XMLReader) -> list[_Rings]:
     if len(body) > MAX_CAPABILITIES_BYTES:
         raise InvalidInput("{0}: its KML is larger than {1} MB", where, MAX_CAPABILITIES_BYTES >> 20)
     try:
-        return _rings_of(read_xml(body), where)
+        return _rings_of(((name, text) for name, text, _ in read_xml(body)), where)
     except UnreadableXMLError as wrong:
         raise InvalidInput("{0}: cannot be read as KML ({1})", where, wrong) from wrong
     except ImportError as missing:
@@ -220,10 +205,6 @@ def _rings_of(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
     for name, text in elements:
         if name:
             open_.append(name)
-            if len(open_) > MAX_XML_DEPTH:
-                raise UnreadableXMLError(
-                    Message("elements within each other, more than {0} deep", MAX_XML_DEPTH)
-                )
             if name == "Polygon":
                 rings = {boundary: [] for boundary in _BOUNDARIES}
             elif name == "LinearRing":

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
+from ..geodesy.relief_view import MOST_CELLS
 from .area import Polygon, Polygons
 from .flight.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
 from .layout.framing import sampled_zooms
@@ -33,8 +34,8 @@ class Costs:
         Size of the written files by format.
     warp_s_per_px : float
         Making a camera frame from its tiles, on one core.
-    trace_s_per_px : float
-        Following its rays over relief, twice, on one core.
+    trace_s_per_px, trace_s_per_cell : float
+        Following its rays over relief, twice, on one core: for each pixel, and for each cell of the relief below it.
     requests_per_s : float or None
         The most that the source allows; None where it has no such limit.
     pixels_from : str
@@ -46,7 +47,8 @@ class Costs:
     encode_s_per_px: dict[str, float]
     bytes_per_px: dict[str, float]
     warp_s_per_px: float = 1e-7
-    trace_s_per_px: float = 4e-6
+    trace_s_per_px: float = 2e-6
+    trace_s_per_cell: float = 5e-7
     requests_per_s: float | None = None
     pixels_from: str = "network"
 
@@ -74,7 +76,8 @@ class Summary:
     ``fov_deg`` is 0 where the camera does not look straight down.
 
     ``polygons`` is how many the area has, 0 where it has none; ``images_over_no_fly`` are those that were left out
-    because their camera would stand inside one of the ``no_fly_areas``.
+    because their camera would stand inside one of the ``no_fly_areas``. What is covered and uncovered counts the ground
+    outside those; ``no_fly_m2`` is the area's ground inside them.
 
     ``own_pixels`` says what the pixels are of a source in a CRS of its own, whose zooms are no map's; else it is empty.
     """
@@ -127,6 +130,7 @@ class Summary:
     polygons: int = 0
     no_fly_areas: int = 0
     images_over_no_fly: int = 0
+    no_fly_m2: float | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping."""
@@ -169,6 +173,8 @@ class Summary:
             if self.hidden_share:
                 words = Message("{0}; relief hides about {1:.1f} %", words, 100.0 * self.hidden_share)
             share = percent(self.covered_share, exact=bool(self.complete))
+            if self.no_fly_m2:
+                share = Message("{0} of the area outside no-fly areas", share)
             lines.append((Message("coverage"), Message("{0} ({1})", share, words)))
         if self.imagery_share is not None and self.lacks_imagery:
             lines.append(
@@ -180,8 +186,8 @@ class Summary:
                 )
             )
         for label, least, median in (
-            (Message("overlap along rows"), self.least_overlap_along, self.median_overlap_along),
-            (Message("overlap across rows"), self.least_overlap_across, self.median_overlap_across),
+            (Message("front overlap"), self.least_overlap_along, self.median_overlap_along),
+            (Message("side overlap"), self.least_overlap_across, self.median_overlap_across),
         ):
             if least is not None and median is not None:
                 lines.append((label, Message("least {0:.2f} %, median {1:.2f} %", 100 * least, 100 * median)))
@@ -221,6 +227,8 @@ class Summary:
             )
         if self.no_fly_areas:
             words = Message("{0:,} images left out", self.images_over_no_fly)
+            if self.no_fly_m2:
+                words = Message("{0}, {1} of the area", words, area_text(self.no_fly_m2))
             lines.append((Message("over no-fly areas"), words))
         return lines
 
@@ -276,8 +284,8 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         fetch_s = max(fetch_s, plan.requests / costs.requests_per_s)
     encode_s = pixels * costs.encode_s_per_px[mission.output.image_format] / cores
     if plan.size_px is not None:
-        per_px_s = costs.warp_s_per_px + (costs.trace_s_per_px if plan.relief is not None else 0.0)
-        encode_s += float(np.sum(plan.width_px * plan.height_px)) * per_px_s / cores
+        warp_s = float(np.sum(plan.width_px * plan.height_px)) * costs.warp_s_per_px
+        encode_s += (warp_s + _trace_s(plan, costs)) / cores
     # Computing tiles takes the cores from encoding; waiting for a server does not.
     seconds = max(fetch_s, encode_s) if costs.request_bytes else fetch_s + encode_s
     coverage, overlap, relief = plan.coverage, plan.overlap, _over_relief(plan)
@@ -293,7 +301,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         delivered_gsd_m_per_px=plan.delivered_gsd_m_per_px,
         flight_distance_m=plan.flight_distance_m,
         flight_s=plan.flight_s,
-        area_m2=None if coverage is None else coverage.area_m2,
+        area_m2=None if coverage is None else coverage.area_m2 + coverage.no_fly_m2,
         uncovered_m2=None if coverage is None else coverage.uncovered_m2,
         covered_share=None if coverage is None else coverage.share,
         complete=None if coverage is None else coverage.complete,
@@ -314,10 +322,22 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         polygons=_polygons(plan),
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
+        no_fly_m2=None if coverage is None else coverage.no_fly_m2,
         warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
         **relief,
         **_flown(plan),
     )
+
+
+def _trace_s(plan: Plan, costs: Costs) -> float:
+    """Following rays over relief, on one core; 0 over level ground."""
+    if plan.relief is None:
+        return 0.0
+    pixels = (plan.width_px * plan.height_px).astype(np.float64)
+    cell_m = plan.relief.heights.surface.cell_m(float(plan.lat_deg[0]), float(plan.lon_deg[0]))
+    # From high up larger cells are taken.
+    cells = np.minimum(pixels * (plan.requested_gsd_m_per_px / cell_m) ** 2, MOST_CELLS)
+    return float(np.sum(pixels * costs.trace_s_per_px + cells * costs.trace_s_per_cell))
 
 
 def _flown(plan: Plan) -> dict[str, Any]:

@@ -20,9 +20,12 @@ _METAVARS = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
 
 
 def share(text: str) -> float:
-    """Share that a text states, as 0.6 or as 60%; raises ValueError."""
+    """Share from 0 to below 1 that a text states, as 0.6 or as 60%; raises ValueError for any other."""
     plain = text.strip()
-    return float(plain[:-1]) / 100.0 if plain.endswith("%") else float(plain)
+    value = float(plain[:-1]) / 100.0 if plain.endswith("%") else float(plain)
+    if not 0.0 <= value < 1.0:
+        raise ValueError(text)
+    return value
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,7 @@ _NAMES: dict[Callable[[str], Any], str] = {
     float: "number",
     int: "whole number",
     str: "text",
-    share: "share, such as 0.6 or 60%",
+    share: "share from 0 to below 1, such as 0.6 or 60%",
 }
 
 
@@ -198,10 +201,10 @@ OPTIONS: tuple[Option, ...] = (
         "overlap",
         share,
         (Flight.overlap_along,),
-        "share of an image the next one shows again, in [0, 1), or with a percent sign: for both directions, or "
-        "along and across rows",
+        "front overlap, and side overlap where that is another: share of an image that the next one of its row, and "
+        "the next row, shows again; from 0 to below 1, or with a percent sign",
         count=(1, 2),
-        metavar=("ALONG", "ACROSS"),
+        metavar=("FRONT", "SIDE"),
     ),
     *_fields(Flight, but=("agl_m", "overlap_along", "overlap_across")),
     Option(

@@ -262,8 +262,8 @@ class Flight(Part):
     )
     overlap_along: float = declared(
         0.0,
-        title="overlap along rows",
-        help="front overlap: share of an image that the next one of its row shows again",
+        title="front overlap",
+        help="share of an image that the next one of its row shows again",
         unit="share",
         least=0.0,
         below=1.0,
@@ -271,8 +271,8 @@ class Flight(Part):
     )
     overlap_across: float = declared(
         0.0,
-        title="overlap across rows",
-        help="side overlap: share of an image that the next row shows again",
+        title="side overlap",
+        help="share of an image that the next row shows again",
         unit="share",
         least=0.0,
         below=1.0,

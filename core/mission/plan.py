@@ -358,12 +358,15 @@ class Plan:
 
     @cached_property
     def coverage(self) -> Coverage | None:
-        """What the windows show of the area, or of turned rows the rectangles turned with them; None for points."""
+        """What the windows show of the area outside no-fly areas; None for points.
+
+        Of turned rows it is what the rectangles show that are turned with them.
+        """
         if isinstance(self.mission.area, Points):
             return None
         if self.passes:
             return rotated_coverage(self.mission, self.passes, self._rectangles)
-        return coverage(self.mission.area, self.windows, self.grid, self.zoom)
+        return coverage(self.mission.area, self.windows, self.grid, self.zoom, self.mission.no_fly)
 
     @cached_property
     def imagery(self) -> Imagery:

@@ -31,7 +31,7 @@ from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief import Heights
 from ..picture.heights import heights_of
-from .raster import Block, Ground, positions
+from .raster import Block, Ground, places, positions
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -44,6 +44,9 @@ FLATTEST_DEG = 80.0
 #: Rays along each side of an image by which the box of its ground is found, and what that may be larger by: ground
 #: bends between rays by less.
 _RAYS, _MARGIN = 9, 1.0 / 32.0
+#: Pixels from ray to ray in an image within which the relief ends; nodes along each side of a box by which the relief
+#: about it is found; rounding of rays along an image's edge.
+_EACH_PX, _NODES, _ON_EDGE = 2, 5, 1.0 + 1e-9
 #: Images whose boxes are worked out at a time, to bound memory: some 30 MB.
 _BOXED = 2048
 #: Cells of the relief that one block of a mosaic is looked at through, at most.
@@ -82,6 +85,15 @@ class Boxes(NamedTuple):
     south: Floats
     east: Floats
     north: Floats
+
+
+class Ends(NamedTuple):
+    """Edges of a rectangle, in the unit of a CRS."""
+
+    west: float
+    south: float
+    east: float
+    north: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,6 +184,11 @@ class CameraFrames:
         return surface.heights(*surface.position(self.poses.lat_deg, self.poses.lon_deg))
 
     @cached_property
+    def _base_m(self) -> float:
+        """Height over ``ground`` of that below the cameras, at its highest."""
+        return 0.0 if self.relief is None else max(float(np.nanmax(self._heights_below)), 0.0)
+
+    @cached_property
     def _levels_m(self) -> tuple[float, ...]:
         """Heights over ``ground`` between which all ground lies that images show."""
         if self.relief is None:
@@ -198,14 +215,90 @@ class CameraFrames:
             edges[:, part] = self._boxes(self.poses.take(part), rays, margin)
         return Boxes(*edges)
 
-    def _boxes(self, poses: Poses, count: int, margin: float) -> Floats:
-        side = np.linspace(-1.0, 1.0, count)
-        points = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
-        rays = self.camera.rays_enu(points, *poses.attitude)
+    def ends(self, boxes: Boxes) -> Ends:
+        """Ends of the ground that images show, to a pixel or two of theirs; not finite where they show none.
+
+        Along each direction from below a camera, what it shows farthest away lies at the edge of its image, or where
+        it looks too flat: one ray a pixel goes there. Only images whose boxes reach beyond what others show count.
+
+        Parameters
+        ----------
+        boxes : Boxes
+            Of all images.
+        """
+        own: dict[int, Ends] = {}
+        found = [math.inf, math.inf, -math.inf, -math.inf]
+        for at, (box, sign) in enumerate(zip(boxes, (1.0, 1.0, -1.0, -1.0))):
+            outermost = np.argsort(sign * box)[: int(np.isfinite(box).sum())]
+            for index in outermost.tolist():
+                if sign * float(box[index]) >= sign * found[at]:
+                    break
+                if index not in own:
+                    own[index] = self._ends(index, boxes)
+                    found = [*map(min, found[:2], own[index][:2]), *map(max, found[2:], own[index][2:])]
+        return Ends(*found)
+
+    def _ends(self, index: int, boxes: Boxes) -> Ends:
+        """Ends of the ground that one image shows."""
+        width, height = self.size_px
+        x, y = np.linspace(-1.0, 1.0, width + 1), np.linspace(-1.0, 1.0, height + 1)
+        edge = [*(np.stack([x, np.full_like(x, at)], axis=-1) for at in (-1.0, 1.0))]
+        edge += [*(np.stack([np.full_like(y, at), y], axis=-1) for at in (-1.0, 1.0))]
+        east, north, all_met = self._met(index, np.concatenate(edge), boxes)
+        if not all_met:
+            # The relief ends within the image.
+            x, y = (np.linspace(-1.0, 1.0, side // _EACH_PX + 2) for side in self.size_px)
+            inner_east, inner_north, _ = self._met(
+                index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes
+            )
+            east, north = np.concatenate([east, inner_east]), np.concatenate([north, inner_north])
+        if not len(east):
+            return Ends(math.inf, math.inf, -math.inf, -math.inf)
+        return Ends(*(float(end) for end in (east.min(), north.min(), east.max(), north.max())))
+
+    def _met(self, index: int, points: Floats, boxes: Boxes) -> tuple[Floats, Floats, bool]:
+        """Where rays of an image through points (k, 2) of it meet the ground, in the CRS; whether all do."""
+        pose = self.poses.take(np.array([index]))
+        rays = self._no_flatter(self.camera.rays_enu(points, *pose.attitude), pose)[0]
+        right, up, depth = np.moveaxis(rays @ np.stack(image_axes(*pose.attitude), axis=-1)[0], -1, 0)
+        tan_x, tan_y = self.camera.half_tangents
+        # Those that were bent may have left it.
+        rays = rays[(np.abs(right) <= _ON_EDGE * tan_x * depth) & (np.abs(up) <= _ON_EDGE * tan_y * depth)]
+        lat, lon, agl = (np.broadcast_to(at, len(rays)) for at in pose[:3])
+        if self.relief is None:
+            seen = trace(lat, agl, rays, self.ground)
+            seen_lat, dlon = seen.lat_deg, seen.dlon_deg
+        else:
+            corners = np.meshgrid(
+                *(
+                    np.linspace(float(low[index]), float(high[index]), _NODES)
+                    for low, high in ((boxes.west, boxes.east), (boxes.south, boxes.north))
+                )
+            )
+            about_lat, about_lon = (at.ravel() for at in places(self.plane, *corners))
+            known = np.isfinite(about_lat)
+            surface = self._surface(
+                np.append(about_lat[known], lat[:1]), np.append(about_lon[known], lon[:1])
+            )
+            seen_lat, dlon, _, _ = surface.first_points(lat, lon, agl, rays, surface.lowest_m)
+        east, north = self._on_map(seen_lat, lon + dlon)
+        met = np.isfinite(east) & np.isfinite(north)
+        return east[met], north[met], bool(met.all())
+
+    def _on_map(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+        """Places in the CRS; what lies beyond the map's edge is on none of its images."""
+        if isinstance(self.plane, WebMercator):
+            lat_deg = np.clip(lat_deg, -MAX_LAT_DEG, MAX_LAT_DEG)
+        return positions(self.plane, lat_deg, lon_deg)
+
+    def _no_flatter(self, rays: Floats, poses: Poses) -> Floats:
+        """Rays (n, k, 3), those that would see ground too flat bent down to where that begins."""
+        # The Earth bends away below a ray.
+        radius = WGS84.b_m + self._base_m
+        reach = radius / (WGS84.b_m + np.maximum(poses.agl_m, self._base_m))
+        tangent = np.tan(np.arcsin(reach * math.sin(math.radians(self.flattest_deg))))[:, np.newaxis]
         level = np.hypot(rays[..., 0], rays[..., 1])
-        tangent = math.tan(math.radians(self.flattest_deg))
         flat = level > -rays[..., 2] * tangent
-        # What lies beyond ends where it is seen too flat.
         bent = np.stack(
             [
                 *(rays[..., axis] / np.maximum(level, 1e-12) * tangent for axis in (0, 1)),
@@ -213,10 +306,14 @@ class CameraFrames:
             ],
             axis=-1,
         )
-        rays = np.where(flat[..., np.newaxis], bent, rays)
+        return np.where(flat[..., np.newaxis], bent, rays)
+
+    def _boxes(self, poses: Poses, count: int, margin: float) -> Floats:
+        side = np.linspace(-1.0, 1.0, count)
+        points = np.stack(np.meshgrid(side, side), axis=-1).reshape(-1, 2)
+        rays = self._no_flatter(self.camera.rays_enu(points, *poses.attitude), poses)
         x: list[Floats] = []
         y: list[Floats] = []
-        on_mercator = isinstance(self.plane, WebMercator)
         for level_m in self._levels_m:
             seen = trace(
                 poses.lat_deg[:, np.newaxis],
@@ -224,9 +321,7 @@ class CameraFrames:
                 rays,
                 self.ground.raised(level_m),
             )
-            # What lies beyond the map's edge is on none of its images.
-            lat = np.clip(seen.lat_deg, -MAX_LAT_DEG, MAX_LAT_DEG) if on_mercator else seen.lat_deg
-            found = positions(self.plane, lat, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
+            found = self._on_map(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg)
             for parts, values in zip((x, y), found):
                 parts.append(np.where(np.isfinite(values), values, np.nan))
         across, down = np.concatenate(x, axis=1), np.concatenate(y, axis=1)
@@ -345,6 +440,11 @@ class MapFrames:
         x = np.stack([x0 + xx * a * width + xy * b * height for a in (0, 1) for b in (0, 1)])
         y = np.stack([y0 + yx * a * width + yy * b * height for a in (0, 1) for b in (0, 1)])
         return Boxes(x.min(axis=0), y.min(axis=0), x.max(axis=0), y.max(axis=0))
+
+    def ends(self, boxes: Boxes) -> Ends:
+        """Ends of the ground that images show, exactly."""
+        west, south, east, north = boxes
+        return Ends(*map(float, (west.min(), south.min(), east.max(), north.max())))
 
     def ground_of(self, block: Block, candidates: Numbers) -> Ground:  # noqa: ARG002  as of camera frames
         """Ground of a block: none, as images show the map itself."""

@@ -43,9 +43,9 @@ _KEPT_BYTES = 1 << 28
 #: Threads, each of which works on a block, and blocks begun ahead of the one that is written next, for each.
 _MOST_THREADS, _AHEAD = 8, 2
 _OPAQUE = 255
-#: Of an image alone: rays along each side by which the box of its ground is found, the widest pixel of its map in
-#: pixels of the camera straight below it, and the flattest view, degrees.
-_RAYS_OF_ONE, _COARSEST, _LEVEL_DEG = 65, 8.0, 89.99
+#: Of an image alone: the widest pixel of its map in pixels of the camera straight below it, and the flattest view,
+#: degrees.
+_COARSEST, _LEVEL_DEG = 8.0, 89.99
 #: Of the files that are written.
 _ENDINGS = (".tif", ".tiff")
 #: Most pixels along a side of a mosaic.
@@ -146,10 +146,9 @@ def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes
     map frames are the pixels of these.
     """
     boxes = frames.boxes()
-    ends = (np.nanmin(boxes.west), np.nanmin(boxes.south), np.nanmax(boxes.east), np.nanmax(boxes.north))
-    if not np.isfinite(ends).all():
+    west, south, east, north = frames.ends(boxes)
+    if not (west < east and south < north):
         raise _no_ground(frames)
-    west, south, east, north = (float(end) for end in ends)
     own = getattr(frames, "affines", None)
     if own is not None and gsd_m is None:
         across, down = (float(max(abs(own[0, at]), abs(own[0, at + 1]))) for at in (1, 4))
@@ -192,9 +191,10 @@ def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
     below_m = frames.gsd_m * max(frames.size_px) / (2.0 * max(frames.camera.half_tangents))
     reach_m = _COARSEST * frames.gsd_m * longest_px
     flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), _LEVEL_DEG)
-    boxes = replace(alone, flattest_deg=flattest_deg).boxes(_RAYS_OF_ONE, 0.0)
+    cut = replace(alone, flattest_deg=flattest_deg)
+    boxes = cut.boxes()
+    west, south, east, north = cut.ends(boxes)
     alone = replace(alone, flattest_deg=_LEVEL_DEG)
-    west, south, east, north = (float(end[0]) for end in boxes)
     if not (west < east and south < north):
         raise _no_ground(alone)
     pixel = max(east - west, north - south) / longest_px

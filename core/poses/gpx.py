@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from ..errors import InvalidInput
-from ..safe_xml import UnreadableXMLError, root_of
+from ..safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, elements_of
 from ..text import time_s
-from .logs import reader_module
-from .track import Track
+from .logs import missing_reader
+from .track import REPORT_EACH, Progress, Track, report, unwatched
+
+#: Points of a track, and of a route.
+_TRACK, _ROUTE = ATTRIBUTES
 
 
-def read_gpx(body: bytes, name: str = "GPX file") -> Track:
+def read_gpx(
+    body: bytes,
+    name: str = "GPX file",
+    read_xml: XMLReader = elements_of,
+    progress: Progress = unwatched,
+) -> Track:
     """Read a track, its segments one after the other. Heights are the file's own; that of the ground is not known.
+
+    Parameters
+    ----------
+    name : str
+        What messages call the file.
+    read_xml : callable
+        What reads XML; by default lxml does.
+    progress : callable
 
     Raises
     ------
@@ -23,13 +39,16 @@ def read_gpx(body: bytes, name: str = "GPX file") -> Track:
         No GPX; points without a place, or with times that go back or that only some of them have.
     OutputError
         lxml is not installed.
+    Cancelled
+        When ``progress`` said so.
     """
-    reader_module("lxml.etree", "lxml")
     try:
-        root = root_of(body)
+        found = _points(body, read_xml, progress)
     except UnreadableXMLError as wrong:
         raise InvalidInput("{0}: cannot be read as GPX ({1})", name, wrong) from wrong
-    points = list(root.iter("{*}trkpt")) or list(root.iter("{*}rtept"))
+    except ImportError as missing:
+        raise missing_reader("lxml") from missing
+    points = found[_TRACK] or found[_ROUTE]
     if not points:
         raise InvalidInput("{0}: has no track points and no route points", name)
     rows = np.array([_row(point, f"{name}, point {number}:") for number, point in enumerate(points, 1)])
@@ -43,20 +62,36 @@ def read_gpx(body: bytes, name: str = "GPX file") -> Track:
     return Track(lat, lon, height, None, times if timed.all() else None)
 
 
-def _row(point: Any, where: str) -> tuple[float, float, float, float]:
+def _points(body: bytes, read_xml: XMLReader, progress: Progress) -> dict[str, list[dict[str, str]]]:
+    """Texts of points, by their kind: attributes and children."""
+    # Each element has a beginning and, most of them, an end.
+    most = max(body.count(b"<"), 1)
+    found: dict[str, list[dict[str, str]]] = {_TRACK: [], _ROUTE: []}
+    open_: list[str] = []
+    for number, (name, text, attributes) in enumerate(read_xml(body)):
+        if number % REPORT_EACH == 0:
+            report(progress, min(number / most, 1.0))
+        if not name:
+            open_.pop()
+            continue
+        open_.append(name)
+        if name in found:
+            found[name].append(dict(attributes))
+        elif len(open_) > 1 and open_[-2] in found and text.strip():
+            # Of several the first one counts.
+            found[open_[-2]][-1].setdefault(name, text.strip())
+    return found
+
+
+def _row(point: Mapping[str, str], where: str) -> tuple[float, float, float, float]:
     """Latitude, longitude, height and time of a point; NaN for what it may lack."""
-    elevation, time = (_text(point, child) for child in ("ele", "time"))
+    elevation, time = point.get("ele"), point.get("time")
     return (
         _number(point.get("lat", ""), where),
         _number(point.get("lon", ""), where),
         math.nan if elevation is None else _number(elevation, where),
         math.nan if time is None else time_s(time, where),
     )
-
-
-def _text(point: Any, child: str) -> str | None:
-    found = point.find(f"{{*}}{child}")
-    return None if found is None or not (found.text or "").strip() else str(found.text).strip()
 
 
 def _number(text: str, where: str) -> float:

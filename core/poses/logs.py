@@ -12,15 +12,15 @@ import os
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, Message, OutputError
+from ..errors import Cancelled, InvalidInput, Message, OutputError
 from ..geodesy.camera import attitude_of
 from ..geodesy.quaternions import quaternions_of_angles, rotations_of
-from .track import Track
+from .track import REPORT_EACH, Progress, Track, report, unwatched
 from .trajectories import BODIES, ROUNDING, WORLDS
 
 Floats = NDArray[np.float64]
@@ -62,16 +62,20 @@ _LEAPS = (
 _STANDARD_ERROR = 2
 
 
-def reader_module(name: str, package: str = "") -> Any:
-    """Module of another package that reads a format; raises OutputError that says how to get it."""
+def missing_reader(package: str) -> OutputError:
+    """Error that says how to get a package that reads a format."""
+    return OutputError(
+        "{0}, which reads such files, is not installed",
+        package,
+        remedy=Message("get it with: pip install 'terrainav[{0}]'", "logs"),
+    )
+
+
+def _reader_module(name: str, package: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as missing:
-        raise OutputError(
-            "{0}, which reads such files, is not installed",
-            package or name,
-            remedy=Message("get it with: pip install 'terrainav[{0}]'", "logs"),
-        ) from missing
+        raise missing_reader(package) from missing
 
 
 @contextlib.contextmanager
@@ -104,7 +108,24 @@ def _standard_error(target: int) -> Iterator[None]:
         os.close(kept)
 
 
-def read_ulog(path: str | os.PathLike[str]) -> Track:
+class _Watched:
+    """A file that tells how much of it is read, to what reads it in one go."""
+
+    def __init__(self, file: IO[bytes], progress: Progress) -> None:
+        self._file, self._progress, self._reads = file, progress, 0
+        self._bytes = max(os.fstat(file.fileno()).st_size, 1)
+
+    def read(self, count: int = -1) -> bytes:
+        self._reads += 1
+        if self._reads % REPORT_EACH == 0:
+            report(self._progress, min(self._file.tell() / self._bytes, 1.0))
+        return self._file.read(count)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
+
+
+def read_ulog(path: str | os.PathLike[str], progress: Progress = unwatched) -> Track:
     """Read a PX4 log: ``vehicle_global_position``, with ``vehicle_attitude`` in between.
 
     The ground is at the home position, else at the first position. Times are UTC where a receiver's are logged, else
@@ -116,13 +137,17 @@ def read_ulog(path: str | os.PathLike[str]) -> Track:
         No such log, or one without positions.
     OutputError
         pyulog is not installed.
+    Cancelled
+        When ``progress`` said so.
     """
-    pyulog = reader_module("pyulog")
+    pyulog = _reader_module("pyulog", "pyulog")
     wanted = [_PLACE, _ATTITUDE, _HOME, *_RECEIVERS]
     try:
         # Given a name, pyulog leaves the file open where it cannot read it.
         with _quiet(path), Path(path).open("rb") as file:
-            log = pyulog.ULog(file, wanted)
+            log = pyulog.ULog(_Watched(file, progress), wanted)
+    except Cancelled:
+        raise
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as ULog ({1})", path, wrong) from wrong
     # Of several instances of a topic the first one, which comes first in the list.
@@ -155,7 +180,9 @@ def read_ulog(path: str | os.PathLike[str]) -> Track:
     return Track(place["lat"], place["lon"], place["alt"], ground, clock + utc_less_clock, attitude)
 
 
-def read_dataflash(path: str | os.PathLike[str], *, text: bool = False) -> Track:
+def read_dataflash(
+    path: str | os.PathLike[str], progress: Progress = unwatched, *, text: bool = False
+) -> Track:
     """Read an ArduPilot log: ``POS``, else ``AHR2`` or ``GPS``, with ``ATT`` in between.
 
     The ground is below the first position by its height over home, where that is logged, else at the first position.
@@ -163,6 +190,7 @@ def read_dataflash(path: str | os.PathLike[str], *, text: bool = False) -> Track
 
     Parameters
     ----------
+    progress : callable
     text : bool
         Whether the log is of text (``.log``), and not binary (``.bin``).
 
@@ -172,8 +200,10 @@ def read_dataflash(path: str | os.PathLike[str], *, text: bool = False) -> Track
         No such log, or one without positions.
     OutputError
         pymavlink is not installed.
+    Cancelled
+        When ``progress`` said so.
     """
-    reader = reader_module("pymavlink.DFReader", "pymavlink")
+    reader = _reader_module("pymavlink.DFReader", "pymavlink")
     if Path(path).is_file() and not Path(path).stat().st_size:
         # pymavlink leaves such a file open.
         raise InvalidInput("log {0}: is empty", path)
@@ -181,7 +211,9 @@ def read_dataflash(path: str | os.PathLike[str], *, text: bool = False) -> Track
         with _quiet(path):
             opened = (reader.DFReader_text if text else reader.DFReader_binary)(os.fspath(path))
             with contextlib.closing(opened) as log:
-                found = _messages(log)
+                found = _messages(log, progress)
+    except Cancelled:
+        raise
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as DataFlash ({1})", path, wrong) from wrong
     places = (_with_fix(found[name]) for name in _PLACES if name in found)
@@ -216,11 +248,15 @@ def _columns(data: Mapping[str, Any]) -> dict[str, Floats]:
     return {name: np.asarray(values, np.float64) for name, values in data.items()}
 
 
-def _messages(log: Any) -> dict[str, dict[str, Floats]]:
+def _messages(log: Any, progress: Progress) -> dict[str, dict[str, Floats]]:
     """Columns of those messages of a DataFlash log that are read, by name."""
     columns: dict[str, list[str]] = {}
     rows: dict[str, list[list[float]]] = {}
+    read = 0
     while (message := log.recv_match(type=list(_COLUMNS))) is not None:
+        read += 1
+        if read % REPORT_EACH == 0:
+            report(progress, log.percent / 100.0)
         name = message.get_type()
         if name not in columns:
             needed, others = _COLUMNS[name]

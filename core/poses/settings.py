@@ -1,4 +1,7 @@
-"""How lines and patterns are flown, and how wrong sensors are: what forms and the command show without numpy."""
+"""How files of poses are read, how lines and patterns are flown, and how wrong sensors are.
+
+What forms and the command show, without numpy.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,108 @@ from dataclasses import dataclass
 
 from ..errors import InvalidInput
 from ..fields import Part, declared
-from ..mission.parts import HIGHEST_AGL_M
+from ..mission.parts import HIGHEST_AGL_M, HIGHEST_GROUND_M, LOWEST_GROUND_M
+
+#: Formats of trajectories in metres of a local frame.
+LOCAL_FORMATS = ("tum", "kitti", "euroc")
+#: Flight logs, which have more positions than anybody takes images.
+LOG_FORMATS = ("ulog", "dataflash")
+#: Formats that the endings of files tell.
+ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
+
+
+@dataclass(frozen=True)
+class PoseFile(Part):
+    """How the poses of a trajectory or a flight log are read.
+
+    Parameters
+    ----------
+    start_s : float or None
+        Time of the first position in seconds after 1970, instead of the file's.
+    """
+
+    format: str | None = declared(
+        None,
+        title="format",
+        help="format of a file with another ending",
+        label="&Format",
+        choices={
+            "tum": "TUM trajectory",
+            "kitti": "KITTI trajectory",
+            "euroc": "EuRoC trajectory",
+            "gpx": "GPX track",
+            "ulog": "PX4 log (ULog)",
+            "dataflash": "ArduPilot log (DataFlash)",
+        },
+    )
+    origin: tuple[float, ...] = declared(
+        (),
+        title="origin of the local frame",
+        help="latitude, longitude and height of the frame's origin; heights of the file are above that height",
+        label="&Origin: latitude, longitude, height",
+    )
+    body: str | None = declared(
+        None,
+        title="axes of what the poses are of",
+        help="what the poses are of, with its axes; the camera of an aircraft looks down, the top of its image ahead",
+        label="Poses &are of",
+        choices={
+            "camera": "camera (right, down, forward)",
+            "frd": "aircraft (forward, right, down)",
+            "flu": "aircraft (forward, left, up)",
+            "urf": "EuRoC's inertial unit (up, right, forward)",
+        },
+    )
+    world: str | None = declared(
+        None,
+        title="axes of the frame",
+        help="axes of the frame that the poses are in",
+        label="A&xes of the frame",
+        choices={
+            "enu": "east, north, up",
+            "ned": "north, east, down",
+            "rdf": "right, down, forward of a camera that looks north",
+        },
+    )
+    ground_height_m: float | None = declared(
+        None,
+        title="ground height",
+        help="height of the ground, as the file counts heights",
+        unit="m",
+        least=LOWEST_GROUND_M,
+        most=HIGHEST_GROUND_M,
+    )
+    agl_m: float | None = declared(
+        None,
+        title="height above ground",
+        help="one height above ground for all positions",
+        unit="m",
+        above=0.0,
+        most=HIGHEST_AGL_M,
+    )
+    start_s: float | None = None
+    nadir: bool = declared(
+        False,
+        title="gimbal keeps the camera straight down",
+        help="a gimbal keeps the camera straight down: take only the yaw of the attitude",
+        label="Gimbal keeps the camera straight &down",
+    )
+    every_s: float | None = declared(
+        None,
+        title="time interval",
+        help="keep one position each so many seconds",
+        unit="s",
+        option="every_s",
+        above=0.0,
+    )
+    every_m: float | None = declared(
+        None,
+        title="distance interval",
+        help="keep one position each so many metres of the way",
+        unit="m",
+        option="every_m",
+        above=0.0,
+    )
 
 
 @dataclass(frozen=True)
@@ -31,7 +135,7 @@ class LineFlight(Part):
     )
     every_s: float | None = declared(
         None,
-        title="interval in seconds",
+        title="time interval",
         help="time from one exposure to the next",
         unit="s",
         option="every_s",
@@ -39,7 +143,7 @@ class LineFlight(Part):
     )
     every_m: float | None = declared(
         None,
-        title="interval in metres",
+        title="distance interval",
         help="way flown from one exposure to the next",
         unit="m",
         option="every_m",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput, Message, OptionName
+from ..errors import Cancelled, InvalidInput, Message, OptionName
 from ..fields import field_named
 from ..mission.area import Points, check_agl
 from ..mission.flight.motion import legs
@@ -19,6 +20,21 @@ Floats = NDArray[np.float64]
 PLACE_DIGITS, ANGLE_DIGITS, _TIME_DIGITS = 9, 6, 6
 #: A step shorter than this has no direction: a vehicle that stands, or a position that is logged twice.
 _STANDING_M = 0.01
+#: Told how much of a file is read, 0 to 1; an answer of False ends the reading.
+Progress = Callable[[float], bool]
+#: Lines, or parts of a document, between two reports of how much is read.
+REPORT_EACH = 4096
+
+
+def unwatched(_share: float) -> bool:
+    """Progress that nobody looks at."""
+    return True
+
+
+def report(progress: Progress, share: float) -> None:
+    """Tell how much is read; raises Cancelled where that is enough."""
+    if not progress(share):
+        raise Cancelled("reading: stopped")
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +107,7 @@ class Track:
             raise InvalidInput(
                 "interval of {0:g} s: the trajectory has no times",
                 every_s,
-                remedy="give one in metres (--every-m)",
+                remedy=Message("give one in metres{0}", OptionName("every_m").in_brackets),
             )
         kept = self
         if every_s is not None and kept.time_s is not None:
@@ -160,14 +176,18 @@ class Track:
         if ground_m is None:
             raise InvalidInput(
                 "trajectory: does not say how high its ground is",
-                remedy="give that in the heights of the file (--ground-height), or one height above ground (--agl)",
+                remedy=Message(
+                    "give that in the heights of the file{0}, or one height above ground{1}",
+                    OptionName("ground_height").in_brackets,
+                    OptionName("agl").in_brackets,
+                ),
             )
         unknown = np.flatnonzero(np.isnan(self.height_m))
         if len(unknown):
             raise InvalidInput(
                 "trajectory: position {0:,} has no height",
                 int(unknown[0]) + 1,
-                remedy="give one height above ground (--agl)",
+                remedy=Message("give one height above ground{0}", OptionName("agl").in_brackets),
             )
         return self.height_m - ground_m
 

@@ -16,7 +16,7 @@ from ..geodesy.camera import attitude_of
 from ..geodesy.local import LocalFrame
 from ..geodesy.quaternions import rotations_of
 from ..mission.parts import HIGHEST_AGL_M
-from .track import Track
+from .track import REPORT_EACH, Progress, Track, report, unwatched
 
 Floats = NDArray[np.float64]
 
@@ -51,6 +51,7 @@ def read_trajectory(
     body: str | None = None,
     world: str | None = None,
     name: str = "trajectory",
+    progress: Progress = unwatched,
 ) -> Track:
     """Read a trajectory in a local frame.
 
@@ -69,11 +70,14 @@ def read_trajectory(
         One of `WORLDS`; None for ``enu``, and with KITTI, whose world is its first camera, ``rdf``.
     name : str
         What messages call the file.
+    progress : callable
 
     Raises
     ------
     InvalidInput
         Names the line that cannot be read, or the pose that is none.
+    Cancelled
+        When ``progress`` said so.
     """
     if file_format == "euroc" and body is None:
         raise InvalidInput(
@@ -82,7 +86,7 @@ def read_trajectory(
             remedy="give --body: urf for that of the published flights, flu or frd for an aircraft's",
         )
     lat, lon, height = origin
-    time_s, places, rotations = _FORMATS[file_format](text, name)
+    time_s, places, rotations = _FORMATS[file_format](text, name, progress)
     away = np.flatnonzero((np.abs(places) > _FARTHEST_M).any(axis=1))
     if len(away):
         raise InvalidInput(
@@ -98,13 +102,13 @@ def read_trajectory(
     return Track(lat_deg, lon_deg, height_m, height, time_s, attitude)
 
 
-def _tum(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
-    rows = _numbers(text, name, (8,))
+def _tum(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
+    rows = _numbers(text, name, progress, (8,))
     return _times(rows[:, 0], name), rows[:, 1:4], _rotations(rows[:, [7, 4, 5, 6]], name)
 
 
-def _kitti(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
-    matrices = _numbers(text, name, (12,)).reshape(-1, 3, 4)
+def _kitti(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
+    matrices = _numbers(text, name, progress, (12,)).reshape(-1, 3, 4)
     rotations = matrices[:, :, :3]
     with np.errstate(over="ignore", invalid="ignore"):
         off = np.abs(rotations @ np.swapaxes(rotations, 1, 2) - np.eye(3)).max(axis=(1, 2))
@@ -114,13 +118,13 @@ def _kitti(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
     return None, matrices[:, :, 3], rotations
 
 
-def _euroc(text: str, name: str) -> tuple[Floats | None, Floats, Floats]:
+def _euroc(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
     # The ground truth has speed and biases in nine more columns.
-    rows = _numbers(text, name, (8, 17))
+    rows = _numbers(text, name, progress, (8, 17))
     return _times(rows[:, 0] * 1e-9, name), rows[:, 1:4], _rotations(rows[:, 4:8], name)
 
 
-_FORMATS: Mapping[str, Callable[[str, str], tuple[Floats | None, Floats, Floats]]] = {
+_FORMATS: Mapping[str, Callable[[str, str, Progress], tuple[Floats | None, Floats, Floats]]] = {
     "tum": _tum,
     "kitti": _kitti,
     "euroc": _euroc,
@@ -128,10 +132,13 @@ _FORMATS: Mapping[str, Callable[[str, str], tuple[Floats | None, Floats, Floats]
 FORMATS = tuple(_FORMATS)
 
 
-def _numbers(text: str, name: str, counts: tuple[int, ...]) -> Floats:
+def _numbers(text: str, name: str, progress: Progress, counts: tuple[int, ...]) -> Floats:
     """Numbers (n, count) of lines; empty lines, and those that begin with #, are left out."""
     rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), 1):
+    lines = text.splitlines()
+    for number, line in enumerate(lines, 1):
+        if number % REPORT_EACH == 0:
+            report(progress, number / len(lines))
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         try:

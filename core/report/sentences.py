@@ -259,10 +259,10 @@ def wind_effect_text(effect: WindEffect) -> list[str]:
     if "coverage" in figures:
         calm, wind = map(str, (percent(share, exact=share == 1.0) for share in figures["coverage"]))
         said = [f"Coverage is {wind} in this wind, {calm} in still air"]
-        for way in ("along", "across"):
-            if f"least_overlap_{way}_rows" in figures:
-                calm, wind = (share_text(share) for share in figures[f"least_overlap_{way}_rows"])
-                said.append(f"the least overlap {way} rows {wind} instead of {calm}")
+        for way in ("front", "side"):
+            if f"least_{way}_overlap" in figures:
+                calm, wind = (share_text(share) for share in figures[f"least_{way}_overlap"])
+                said.append(f"the least {way} overlap {wind} instead of {calm}")
         text.append("; ".join(said) + ".")
     return text
 

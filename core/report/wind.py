@@ -91,10 +91,10 @@ def _figures(one: Plan) -> dict[str, float]:
         "images": len(one),
         "coverage": None if covered is None else covered.share,
         "uncovered_m2": None if covered is None else covered.uncovered_m2,
-        "least_overlap_along_rows": shared.least_along,
-        "median_overlap_along_rows": shared.median_along,
-        "least_overlap_across_rows": shared.least_across,
-        "median_overlap_across_rows": shared.median_across,
+        "least_front_overlap": shared.least_along,
+        "median_front_overlap": shared.median_along,
+        "least_side_overlap": shared.least_across,
+        "median_side_overlap": shared.median_across,
         "flight_s": one.flight_s,
     }
     return {name: value for name, value in found.items() if value is not None}

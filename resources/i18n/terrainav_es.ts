@@ -90,6 +90,17 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>Trajectories and flight logs (*.gpx *.ulg *.bin *.log *.txt *.csv);;All files (*)</source>
+        <translation>Trayectorias y registros de vuelo (*.gpx *.ulg *.bin *.log *.txt *.csv);;Todos los archivos (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Trajectory or flight log</source>
+        <translation>Trayectoria o registro de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
         <source>add a polygon</source>
         <translation>añadir un polígono</translation>
     </message>
@@ -152,6 +163,11 @@
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>polygons of {layer}</source>
         <translation>polígonos de {layer}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/control.py"/>
+        <source>poses of {file}</source>
+        <translation>poses de {file}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -257,8 +273,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>All positions of the file, or one each so much time or way</source>
+        <translation>Todas las posiciones del archivo, o una cada cierto tiempo o distancia</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>An attribute holds each point's height above ground (AGL), in the unit below</source>
         <translation>Un atributo contiene la altura de cada punto sobre el terreno (AGL), en la unidad de abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Begin at the panel's &amp;start</source>
+        <translation>Come&amp;nzar en el inicio del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -307,6 +333,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Give the first position the time of Start; otherwise times are those of the file</source>
+        <translation>Dar a la primera posición la hora de Inicio; si no, las horas son las del archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Height above the ground (AGL) in the unit below</source>
         <translation>Altura sobre el terreno (AGL) en la unidad de abajo</translation>
     </message>
@@ -319,6 +350,21 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Height from &amp;field</source>
         <translation>Altura del ca&amp;mpo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Heights are those above home, or above the first position. The camera is fixed to the aircraft and looks down, the top of its image ahead.</source>
+        <translation>Las alturas son sobre el punto de partida (home) o sobre la primera posición. La cámara está fija a la aeronave y mira hacia abajo, con el borde superior de la imagen hacia delante.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Heights of GPX are above the sea, as a rule. The top of each image points along the way.</source>
+        <translation>Las alturas de GPX suelen ser sobre el nivel del mar. El borde superior de cada imagen apunta en el sentido del recorrido.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Heights of the fi&amp;le, over ground at</source>
+        <translation>Alturas del a&amp;rchivo, sobre el terreno a</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -382,6 +428,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>Poses in metres of a local frame. Where that lies, the file does not say.</source>
+        <translation>Poses en metros de un sistema local. El archivo no dice dónde se encuentra este.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Select on the &amp;map</source>
         <translation>Seleccionar &amp;en el mapa</translation>
     </message>
@@ -427,6 +478,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>all positions</source>
+        <translation>todas las posiciones</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>ft</source>
         <translation>ft</translation>
@@ -435,6 +491,11 @@
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>gimbal pitch: -90 looks down</source>
         <translation>cabeceo del gimbal: -90 mira hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>home</source>
+        <translation>punto de partida</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -454,8 +515,20 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <location filename="../../terrainav_plugin/panel/start.py"/>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>not set</source>
+        <translation>sin definir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>seconds</source>
         <translation>segundos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>the origin</source>
+        <translation>el origen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -718,6 +791,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>{count} of {total} positions are left out, at or below the ground.</source>
+        <translation>Se omiten {count} de {total} posiciones, a ras del terreno o por debajo.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has a hole around a pole: cut it into parts without one</source>
         <translation>{feature} tiene un hueco alrededor de un polo: córtelo en partes que no lo tengan</translation>
     </message>
@@ -860,8 +938,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Circles from which the camera looks at a point</source>
-        <translation>Círculos desde los que la cámara mira a un punto</translation>
+        <source>Click a point on the map: circles from which the camera looks at it</source>
+        <translation>Haga clic en un punto del mapa: círculos desde los que la cámara lo mira</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -998,8 +1076,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>The poses of a GPX track, a PX4 or ArduPilot log, or a TUM, KITTI or EuRoC trajectory: an image from each, or one each so many seconds or metres</source>
+        <translation>Las poses de un track GPX, de un registro de PX4 o ArduPilot o de una trayectoria TUM, KITTI o EuRoC: una imagen desde cada una, o una cada tantos segundos o metros</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>The selected polygons, or all, with their holes; images that touch none are left out</source>
         <translation>Los polígonos seleccionados, o todos, con sus huecos; las imágenes que no tocan ninguno se omiten</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/menu.py"/>
+        <source>Trajectory or &amp;flight log…</source>
+        <translation>Tra&amp;yectoria o registro de vuelo…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/no_fly.py"/>
@@ -1065,8 +1153,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Centre of the circles; starts as the middle of the map</source>
-        <translation>Centro de los círculos; al principio, el centro del mapa</translation>
+        <source>Centre of the circles, as clicked on the map</source>
+        <translation>Centro de los círculos, el punto pulsado en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -1609,8 +1697,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
-        <source>Error (m)</source>
-        <translation>Error (m)</translation>
+        <source>Error (metres)</source>
+        <translation>Error (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
@@ -1671,8 +1759,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Block size (m)</source>
-        <translation>Tamaño de los bloques (m)</translation>
+        <source>Block size (metres)</source>
+        <translation>Tamaño de los bloques (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -1691,8 +1779,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
-        <source>Gap between parts (m)</source>
-        <translation>Separación entre partes (m)</translation>
+        <source>Gap between parts (metres)</source>
+        <translation>Separación entre partes (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -2472,6 +2560,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>coordinates “{text}”: a comma may stand between numbers or before decimals; write points before decimals, or spaces between numbers</source>
+        <translation>coordenadas «{text}»: una coma puede separar números o preceder a los decimales; escriba puntos ante los decimales, o espacios entre los números</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>each with its {values}</source>
         <translation>cada uno con su {values}</translation>
     </message>
@@ -2660,18 +2753,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>overlap {percent} %: must be at least 0 and below 100 %</source>
-        <translation>solape {percent} %: debe ser al menos 0 y menor que 100 %</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>southern edge</source>
         <translation>borde sur</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
-        <source>take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9</source>
-        <translation>despegue «{text}»: debe ser una latitud y una longitud, como 35.15 -89.9</translation>
+        <source>take-off “{text}”: must be a latitude and a longitude, such as {example}</source>
+        <translation>despegue «{text}»: debe ser una latitud y una longitud, como {example}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -3408,6 +3496,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>GSD</source>
         <translation>GSD</translation>
     </message>
@@ -3542,6 +3631,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{area} outside no-fly areas</source>
+        <translation>{area} fuera de las zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{count} of the {most} requests that the provider allows</source>
         <translation>{count} de las {most} peticiones que permite el proveedor</translation>
     </message>
@@ -3579,6 +3673,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{images} in {rows} rows</source>
         <translation>{images} en {rows} pasadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>{lost}; {held} of the area</source>
+        <translation>{lost}; {held} del área</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -4566,12 +4665,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/start.py"/>
-        <location filename="../../terrainav_plugin/widgets.py"/>
-        <source>not set</source>
-        <translation>sin definir</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/start.py"/>
         <source>{time} {zone}, local time of this computer</source>
         <translation>{time} {zone}, hora local de este equipo</translation>
     </message>
@@ -4789,12 +4882,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>no-fly areas {name}</source>
-        <translation>zonas de exclusión aérea {name}</translation>
+        <translation>zonas de exclusión {name}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>no-fly areas {name}: no such layer</source>
-        <translation>zonas de exclusión aérea {name}: no existe esa capa</translation>
+        <translation>zonas de exclusión {name}: no existe esa capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -4904,6 +4997,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>How much of a tile its neighbour shows again.</source>
+        <translation>Cuánto de una tesela vuelve a mostrar su vecina.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>If empty, one in the benchmark's, named as the baseline or the file of predictions, and the part.</source>
         <translation>Si está vacía, una dentro de la del banco de pruebas, con el nombre del método de referencia o del archivo de predicciones, y de la parte.</translation>
     </message>
@@ -4945,8 +5043,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Margin of the reference (m)</source>
-        <translation>Margen de la referencia (m)</translation>
+        <source>Margin of the reference (metres)</source>
+        <translation>Margen de la referencia (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -4970,8 +5068,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Overlap of tiles</source>
-        <translation>Solape de las teselas</translation>
+        <source>Overlap of tiles (percent)</source>
+        <translation>Solape de las teselas (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -5095,11 +5193,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Share of a tile that its neighbour shows again.</source>
-        <translation>Proporción de una tesela que su vecina vuelve a mostrar.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Take the queries and the reference from imagery of different dates, sources or kinds, as rasters or by name: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap, such as 2014=esri-wayback@2014-02-20. world is the embedded landscape. If no imagery of the queries is given, it is that of the mission.</source>
         <translation>Tome las consultas y la referencia de imágenes de fechas, fuentes o tipos distintos, como ráster o por nombre: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:roadmap, por ejemplo 2014=esri-wayback@2014-02-20. world es el paisaje incorporado. Si no se indican imágenes de las consultas, son las de la misión.</translation>
     </message>
@@ -5145,8 +5238,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Widths of tiles (m)</source>
-        <translation>Anchos de las teselas (m)</translation>
+        <source>Widths of tiles (metres)</source>
+        <translation>Anchos de las teselas (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -5390,8 +5483,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Ground sample distance (m)</source>
-        <translation>Distancia de muestreo del terreno (m)</translation>
+        <source>Ground sample distance (metres)</source>
+        <translation>Distancia de muestreo del terreno (metros)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5865,8 +5958,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
-        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
+        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, with or without the height, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
+        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, con la altura o sin ella, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -5890,18 +5983,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Bound of the error (px)</source>
-        <translation>Cota del error (px)</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Coverage (percent)</source>
-        <translation>Cobertura (tanto por ciento)</translation>
+        <translation>Cobertura (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Download (bytes)</source>
         <translation>Descarga (bytes)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/plan.py"/>
+        <source>Error bound (px)</source>
+        <translation>Cota del error (px)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -5955,13 +6048,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Minimum overlap across rows (share)</source>
-        <translation>Solape mínimo entre pasadas (proporción)</translation>
+        <source>Minimum front overlap (percent)</source>
+        <translation>Solape longitudinal mínimo (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
-        <source>Minimum overlap along rows (share)</source>
-        <translation>Solape mínimo a lo largo de las pasadas (proporción)</translation>
+        <source>Minimum side overlap (percent)</source>
+        <translation>Solape transversal mínimo (porcentaje)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
@@ -6295,11 +6388,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Ground sample distance</source>
-        <translation>Distancia de muestreo del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Height</source>
         <translation>Altura</translation>
     </message>
@@ -6407,11 +6495,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{agl} m above ground, {height} m above the ellipsoid</source>
         <translation>{agl} m sobre el terreno, {height} m sobre el elipsoide</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>{gsd} m/px</source>
-        <translation>{gsd} m/px</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -8072,7 +8155,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>no way leads around the no-fly areas</source>
-        <translation>ningún camino rodea las zonas de exclusión aérea</translation>
+        <translation>ningún camino rodea las zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
@@ -9558,12 +9641,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
-        <location filename="../../core/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
         <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
     </message>
@@ -9917,6 +9994,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>front overlap</source>
+        <translation>solape longitudinal</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>ground below</source>
         <translation>terreno debajo</translation>
     </message>
@@ -9975,24 +10058,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>over no-fly areas</source>
-        <translation>sobre zonas de exclusión aérea</translation>
+        <translation>sobre zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>over the relief</source>
         <translation>sobre el relieve</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
-        <source>overlap across rows</source>
-        <translation>solape transversal a las pasadas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <location filename="../../core/mission/parts.py"/>
-        <source>overlap along rows</source>
-        <translation>solape a lo largo de las pasadas</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10008,6 +10079,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>rows, columns</source>
         <translation>pasadas, columnas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>side overlap</source>
+        <translation>solape transversal</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10081,6 +10158,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0} of the area outside no-fly areas</source>
+        <translation>{0} del área fuera de las zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0} uncovered</source>
         <translation>{0} sin cubrir</translation>
     </message>
@@ -10108,6 +10190,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0} {1} {2} {3} or less</source>
         <translation>{0} {1} {2} {3} o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0}, {1} of the area</source>
+        <translation>{0}, {1} del área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10332,6 +10419,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/wpml.py"/>
         <source>the speed of {0:g} m/s is cut to DJI's {1:g} m/s</source>
         <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de DJI</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>not of this flight, and left as they were: {0}</source>
+        <translation>no son de este vuelo y quedan como estaban: {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>
@@ -11142,7 +11234,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>all {0:,} images lie over no-fly areas</source>
-        <translation>las {0:,} imágenes están sobre zonas de exclusión aérea</translation>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/no_fly.py"/>
@@ -11591,11 +11683,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>front overlap: share of an image that the next one of its row shows again</source>
-        <translation>solape longitudinal: parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>ground height</source>
         <translation>altura del terreno</translation>
     </message>
@@ -11621,6 +11709,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>height above ground</source>
         <translation>altura sobre el terreno</translation>
     </message>
@@ -11926,8 +12015,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>side overlap: share of an image that the next row shows again</source>
-        <translation>solape transversal: parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
+        <source>share of an image that the next one of its row shows again</source>
+        <translation>parte de una imagen que la siguiente de su pasada vuelve a mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>share of an image that the next row shows again</source>
+        <translation>parte de una imagen que la pasada siguiente vuelve a mostrar</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12560,6 +12654,46 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1}: casi ninguno de sus números es {2}</translation>
     </message>
     <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>--origin, --body and --world: are for {0}, and not for {1}</source>
+        <translation>--origin, --body y --world: son para {0}, y no para {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>give --format</source>
+        <translation>indique --format</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>say where its origin lies (--origin LAT LON [HEIGHT])</source>
+        <translation>indique dónde está su origen (--origin LAT LON [HEIGHT])</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}</source>
+        <translation>trayectoria {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: cannot be read ({1})</source>
+        <translation>trayectoria {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: its ending does not tell its format</source>
+        <translation>trayectoria {0}: su extensión no indica su formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: no such file</source>
+        <translation>trayectoria {0}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>trajectory {0}: {1} is in metres of a local frame</source>
+        <translation>trayectoria {0}: {1} está en metros de un sistema local</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Bank in turns</source>
         <translation>Inclinación lateral en los vira&amp;jes</translation>
@@ -12573,6 +12707,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Distance</source>
         <translation>&amp;Distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Format</source>
+        <translation>&amp;Formato</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12596,6 +12735,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Origin: latitude, longitude, height</source>
+        <translation>&amp;Origen: latitud, longitud, altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>&amp;Radius</source>
         <translation>&amp;Radio</translation>
     </message>
@@ -12616,13 +12760,93 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>A&amp;xes of the frame</source>
+        <translation>E&amp;jes del sistema</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>ArduPilot log (DataFlash)</source>
+        <translation>Registro de ArduPilot (DataFlash)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>Camera rolls with the aircr&amp;aft</source>
         <translation>La cámara alabea con la aero&amp;nave</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>EuRoC trajectory</source>
+        <translation>Trayectoria EuRoC</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>EuRoC's inertial unit (up, right, forward)</source>
+        <translation>unidad inercial de EuRoC (arriba, derecha, adelante)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>GPX track</source>
+        <translation>Track GPX</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Gimbal keeps the camera straight &amp;down</source>
+        <translation>El car&amp;dán mantiene la cámara vertical hacia abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>Height of the &amp;target</source>
         <translation>Altura del &amp;objetivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>KITTI trajectory</source>
+        <translation>Trayectoria KITTI</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>PX4 log (ULog)</source>
+        <translation>Registro de PX4 (ULog)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Poses &amp;are of</source>
+        <translation>Las &amp;poses son de</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>TUM trajectory</source>
+        <translation>Trayectoria TUM</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>a gimbal keeps the camera straight down: take only the yaw of the attitude</source>
+        <translation>un cardán mantiene la cámara vertical hacia abajo: tomar de la actitud solo la guiñada</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>aircraft (forward, left, up)</source>
+        <translation>aeronave (adelante, izquierda, arriba)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>aircraft (forward, right, down)</source>
+        <translation>aeronave (adelante, derecha, abajo)</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>axes of the frame</source>
+        <translation>ejes del sistema</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>axes of the frame that the poses are in</source>
+        <translation>ejes del sistema en el que están las poses</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>axes of what the poses are of</source>
+        <translation>ejes de aquello a lo que pertenecen las poses</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12633,6 +12857,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>bank in turns; with the speed, it gives their radius</source>
         <translation>inclinación lateral en los virajes; con la velocidad da su radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>camera (right, down, forward)</source>
+        <translation>cámara (derecha, abajo, adelante)</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12656,6 +12885,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>distance interval</source>
+        <translation>intervalo de distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>distance of the captures from the centre</source>
         <translation>distancia de las capturas al centro</translation>
     </message>
@@ -12663,6 +12897,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>distance of the captures from the wall</source>
         <translation>distancia de las capturas al muro</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>east, north, up</source>
+        <translation>este, norte, arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>format</source>
+        <translation>formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>format of a file with another ending</source>
+        <translation>formato de un archivo con otra extensión</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>gimbal keeps the camera straight down</source>
+        <translation>el cardán mantiene la cámara vertical hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12696,6 +12950,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>height of the ground, as the file counts heights</source>
+        <translation>altura del terreno, tal como cuenta las alturas el archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>height of the target</source>
         <translation>altura del objetivo</translation>
     </message>
@@ -12726,18 +12985,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>interval in metres</source>
-        <translation>intervalo en metros</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
-        <source>interval in seconds</source>
-        <translation>intervalo en segundos</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
         <source>interval: must be either in seconds or in metres</source>
         <translation>intervalo: debe indicarse en segundos o en metros, uno de los dos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>keep one position each so many metres of the way</source>
+        <translation>conservar una posición cada tantos metros del recorrido</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>keep one position each so many seconds</source>
+        <translation>conservar una posición cada tantos segundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>latitude, longitude and height of the frame's origin; heights of the file are above that height</source>
+        <translation>latitud, longitud y altura del origen del sistema; las alturas del archivo son sobre esa altura</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12751,13 +13015,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>north, east, down</source>
+        <translation>norte, este, abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>offset</source>
         <translation>desplazamiento</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>one height above ground for all positions</source>
+        <translation>una sola altura sobre el terreno para todas las posiciones</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>origin of the local frame</source>
+        <translation>origen del sistema local</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>radius</source>
         <translation>radio</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>right, down, forward of a camera that looks north</source>
+        <translation>derecha, abajo, adelante de una cámara que mira al norte</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12791,8 +13075,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>time interval</source>
+        <translation>intervalo de tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>way flown from one exposure to the next</source>
         <translation>camino volado de una exposición a la siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>what the poses are of, with its axes; the camera of an aircraft looks down, the top of its image ahead</source>
+        <translation>a qué pertenecen las poses, con sus ejes; la cámara de una aeronave mira hacia abajo, con el borde superior de la imagen hacia delante</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12816,18 +13110,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>give one height above ground (--agl)</source>
-        <translation>dé una sola altura sobre el terreno (--agl)</translation>
+        <source>give one height above ground{0}</source>
+        <translation>indique una sola altura sobre el terreno{0}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>give one in metres (--every-m)</source>
-        <translation>dé uno en metros (--every-m)</translation>
+        <source>give one in metres{0}</source>
+        <translation>indique uno en metros{0}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
-        <source>give that in the heights of the file (--ground-height), or one height above ground (--agl)</source>
-        <translation>dé la del terreno, en las alturas del archivo (--ground-height), o una sola altura sobre el terreno (--agl)</translation>
+        <source>give that in the heights of the file{0}, or one height above ground{1}</source>
+        <translation>indíquela en las alturas del archivo{0}, o una sola altura sobre el terreno{1}</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
@@ -12843,6 +13137,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/track.py"/>
         <source>interval of {0} {1}: must be above 0</source>
         <translation>intervalo de {0} {1}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/track.py"/>
+        <source>reading: stopped</source>
+        <translation>lectura: detenida</translation>
     </message>
     <message>
         <location filename="../../core/poses/track.py"/>
@@ -12971,6 +13270,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>
+        <source>elements within each other, more than {0} deep</source>
+        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
         <source>encoding {0}: must be {1}</source>
         <translation>codificación {0}: debe ser {1}</translation>
     </message>
@@ -13047,7 +13351,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/units.py"/>
         <source>percent</source>
-        <translation>tanto por ciento</translation>
+        <translation>porcentaje</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

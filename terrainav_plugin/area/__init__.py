@@ -7,7 +7,7 @@ history     undo and redo of changes to the area
 editing     what happens between the entries and the form that they are part of
 dialogs     questions about the layer that an area is taken from
 patterns    corridors, orbits, scans and random poses, which become points
-kml         KML read by Qt, which every QGIS has
+xml         KML and GPX read by Qt, which every QGIS has
 layers      areas from the features of layers and from files
 outline     an area on a canvas of any CRS, and what becomes of it when dragged
 corners     changes to the corners, holes and parts of polygons

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from qgis.core import QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
@@ -19,13 +21,13 @@ from ..form.area import FormError, area_words, entered_area, entered_no_fly, wit
 from ..form.mission_form import takeoff, takeoff_text
 from ..form.state import FormState
 from ..i18n import tr, translate
-from ..map.canvas import canvas_rectangle, is_in_sight, show_extent
+from ..map.canvas import canvas_rectangle, is_in_sight, lon_lat_of, show_extent
 from ..messages import Messages
 from ..paths import symbol
 from ..tasks import single_shot
 from .bands import NO_FLY_COLOURS, AreaMark
 from .corners import as_polygons, pointed, with_hole, with_polygon
-from .dialogs import LayerDialog, LineDialog, PointsDialog, PolygonDialog
+from .dialogs import LayerDialog, LineDialog, PointsDialog, PolygonDialog, PosesDialog
 from .drawing import PolygonTool
 from .editing import AreaEditing
 from .entries import AreaEntries
@@ -39,6 +41,7 @@ from .layers import (
     no_fly_file,
     points,
     polygons,
+    pose_file,
     rectangle_area,
     text_file,
 )
@@ -139,6 +142,7 @@ class AreaControl(QObject):
             **{way: partial(self._ask_for_pattern, way) for way in PATTERNS},
             Way.AREA_FILE: self._ask_for_area_file,
             Way.FILE: self._ask_for_file,
+            Way.POSES: self._ask_for_poses,
             Way.PASTE: self.paste,
             Way.ADD_POLYGON: self.part_tool.start,
             Way.ADD_HOLE: self.hole_tool.start,
@@ -376,6 +380,26 @@ class AreaControl(QObject):
         if path:
             unit = self._editing.state().agl_unit
             self.read(tr("text file"), lambda: text_file(path, unit))
+
+    def _ask_for_poses(self) -> None:
+        window = self._iface.mainWindow()
+        path, _ = QFileDialog.getOpenFileName(
+            window,
+            tr("Trajectory or flight log"),
+            "",
+            tr("Trajectories and flight logs (*.gpx *.ulg *.bin *.log *.txt *.csv);;All files (*)"),
+        )
+        if not path:
+            return
+        settings = self._canvas.mapSettings()
+        dialog = PosesDialog(window, path, self._editing.state())
+        with suppress(TerrAInavError):
+            # Beyond the CRS of an empty map there is no such place.
+            dialog.start_at(
+                *lon_lat_of(settings.visibleExtent().center(), settings.destinationCrs(), self._project)
+            )
+        step = tr("poses of {file}").format(file=Path(path).name)
+        self._open(dialog, lambda: self.read(step, lambda: pose_file(path, dialog.how())))
 
     @staticmethod
     def _open(dialog: QDialog, take: Callable[[], None]) -> None:

@@ -1,4 +1,4 @@
-"""Questions about the layer that an area is taken from."""
+"""Questions about the layer, or the file of poses, that an area is taken from."""
 
 from __future__ import annotations
 
@@ -13,23 +13,27 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ...core.fields import field_named
+from ...core.fields import Field, field_named
+from ...core.mission.parts import utc_time
 from ...core.mission.pose_table import usual_names
 from ...core.poses.line import turn_radius_m
-from ...core.poses.settings import LineFlight
+from ...core.poses.reading import likely_format
+from ...core.poses.settings import LOCAL_FORMATS, LOG_FORMATS, LineFlight, PoseFile
 from ...core.units import LENGTHS_M
 from ..compat import LINE_LAYERS, POINT_LAYERS, POLYGON_LAYERS
-from ..form.fields import label_of, tip_of
+from ..form.fields import choices_of, label_of, tip_of
 from ..form.state import FormState, in_metres
 from ..i18n import number_text, tr
 from ..map.mission_group import preview_layers
 from ..plain import plain_label
-from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, spin, tick
+from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, show_row, spin, tick
 from .layers import PointFields
 
-_MOST_AGL, _MOST_INTERVAL = 1e9, 1e6
-#: Seconds from picture to picture, where nothing else is entered.
+_MOST, _MOST_INTERVAL = 1e9, 1e6
+#: Seconds from image to image, where nothing else is entered.
 _INTERVAL_S = 2.0
+#: Digits of degrees that are shown: a centimetre.
+DEGREES = 7
 
 
 class LayerDialog(QDialog):
@@ -217,7 +221,7 @@ class PointsDialog(LayerDialog):
             tr("An attribute holds each point's height above ground (AGL), in the unit below")
         )
         self.agl: NumberBox = spin(
-            "agl", 0.0, _MOST_AGL, 4, "", tr("Height above the ground (AGL) in the unit below")
+            "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) in the unit below")
         )
         self.agl.setValue(self._agl)
         self.agl_field = _fields("agl_field", tr("Numbers above 0, in the unit below"))
@@ -299,7 +303,9 @@ class LineDialog(LayerDialog):
             self.words.setText(tr("The project has no layer of lines: add one, or draw a box instead."))
 
     def _add_entries(self) -> None:
-        self.speed, self.bank = _number("speed_m_per_s"), _number("bank_deg")
+        self.speed, self.bank = (
+            number_entry(field_named(LineFlight, name)) for name in ("speed_m_per_s", "bank_deg")
+        )
         self.interval: NumberBox = spin(
             "interval",
             0.001,
@@ -312,7 +318,7 @@ class LineDialog(LayerDialog):
             "interval_in", (("every_s", tr("seconds")), ("every_m", tr("metres"))), tr("Time, or way flown")
         )
         self.agl: NumberBox = spin(
-            "agl", 0.0, _MOST_AGL, 4, "", tr("Height above the ground (AGL) of the whole flight")
+            "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) of the whole flight")
         )
         self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
         camera = field_named(LineFlight, "fixed_camera")
@@ -349,10 +355,164 @@ class LineDialog(LayerDialog):
         return f"{which} {turns}"
 
 
-def _number(name: str) -> NumberBox:
-    """Entry for a number of a line's flight, as it is declared."""
-    field = field_named(LineFlight, name)
-    return spin(name, field.least, field.most, field.unit.decimals, field.unit.suffix, tip_of(field))
+def number_entry(field: Field, name: str = "") -> NumberBox:
+    """Entry for a number as it is declared, in the range that is right of it."""
+    decimals = 0 if field.kind is int else field.unit.decimals
+    least = field.least if field.least is not None else 10.0**-decimals
+    most = field.most if field.most is not None else _MOST
+    return spin(name or field.name, least, most, decimals, field.unit.suffix, tip_of(field))
+
+
+class PosesDialog(QDialog):
+    """Asks for what a trajectory or a flight log does not say itself, by its format.
+
+    Parameters
+    ----------
+    path : str
+        Of the file: its ending, or its first line, tells the format that is chosen at first.
+    state : FormState
+        Of which the height, its unit and the start are those entered at first.
+    """
+
+    def __init__(self, parent: QWidget, path: str, state: FormState) -> None:
+        super().__init__(parent)
+        self.setObjectName("poses_dialog")
+        self.setWindowTitle(tr("Trajectory or flight log"))
+        self._state = state
+        self.form = QFormLayout(self)
+        self.words = named(plain_label(), "words")
+        self.words.setWordWrap(True)
+        self._add_frame()
+        self.form.insertRow(1, self.words)
+        self._add_heights()
+        self._add_sampling()
+        self.buttons = ok_and_cancel(self)
+        self.form.addRow(self.buttons)
+        self.format.currentIndexChanged.connect(self._show_format)
+        choose(self.format, likely_format(path))
+        self._show_format()
+
+    def start_at(self, lon_deg: float, lat_deg: float) -> None:
+        """Begin with a local frame at a place."""
+        self.origin_lat.setValue(lat_deg)
+        self.origin_lon.setValue(lon_deg)
+
+    def how(self) -> PoseFile:
+        """Return how the file is read; raises InvalidInput."""
+        file_format = self.format.currentData()
+        is_local, by_value = file_format in LOCAL_FORMATS, self.by_value.isChecked()
+        interval = self.interval_in.currentData()
+        return PoseFile(
+            file_format,
+            origin=(self.origin_lat.value(), self.origin_lon.value(), self.origin_height.value())
+            if is_local
+            else (),
+            body=self.body.currentData() if is_local else None,
+            world=self.world.currentData() if is_local else None,
+            ground_height_m=None if by_value else self.ground.number(),
+            agl_m=in_metres(self.agl.value(), LENGTHS_M[self.unit.currentData()]) if by_value else None,
+            start_s=utc_time(self._state.start).timestamp() if self.restart.isChecked() else None,
+            nadir=self.nadir.isChecked(),
+            **({interval: self.interval.value()} if interval else {}),
+        )
+
+    def _show_format(self) -> None:
+        """Ask for what the chosen format leaves open, and for no more."""
+        file_format = self.format.currentData()
+        is_local, is_log = file_format in LOCAL_FORMATS, file_format in LOG_FORMATS
+        for row_of in (self._origin, self.body, self.world):
+            show_row(self.form, row_of, is_local)
+        choose(self.body, "urf" if file_format == "euroc" else "camera")
+        choose(self.world, "rdf" if file_format == "kitti" else "enu")
+        (self.by_value if file_format == "gpx" else self.by_file).setChecked(True)
+        show_row(self.form, self.nadir, file_format != "gpx")
+        self.nadir.setChecked(False)
+        show_row(self.form, self.restart, file_format != "kitti")
+        self.restart.setChecked(False)
+        choose(self.interval_in, "every_s" if is_log else "")
+        self._show_interval()
+        self.ground.setSpecialValueText(
+            tr("the origin") if is_local else tr("home") if is_log else tr("not set")
+        )
+        self.words.setText(self._words(file_format))
+
+    def _show_interval(self) -> None:
+        self.interval.setEnabled(bool(self.interval_in.currentData()))
+
+    def _add_frame(self) -> None:
+        fields = {name: field_named(PoseFile, name) for name in ("format", "origin", "body", "world")}
+        self.format, self.body, self.world = (
+            combo(name, choices_of(fields[name]), tip_of(fields[name]))
+            for name in ("format", "body", "world")
+        )
+        tip = tip_of(fields["origin"])
+        self.origin_lat = spin("origin_lat", -90.0, 90.0, DEGREES, " °", tip)
+        self.origin_lon = spin("origin_lon", -180.0, 180.0, DEGREES, " °", tip)
+        ground = field_named(PoseFile, "ground_height_m")
+        self.origin_height = spin("origin_height", ground.least, ground.most, 3, ground.unit.suffix, tip)
+        self._origin = row(self.origin_lat, self.origin_lon, self.origin_height)
+        for name, entry in (
+            ("format", self.format),
+            ("origin", self._origin),
+            ("body", self.body),
+            ("world", self.world),
+        ):
+            self.form.addRow(label_of(fields[name]), entry)
+
+    def _add_heights(self) -> None:
+        agl, ground = (field_named(PoseFile, name) for name in ("agl_m", "ground_height_m"))
+        self.by_file = named(
+            QRadioButton(tr("Heights of the fi&le, over ground at")), "by_file", tip_of(ground)
+        )
+        self.by_value = named(QRadioButton(tr("&Height of all")), "by_value", tip_of(agl))
+        self.ground = spin("ground", ground.least, ground.most, 3, ground.unit.suffix, tip_of(ground))
+        self.ground.let_be_left_out(ground.least - 1.0)
+        self.ground.enter(None)
+        self.agl: NumberBox = spin("agl", 0.0, _MOST, 4, "", tip_of(agl))
+        self.agl.setValue(self._state.agl)
+        self.unit = combo("unit", (("m", tr("m")), ("ft", tr("ft"))), tr("Metres or international feet"))
+        choose(self.unit, self._state.agl_unit)
+        heights = row(self.agl, self.unit, stretch=0)
+        self.form.addRow(self.by_file, self.ground)
+        self.form.addRow(self.by_value, heights)
+        self.by_file.toggled.connect(self.ground.setEnabled)
+        self.by_file.toggled.connect(heights.setDisabled)
+
+    def _add_sampling(self) -> None:
+        nadir = field_named(PoseFile, "nadir")
+        self.nadir = tick("nadir", label_of(nadir), tip_of(nadir))
+        self.interval: NumberBox = spin(
+            "interval", 0.001, _MOST_INTERVAL, 3, "", tr("From image to image, the first at the beginning")
+        )
+        self.interval.setValue(_INTERVAL_S)
+        self.interval_in = combo(
+            "interval_in",
+            (("", tr("all positions")), ("every_s", tr("seconds")), ("every_m", tr("metres"))),
+            tr("All positions of the file, or one each so much time or way"),
+        )
+        self.interval_in.setMinimumContentsLength(len(self.interval_in.itemText(0)))
+        self.interval_in.currentIndexChanged.connect(self._show_interval)
+        self.restart = tick(
+            "restart",
+            tr("Begin at the panel's &start"),
+            tr("Give the first position the time of Start; otherwise times are those of the file"),
+        )
+        self.form.addRow(tr("&Interval"), row(self.interval, self.interval_in, stretch=0))
+        self.form.addRow(self.nadir)
+        self.form.addRow(self.restart)
+
+    @staticmethod
+    def _words(file_format: str) -> str:
+        if file_format in LOCAL_FORMATS:
+            return tr("Poses in metres of a local frame. Where that lies, the file does not say.")
+        if file_format == "gpx":
+            return tr(
+                "Heights of GPX are above the sea, as a rule. The top of each image points along the way."
+            )
+        return tr(
+            "Heights are those above home, or above the first position. The camera is fixed to the aircraft and looks "
+            "down, the top of its image ahead."
+        )
 
 
 def _fields(name: str, tip: str, more: QgsFieldProxyModel.Filter | None = None) -> QgsFieldComboBox:

@@ -37,14 +37,15 @@ from ...core.mission.area_files import load_area, load_no_fly
 from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
 from ...core.poses.line import FlownLine, fly
-from ...core.poses.settings import LineFlight
+from ...core.poses.reading import read_poses_file
+from ...core.poses.settings import LineFlight, PoseFile
 from ...core.text import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr
 from ..map.canvas import LON_LAT, box_of
 from ..tasks import Task
-from .kml import xml_elements
+from .xml import xml_elements
 
 Floats = NDArray[np.float64]
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
@@ -73,8 +74,8 @@ class Found(NamedTuple):
     note: str = ""
 
 
-#: What reads an area; it may be cancelled.
-Reading = Callable[[Callable[[], bool]], Found]
+#: What reads an area, in a task that it may be told of: how far it is, and whether to go on.
+Reading = Callable[[Task], Found]
 
 
 class PointFields(NamedTuple):
@@ -261,7 +262,7 @@ class ReadTask(Task):
 
     def work(self) -> None:
         """Read."""
-        self.found = self._read(self.isCanceled)
+        self.found = self._read(self)
 
 
 def polygons(layer: QgsVectorLayer, project: QgsProject, only_selected: bool = True) -> Reading:
@@ -270,7 +271,7 @@ def polygons(layer: QgsVectorLayer, project: QgsProject, only_selected: bool = T
     # A snapshot: the layer itself belongs to the main thread.
     source = QgsVectorLayerFeatureSource(layer)
     request = _selected(layer) if only_selected else QgsFeatureRequest()
-    return lambda cancelled: Found(polygons_of(source.getFeatures(request), crs, context, cancelled))
+    return lambda task: Found(polygons_of(source.getFeatures(request), crs, context, task.isCanceled))
 
 
 def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, project: QgsProject) -> Reading:
@@ -279,8 +280,8 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
     source = QgsVectorLayerFeatureSource(layer)
     request = _selected(layer) if only_selected else QgsFeatureRequest()
 
-    def read(cancelled: Callable[[], bool]) -> Found:
-        found = points_of(source.getFeatures(request), crs, context, fields, cancelled)
+    def read(task: Task) -> Found:
+        found = points_of(source.getFeatures(request), crs, context, fields, task.isCanceled)
         return Found(found, found.poses[0][2])
 
     return read
@@ -294,8 +295,9 @@ def flown_lines(
     source = QgsVectorLayerFeatureSource(layer)
     request = _selected(layer) if layer.selectedFeatureCount() else QgsFeatureRequest()
 
-    def read(cancelled: Callable[[], bool]) -> Found:
-        flown = fly(lines_of(source.getFeatures(request), crs, context, agl_m, cancelled), flight, start_s)
+    def read(task: Task) -> Found:
+        lines = lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled)
+        flown = fly(lines, flight, start_s)
         return Found(flown.points, agl_m, flown_words(flown))
 
     return read
@@ -316,17 +318,29 @@ def flown_words(flown: FlownLine) -> str:
 
 def text_file(path: str, agl_unit: str) -> Reading:
     """Reader of a file of points."""
-    return lambda _cancelled: Found(*parse_coords(path, agl_unit=agl_unit))
+    return lambda _task: Found(*parse_coords(path, agl_unit=agl_unit))
+
+
+def pose_file(path: str, how: PoseFile) -> Reading:
+    """Reader of the poses of a trajectory or a flight log."""
+
+    def read(task: Task) -> Found:
+        read = read_poses_file(path, how, xml_elements, task.go_on)
+        note = tr("{count} of {total} positions are left out, at or below the ground.")
+        numbers = {"count": number_text(read.left_out), "total": number_text(read.positions)}
+        return Found(read.points, read.points.poses[0][2], note.format(**numbers) if read.left_out else "")
+
+    return read
 
 
 def area_file(path: str) -> Reading:
     """Reader of the polygons of a GeoJSON, KML or KMZ file, which are the area."""
-    return lambda _cancelled: Found(load_area(path, xml_elements))
+    return lambda _task: Found(load_area(path, xml_elements))
 
 
 def no_fly_file(path: str) -> Reading:
     """Reader of the polygons of such a file, which are no-fly areas."""
-    return lambda _cancelled: Found(Polygons(load_no_fly(path, xml_elements)))
+    return lambda _task: Found(Polygons(load_no_fly(path, xml_elements)))
 
 
 def rectangle_area(

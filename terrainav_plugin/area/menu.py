@@ -21,7 +21,7 @@ class Way:
     LAYER, POLYGON, POINTS, LINE = "layer", "polygon", "points", "line"
     CORRIDOR, FACADE, STRUCTURE, ORBIT = "corridor", "facade", "structure", "orbit"
     RANDOM = "random"
-    AREA_FILE, FILE, PASTE = "area_file", "file", "paste"
+    AREA_FILE, FILE, POSES, PASTE = "area_file", "file", "poses", "paste"
     ADD_POLYGON, ADD_HOLE, TO_BOX = "add_polygon", "add_hole", "box"
 
 
@@ -182,6 +182,15 @@ class AreaMenu(MenuButton):
                     tr(
                         "Lines of “lat lon agl [yaw]”, in degrees and the unit chosen for the height; or a table whose "
                         "first line names its columns, such as lat, lon, agl, yaw, tilt, roll, time"
+                    ),
+                ),
+                (
+                    Way.POSES,
+                    "/mIconLineLayer.svg",
+                    tr("Trajectory or &flight log…"),
+                    tr(
+                        "The poses of a GPX track, a PX4 or ArduPilot log, or a TUM, KITTI or EuRoC trajectory: an "
+                        "image from each, or one each so many seconds or metres"
                     ),
                 ),
                 (

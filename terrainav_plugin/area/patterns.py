@@ -16,19 +16,19 @@ from qgis.core import (
 from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
 
 from ...core.errors import InvalidInput
-from ...core.fields import Field, declared_fields, field_named
+from ...core.fields import declared_fields, field_named
 from ...core.mission.area import Box, Polygon, Polygons, parts_of
 from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS
 from ..form.area import entered_area
 from ..form.camera import camera_of
-from ..form.fields import label_of, tip_of
+from ..form.fields import label_of
 from ..i18n import number_text, tr
 from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
-from .dialogs import LayerDialog
+from .dialogs import DEGREES, LayerDialog, number_entry
 from .layers import Found, Reading, lines_of, polygons_of
 from .menu import Way
 
@@ -37,12 +37,10 @@ if TYPE_CHECKING:
 
     from ...core.geodesy.camera import Camera
     from ..form.state import FormState
+    from ..tasks import Task
 
 #: Heights and counts that random poses start with.
 _RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
-#: Digits of degrees that are shown: a centimetre.
-_DEGREES = 7
-
 
 #: Ways of the menu that ask for a pattern; an orbit also needs a click on the map first.
 PATTERNS = (Way.CORRIDOR, Way.FACADE, Way.STRUCTURE, Way.RANDOM)
@@ -70,7 +68,7 @@ class _Entries:
         self._part = part
         self.boxes: dict[str, NumberBox] = {}
         for field in declared_fields(part):
-            box = _number(field)
+            box = number_entry(field)
             # There is one height until a higher one is entered.
             start = field_named(part, "lowest_m") if field.name == "highest_m" else field
             box.setValue(start.starts_with or 0.0)
@@ -185,7 +183,7 @@ class StructureDialog(_PatternDialog):
         source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
         context, request = project.transformContext(), _taken(layer)
 
-        def read(_cancelled: Callable[[], bool]) -> Found:
+        def read(_task: Task) -> Found:
             shapes = (polygons_of([one], crs, context) for one in source.getFeatures(request))
             outlines = [outline for shape in shapes for outline in parts_of(shape)]
             return Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m)
@@ -202,12 +200,12 @@ class OrbitDialog(QDialog):
         self.setWindowTitle(tr("Orbit around a point"))
         self.form = QFormLayout(self)
         tip = tr("Centre of the circles, as clicked on the map")
-        self.lat = spin("centre_lat", -90.0, 90.0, _DEGREES, " °", tip)
-        self.lon = spin("centre_lon", -180.0, 180.0, _DEGREES, " °", tip)
+        self.lat = spin("centre_lat", -90.0, 90.0, DEGREES, " °", tip)
+        self.lon = spin("centre_lon", -180.0, 180.0, DEGREES, " °", tip)
         for box, value in ((self.lat, lat_deg), (self.lon, lon_deg)):
             box.setValue(value)
             # Qt makes room for the ends of the range, which are written without decimals.
-            digits = box.fontMetrics().horizontalAdvance("0" * (1 + _DEGREES))
+            digits = box.fontMetrics().horizontalAdvance("0" * (1 + DEGREES))
             box.setMinimumWidth(box.sizeHint().width() + digits)
         self.form.addRow(tr("Centre, l&atitude and longitude"), row(self.lat, self.lon))
         self.entries = _Entries(Orbit, self.form)
@@ -218,7 +216,7 @@ class OrbitDialog(QDialog):
         from ...core.poses.patterns import orbit
 
         wanted, centre = self.entries.value(), (self.lat.value(), self.lon.value())
-        return lambda _cancelled: Found(orbit(*centre, wanted), wanted.lowest_m)
+        return lambda _task: Found(orbit(*centre, wanted), wanted.lowest_m)
 
 
 class RandomDialog(QDialog):
@@ -246,7 +244,7 @@ class RandomDialog(QDialog):
         self.count.setValue(_RANDOM_COUNT)
         form.addRow(tr("&Images"), self.count)
         agl, tilt = field_named(Flight, "agl_m"), field_named(Attitude, "tilt_deg")
-        self.low, self.high = (_number(agl, name) for name in ("lowest", "highest"))
+        self.low, self.high = (number_entry(agl, name) for name in ("lowest", "highest"))
         self.tilt = spin(
             "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Greatest tilt; the least is 0")
         )
@@ -268,7 +266,7 @@ class RandomDialog(QDialog):
             uniform(0.0, self.tilt.value()),
             Distribution("fixed", 0.0),
         )
-        return lambda _cancelled: _found(random_poses(area, count, poses, seed))
+        return lambda _task: _found(random_poses(area, count, poses, seed))
 
 
 def _found(points: Any) -> Found:
@@ -282,8 +280,8 @@ def _of_lines(
     source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
     context, request = project.transformContext(), _taken(layer)
 
-    def read(cancelled: Callable[[], bool]) -> Found:
-        return Found(made(lines_of(source.getFeatures(request), crs, context, agl_m, cancelled)), agl_m)
+    def read(task: Task) -> Found:
+        return Found(made(lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled)), agl_m)
 
     return read
 
@@ -292,14 +290,6 @@ def _taken(layer: QgsVectorLayer) -> QgsFeatureRequest:
     """Features of a layer that are selected, or all where none is."""
     request = QgsFeatureRequest()
     return request.setFilterFids(layer.selectedFeatureIds()) if layer.selectedFeatureCount() else request
-
-
-def _number(field: Field, name: str = "") -> NumberBox:
-    """Entry for a declared number."""
-    unit = field.unit
-    decimals = 0 if field.kind is int else unit.decimals
-    least = field.least if field.least is not None else 10.0**-decimals
-    return spin(name or field.name, least, field.most or 1e9, decimals, unit.suffix, tip_of(field))
 
 
 def _camera(state: FormState) -> Camera:

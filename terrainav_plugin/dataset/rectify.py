@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 #: Most pixels along a side of the map of one image: sharp on a screen, made in seconds.
 _LONGEST_PX = 2000
-#: Pixels of a mosaic at most: some minutes of work, and a gigabyte at the most.
+#: Pixels of a mosaic at most: a gigabyte, and some minutes of work of two cores, or half an hour over relief.
 _MOST_PX = 1 << 28
 #: Folder in a dataset of the images that are laid on the map one by one.
 ON_MAP_FOLDER = "on-map"

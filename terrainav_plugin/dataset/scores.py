@@ -100,7 +100,7 @@ def _dress_errors(layer: QgsVectorLayer) -> None:
     titles = {
         "query": tr("Query"),
         "imagery": tr("Imagery"),
-        "error_m": tr("Error (m)"),
+        "error_m": tr("Error (metres)"),
         "error_deg": tr("Error of the attitude (degrees)"),
         "rank": tr("Rank of the first right tile"),
         "predicted_lat_deg": tr("Latitude of the answer"),

@@ -55,8 +55,8 @@ def titles() -> dict[str, str]:
         "validation": tr("Share of validation"),
         "test": tr("Share of test"),
         "seed": tr("Seed"),
-        "block": tr("Block size (m)"),
-        "gap": tr("Gap between parts (m)"),
+        "block": tr("Block size (metres)"),
+        "gap": tr("Gap between parts (metres)"),
         "frame": tr("Frame of the labels"),
         "dry_run": tr("Only count"),
     }

@@ -21,7 +21,7 @@ from ...core.units import LENGTHS_M
 from ..i18n import localized, number_text, tr, translate
 from ..units import area_text, length_text
 from .state import BOX_FIELDS, FormState, in_metres
-from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number
+from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number, with_points
 
 #: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
 SAME_HEIGHT_M = 1e-4
@@ -181,7 +181,7 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     text : str
         ``north_west_south_east_agl`` or ``lat_lon_agl``, several lines of ``lat lon agl [yaw]``, or a table of poses
         with a header, as `pose_table.read_poses` has it. Commas, semicolons and spaces do as well as underscores, and
-        the height may be left out of one line.
+        the height may be left out of one line. Commas before decimals are understood as `with_points` does.
     agl : float
         Height where the text has none.
     agl_unit : str
@@ -208,7 +208,16 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         agl_m = None if has_heights else in_metres(agl, LENGTHS_M[agl_unit])
         points = read_poses(text.splitlines(), agl_unit=agl_unit, agl_m=agl_m)
         return points, points.poses[0][2] if has_heights else None
-    lines = [(number, _without_separators(line)) for number, line in held]
+    try:
+        read = with_points("\n".join(line for _, line in held)).splitlines()
+    except ValueError as wrong:
+        raise InvalidInput(
+            tr(
+                "coordinates “{text}”: a comma may stand between numbers or before decimals; write points before "
+                "decimals, or spaces between numbers"
+            ).format(text=wrong)
+        ) from wrong
+    lines = [(number, _without_separators(line)) for (number, _), line in zip(held, read)]
     if len(lines) > 1:
         return _points(lines, agl, agl_unit)
     line = lines[0][1] if lines else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..i18n import localized, number_text, tr, translate
+from ..i18n import number_text, tr, translate
 from ..units import gsd_text, length_text
 from .area import area_words, entered_area
 from .state import DECLARED, SENSOR, FormState
@@ -46,7 +46,7 @@ def _area(state: FormState) -> str:
 
 
 def _camera(state: FormState) -> str:
-    shape = localized(short_aspect(state.aspect).replace(",", "."))
+    shape = short_aspect(state.aspect)
     if state.fov_mode == SENSOR:
         return _joined(tr("{length} mm").format(length=_number(state.focal_length_mm)), shape)
     return _joined(_degrees(state.fov_deg), shape)

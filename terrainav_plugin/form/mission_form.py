@@ -10,12 +10,19 @@ from typing import TYPE_CHECKING, Any
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
-from ...core.units import UNITS
 from ..i18n import number_text, tr, translate
 from .area import FormError, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
 from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
-from .text import SEPARATORS, aspect_text, exact_degrees_text, parse_aspect, parse_number
+from .text import (
+    SEPARATORS,
+    aspect_text,
+    exact_degrees_text,
+    parse_aspect,
+    parse_number,
+    short_place,
+    with_points,
+)
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box
@@ -118,15 +125,8 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
 
 
 def _check(name: str, value: Any) -> None:
-    """Refuse a value that a mission's field does not have; shares are typed in percent."""
+    """Refuse a value that a mission's field does not have."""
     field = ENTERED_AS_DECLARED.get(name) or DECLARED.get(name) or field_named(Output, name)
-    if field.unit is UNITS["share"] and value is not None and not 0.0 <= value < 1.0:
-        raise InvalidInput(
-            tr("overlap {percent} %: must be at least 0 and below 100 %").format(
-                percent=number_text(100.0 * value, "g")
-            ),
-            field=name,
-        )
     field.settled(value)
 
 
@@ -142,11 +142,11 @@ def takeoff(state: FormState) -> tuple[float, float] | None:
     if not text:
         return None
     try:
-        lat, lon = map(parse_number, (part for part in SEPARATORS.split(text) if part))
+        lat, lon = map(parse_number, (part for part in SEPARATORS.split(with_points(text)) if part))
     except ValueError as wrong:
         raise InvalidInput(
-            tr("take-off “{text}”: must be a latitude and a longitude, such as 35.15 -89.9").format(
-                text=text
+            tr("take-off “{text}”: must be a latitude and a longitude, such as {example}").format(
+                text=text, example=short_place("35.15, -89.9")
             ),
             field="takeoff",
         ) from wrong

@@ -5,6 +5,7 @@ from __future__ import annotations
 from qgis.core import QgsProject, QgsRasterLayer
 from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
 
+from ..form.text import as_written, with_point
 from ..i18n import tr
 from ..plain import shown_plain
 from ..sources import TERRARIUM, WORLD
@@ -41,11 +42,11 @@ class HeightsLine(WordsLine):
 
     def words(self) -> tuple[str, ...]:
         """Return the sources that are entered."""
-        return tuple(part.strip() for part in self.text().split(self._SEPARATOR) if part.strip())
+        return tuple(with_point(part.strip()) for part in self.text().split(self._SEPARATOR) if part.strip())
 
     def enter(self, words: tuple[str, ...]) -> None:
         """Enter sources."""
-        self.setText(f"{self._SEPARATOR} ".join(words))
+        self.setText(f"{self._SEPARATOR} ".join(map(as_written, words)))
 
     def _fill(self) -> None:
         """Offer what there is at the moment."""

@@ -23,6 +23,7 @@ from ..widgets import (
     line_edit,
     named,
     row,
+    show_row,
     spin,
     tick,
 )
@@ -183,9 +184,7 @@ class Entries(QgsCollapsibleGroupBoxBasic):
 
     def show_row(self, field: QWidget, shown: bool) -> None:
         """Show or hide a row, by what `add` returned."""
-        for part in (field, self._form.labelForField(field)):
-            if part is not None:
-                part.setVisible(shown)
+        show_row(self._form, field, shown)
 
 
 class Section(Entries):

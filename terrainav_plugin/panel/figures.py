@@ -214,6 +214,8 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
     lines = [(tr("Images"), _images(summary))]
     if summary.images_over_no_fly:
         lost = tr("Images left out: {count}").format(count=number_text(summary.images_over_no_fly))
+        if summary.no_fly_m2:
+            lost = tr("{lost}; {held} of the area").format(lost=lost, held=area_text(summary.no_fly_m2, unit))
         lines.append((tr("No-fly areas"), lost))
     if summary.covered_share is not None:
         lines.append((tr("Coverage"), _coverage(summary, unit)))
@@ -385,19 +387,21 @@ def _coverage(summary: Summary, unit: str) -> str:
 
 
 def _held(summary: Summary, unit: str) -> str:
+    no_fly_m2 = summary.no_fly_m2 or 0.0
+    area = area_text(summary.area_m2 - no_fly_m2, unit)
+    if no_fly_m2:
+        area = tr("{area} outside no-fly areas").format(area=area)
     if summary.complete:
         text = (
             tr("100 % of {area}, except where imagery is missing")
             if summary.lacks_imagery
             else tr("100 % of {area}")
         )
-        return text.format(area=area_text(summary.area_m2, unit))
+        return text.format(area=area)
     # Rounded down: what is not complete never reads 100.
     share = int(summary.covered_share * 1e4) / 1e2
     return tr("{share} % of {area}; {uncovered} not covered").format(
-        share=number_text(share, ".2f"),
-        area=area_text(summary.area_m2, unit),
-        uncovered=area_text(summary.uncovered_m2, unit),
+        share=number_text(share, ".2f"), area=area, uncovered=area_text(summary.uncovered_m2, unit)
     )
 
 

@@ -13,6 +13,7 @@ from ...core.mission.parts import LONGEST_SIDE, SHORTEST
 from ..form.camera import shown_gsd
 from ..form.fields import label_of, tip_of
 from ..form.state import DECLARED, FormState
+from ..form.text import short_place
 from ..i18n import number_text, tr
 from ..paths import icon
 from ..plain import plain_label
@@ -20,9 +21,9 @@ from ..units import gsd_text, length_text
 from ..widgets import (
     FieldMarks,
     FieldMessage,
+    ShortLine,
     combo,
     folder_entry,
-    line_edit,
     named,
     push_button,
     row,
@@ -297,7 +298,7 @@ class RouteSection(Section):
 
     def __init__(self, marks: FieldMarks) -> None:
         super().__init__("route", tr("Flight path"), marks)
-        self.takeoff = line_edit("takeoff", tip_of(DECLARED["takeoff"]))
+        self.takeoff = named(ShortLine(short_place), "takeoff", tip_of(DECLARED["takeoff"]))
         self.takeoff.setPlaceholderText(tr("none: from the first capture to the last"))
         self.takeoff.setClearButtonEnabled(True)
         self.pick_takeoff = tool_button(
@@ -311,13 +312,6 @@ class RouteSection(Section):
             *("photo_interval_s", "battery_min", "drone"),
         ):
             self.add_declared(name)
-
-    def enter(self, state: FormState) -> None:
-        """Enter the fields of a state; a place that was not typed is shown from its beginning."""
-        typed = self.takeoff.text()
-        super().enter(state)
-        if self.takeoff.text() != typed:
-            self.takeoff.setCursorPosition(0)
 
 
 class WindSection(Section):

@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
 _GROUP = "benchmarks"
-#: Overlap from which tiles would never end.
-_MOST_OVERLAP = 0.99
+#: Overlap in percent: with more, tiles would hardly end.
+_PERCENT, _MOST_OVERLAP = 100.0, 99.0
 _WIDEST_M = 1_000_000.0
 #: Share of the progress that answering is; the judge takes the rest.
 _ANSWERS_SHARE = 0.9
@@ -163,19 +163,25 @@ class MakeBenchmark(WithImagery):
     def _add_reference(self) -> None:
         real = QgsProcessingParameterNumber.Type.Double
         self.add(
-            QgsProcessingParameterString("TILES", tr("Widths of tiles (m)"), optional=True),
+            QgsProcessingParameterString("TILES", tr("Widths of tiles (metres)"), optional=True),
             tr("With spaces between them. If empty, that of a square as large as what a query shows."),
         )
         self.add(
             QgsProcessingParameterNumber(
-                "TILE_OVERLAP", tr("Overlap of tiles"), real, TILE_OVERLAP, False, 0.0, _MOST_OVERLAP
+                "TILE_OVERLAP",
+                tr("Overlap of tiles (percent)"),
+                real,
+                _PERCENT * TILE_OVERLAP,
+                False,
+                0.0,
+                _MOST_OVERLAP,
             ),
-            tr("Share of a tile that its neighbour shows again."),
+            tr("How much of a tile its neighbour shows again."),
             advanced=True,
         )
         self.add(
             QgsProcessingParameterNumber(
-                "MARGIN", tr("Margin of the reference (m)"), real, None, True, 0.0, _WIDEST_M
+                "MARGIN", tr("Margin of the reference (metres)"), real, None, True, 0.0, _WIDEST_M
             ),
             tr("Ground around that of the queries. If empty, as much as the widest tile is wide."),
             advanced=True,
@@ -424,7 +430,7 @@ def _settings_of(run: Run) -> BenchmarkSettings:
         _imageries(run, mission),
         _reference(run),
         tile_widths_m=_widths(run.text("TILES")),
-        tile_overlap=run.number("TILE_OVERLAP"),
+        tile_overlap=run.number("TILE_OVERLAP") / _PERCENT,
         margin_m=run.number("MARGIN") if run.is_given("MARGIN") else None,
         positive_iou=run.number("POSITIVE"),
         semi_positive_iou=run.number("SEMI_POSITIVE"),

@@ -405,7 +405,7 @@ class MakeMosaic(Algorithm):
         self.add(
             QgsProcessingParameterNumber(
                 "GSD",
-                tr("Ground sample distance (m)"),
+                tr("Ground sample distance (metres)"),
                 QgsProcessingParameterNumber.Type.Double,
                 None,
                 True,
@@ -425,7 +425,7 @@ class MakeMosaic(Algorithm):
                 "USED": tr("Images in the mosaic"),
                 "WIDTH": tr("Width (px)"),
                 "HEIGHT": tr("Height (px)"),
-                "RESOLUTION": tr("Ground sample distance (m)"),
+                "RESOLUTION": tr("Ground sample distance (metres)"),
             }
         )
 

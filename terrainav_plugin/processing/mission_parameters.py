@@ -153,7 +153,8 @@ def _value(run: Run, field: Field) -> Any:
     if field.choices:
         return run.choice(name)
     if field.kind is str:
-        return run.text(name).strip() or None
+        text = run.text(name).strip()
+        return (text.lower() if field.name == "facing" else text) or None
     if field.name in _OF_PATHS:
         return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:
@@ -202,8 +203,8 @@ def _add_area(algorithm: Algorithm) -> None:
     algorithm.add(
         QgsProcessingParameterString("COORDS", tr("Area: coordinates"), optional=True),
         tr(
-            "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, with or without the height, or a file: "
-            "lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres."
+            "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, with or without the height, or a "
+            "file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres."
         ),
     )
     algorithm.add(

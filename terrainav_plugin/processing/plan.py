@@ -259,8 +259,8 @@ def _figures() -> dict[str, str]:
     return {
         "IMAGES": tr("Images of one map type"),
         "COVERAGE": tr("Coverage (percent)"),
-        "OVERLAP_LEAST_ALONG": tr("Minimum overlap along rows (share)"),
-        "OVERLAP_LEAST_ACROSS": tr("Minimum overlap across rows (share)"),
+        "LEAST_FRONT_OVERLAP": tr("Minimum front overlap (percent)"),
+        "LEAST_SIDE_OVERLAP": tr("Minimum side overlap (percent)"),
         "REQUESTED_GSD": tr("Ground sample distance requested (metres)"),
         "DELIVERED_GSD": tr("Ground sample distance delivered (metres)"),
         "CHOSEN_ZOOM": tr("Zoom of the plan"),
@@ -273,18 +273,20 @@ def _figures() -> dict[str, str]:
         "PATH_M": tr("Flight path with take-off and turns (metres)"),
         "PATH_S": tr("Time of the flight path (seconds)"),
         "SORTIES": tr("Sorties"),
-        "ERROR_BOUND": tr("Bound of the error (px)"),
+        "ERROR_BOUND": tr("Error bound (px)"),
     }
 
 
 def _values(summary: Summary) -> dict[str, Any]:
     """Values of the numbers; those that have no meaning, such as a coverage of points, are left out."""
-    share = summary.covered_share
+    percent = {
+        "COVERAGE": summary.covered_share,
+        "LEAST_FRONT_OVERLAP": summary.least_overlap_along,
+        "LEAST_SIDE_OVERLAP": summary.least_overlap_across,
+    }
     values = {
         "IMAGES": summary.images,
-        "COVERAGE": None if share is None else _PERCENT * share,
-        "OVERLAP_LEAST_ALONG": summary.least_overlap_along,
-        "OVERLAP_LEAST_ACROSS": summary.least_overlap_across,
+        **{name: None if share is None else _PERCENT * share for name, share in percent.items()},
         "REQUESTED_GSD": summary.requested_gsd_m_per_px,
         "DELIVERED_GSD": summary.delivered_gsd_m_per_px,
         "CHOSEN_ZOOM": summary.zoom,

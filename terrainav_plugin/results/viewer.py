@@ -447,7 +447,7 @@ def _metres(value: float) -> str:
 
 def _number(values: dict[str, Any], name: str, decimals: int) -> str:
     value = values.get(name)
-    return f"{value:.{decimals}f}" if isinstance(value, (int, float)) else ""
+    return number_text(value, f".{decimals}f") if isinstance(value, (int, float)) else ""
 
 
 def _height(pose: dict[str, Any], row: dict[str, str]) -> str:
@@ -456,7 +456,7 @@ def _height(pose: dict[str, Any], row: dict[str, str]) -> str:
     if math.isnan(height_m):
         return tr("{agl} m above ground").format(agl=agl)
     return tr("{agl} m above ground, {height} m above the ellipsoid").format(
-        agl=agl, height=f"{height_m:.2f}"
+        agl=agl, height=number_text(height_m, ".2f")
     )
 
 

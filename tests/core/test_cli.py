@@ -6,6 +6,7 @@ import argparse
 import ast
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -112,6 +113,8 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert figures["covered_share"] == 1.0
     assert len((tmp_path / "plan.csv").read_text().splitlines()) == figures["images"] + 1
     again = json.loads(run("plan", "plan.json", "--json").stdout)
+    assert figures.pop("written") == ["plan.csv", "plan.geojson", "plan.kml", "plan.json"]
+    assert again.pop("written") == []
     # Costs are timed, each time anew.
     assert figures.pop("cost")["picture_s"] > 0.0
     assert again.pop("cost")["picture_s"] > 0.0
@@ -120,6 +123,47 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert accuracy["footprint"]["chosen"]["name"] == "exact"
     assert accuracy["image"]["chosen"]["name"] == "map"
     assert 0.0 < accuracy["bound_px"] <= accuracy["budget_px"] == 0.1
+
+
+def test_each_sortie_is_a_file_that_the_command_names(run, tmp_path):
+    area = "35.16_-89.90_35.155_-89.89_200"
+    flight = ["plan", "--coords", area, "--takeoff", "35.1585", "-89.901", "--battery"]
+    mine = tmp_path / "survey-2.plan"
+    mine.write_text("mine")
+    done = run(*flight, "5", "--output", "survey.plan")
+    assert done.returncode == 0, done.stderr
+    sorties = int(re.search(r"^sorties +(\d+):", done.stdout, re.MULTILINE).group(1))
+    assert sorties > 1
+    files = [f"survey-{number}.plan" for number in range(1, sorties + 1)]
+    assert re.findall(r"^written +(\S+)$", done.stdout, re.MULTILINE) == files
+    assert sorted(path.name for path in tmp_path.glob("*.plan")) == sorted(files)
+    # Each is a flight of its own, and what one replaces is named.
+    assert len({(tmp_path / file).read_bytes() for file in files}) == sorties
+    assert "survey.plan: replaced survey-2.plan\n" in done.stderr
+    # A flight of one sortie leaves those of the other, and says so.
+    done = run(*flight, "60", "--output", "survey.plan", "--json")
+    assert json.loads(done.stdout)["written"] == ["survey.plan"]
+    left = f"survey.plan: not of this flight, and left as they were: {', '.join(files)}\n"
+    assert left in done.stderr
+    done = run(*flight, "5", "--output", "survey.plan")
+    assert "not of this flight, and left as they were: survey.plan\n" in done.stderr
+
+
+def test_a_pattern_has_the_camera_of_plan_and_capture(run, tmp_path):
+    line = {"type": "LineString", "coordinates": [[-89.9, 35.1], [-89.89, 35.1]]}
+    (tmp_path / "line.geojson").write_text(json.dumps(line))
+    (tmp_path / "config.json").write_text('{"overlap": [0.5, 0.4]}')
+    asked = ("poses", "corridor", "line.geojson", "--agl", "120", "--width", "300", "--output")
+    written = {}
+    for name, options, environment in (
+        ("options", ("--fov", "60", "--overlap", "50%", "0.4"), {}),
+        ("elsewhere", (), {"TERRAINAV_FOV": "60"}),
+        ("usual", ("--overlap", "50%", "0.4"), {}),
+    ):
+        done = run(*asked, f"{name}.csv", *options, **environment)
+        assert done.returncode == 0, done.stderr
+        written[name] = (tmp_path / f"{name}.csv").read_text()
+    assert written["options"] == written["elsewhere"] != written["usual"]
 
 
 def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):
@@ -252,12 +296,13 @@ def test_whatever_ends_a_capture_leaves_its_table(tmp_path, name, code):
         (["plan", "--coords", "35_-89_120", "--fov", "wide"], "'wide'"),
         (["plan", "--coords", "35_-89_120", "--aspect-ratio", "4"], "aspect-ratio"),
         (["plan", "--coords", "35_-89_-5"], "-5.0 m"),
-        (["plan", "--coords", BOX, "--overlap", "1"], "overlap along rows 1.0"),
+        (["plan", "--coords", BOX, "--overlap", "1"], "overlap '1': must be a share from 0 to below 1"),
+        (["plan", "--coords", BOX, "--overlap", "120%"], "overlap '120%': must be a share from 0 to below 1"),
         (["plan", "--coords", BOX, "--map-type", "hybrid"], "hybrid"),
         (["plan", "--coords", BOX, "--source", "atlantis"], "atlantis"),
         (["plan", "--coords", BOX, "--layout", "spiral"], "spiral"),
         (["plan", "--coords", BOX, "--max-images", "3"], "limit is 3"),
-        (["plan", "--coords", BOX, "--output", "plan.shp"], "plan.shp"),
+        (["plan", "--coords", BOX, "--output", "plan.shp"], ".kmz, .plan, .survey.plan, .json"),
         (["plan", "gone.json"], "gone.json"),
         (["plan", "--nonsense"], "--nonsense"),
         (["fly"], "fly"),

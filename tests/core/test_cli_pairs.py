@@ -57,6 +57,13 @@ def test_pairs_of_a_file_of_places_with_a_contact_sheet(run, tmp_path):
     assert (json.loads(again.stdout)["written"], json.loads(again.stdout)["skipped"]) == (0, 6)
 
 
+def test_options_of_missions_are_taken_as_plan_takes_them(run):
+    asked = ("pairs", BOX, "--count", "2", "--views", "2", "--dry-run", "--json")
+    done = run(*asked, "--elevation", "5", "7", "--map-type", "roadmap")
+    assert done.returncode == 0, done.stderr
+    assert "unrecognized arguments: roadmap" in refusal(run(*asked, "--map-type", "satellite", "roadmap"))
+
+
 def test_a_placeholder_is_told_and_taken_out_of_the_pairs(run, tmp_path):
     (tmp_path / "places.txt").write_text("35.12 -89.93\n35.15 -89.85\n", encoding="utf-8")
     grey = np.full((256, 256, 3), 204, np.uint8)

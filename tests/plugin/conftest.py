@@ -111,15 +111,26 @@ def canvas(iface: QgisInterface) -> QgsMapCanvas:
 
 @pytest.fixture(autouse=True)
 def clean_project(iface: QgisInterface) -> Iterator[QgsProject]:
-    """A new, empty project, and nothing in the message bar; what the test leaves in either goes away with it."""
+    """A new, empty project, and nothing in the message bar; what the test leaves in either goes away with it.
+
+    So do panels of QGIS's own that it opened, such as Processing's results: they would take the next one's room.
+    """
     from qgis.core import QgsProject
+    from qgis.PyQt.QtWidgets import QDockWidget
+
+    def open_panels() -> set[QDockWidget]:
+        panels = iface.mainWindow().findChildren(QDockWidget)
+        return {panel for panel in panels if panel.isVisible() and not panel.objectName().startswith(PLUGIN)}
 
     iface.newProject(False)
     iface.messageBar().clearWidgets()
+    before = open_panels()
     yield QgsProject.instance()
     iface.mapCanvas().stopRendering()
     iface.newProject(False)
     iface.messageBar().clearWidgets()
+    for panel in open_panels() - before:
+        panel.close()
 
 
 @pytest.fixture

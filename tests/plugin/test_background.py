@@ -272,6 +272,8 @@ def test_coarse_image_is_there_while_the_fine_one_is_drawn(desk, monkeypatch):
     coarse, fine_was_there = layer.source(), len(drawn) > 1
     assert layer.isValid()
     assert not fine_was_there
+    # The project takes the layer's CRS a while after the layer is there.
+    desk.wait(lambda: QgsProject.instance().crs() == layer.crs())
     box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
     desk.wait(lambda: fits(desk.canvas.extent(), box))
     assert layer.extent().contains(box)

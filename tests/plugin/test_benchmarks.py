@@ -87,7 +87,7 @@ def test_choices_and_defaults_are_those_of_the_core():
     assert [
         asked.parameterDefinition(name).defaultValue()
         for name in ("POSITIVE", "SEMI_POSITIVE", "TILE_OVERLAP")
-    ] == [usual.positive_iou, usual.semi_positive_iou, usual.tile_overlap]
+    ] == [usual.positive_iou, usual.semi_positive_iou, 100.0 * usual.tile_overlap]
 
 
 def test_it_is_the_benchmark_that_the_core_makes(made, mission_file, tmp_path):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import terrainav.core.mission
 from terrainav.core.errors import Message, OptionName
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -59,6 +59,19 @@ def test_what_is_left_out_is_said_and_never_reads_as_everything():
     share = float(lines["Coverage"].partition(" %")[0])
     assert 0.0 < share <= 100.0 * summary.covered_share < 100.0
     assert "not covered" in lines["Coverage"]
+
+
+def test_coverage_is_that_of_the_area_outside_no_fly_areas():
+    corners = ((-89.88, 35.12), (-89.87, 35.12), (-89.87, 35.13), (-89.88, 35.13))
+    zone = Polygon((corners,))
+    summary, lines = lines_of(Mission(area=AREA, agl_m=120.0, no_fly=(zone,)))
+    held_km2 = zone.area_m2() / 1e6
+    assert lines["Coverage"].startswith(f"{int(summary.covered_share * 1e4) / 1e2:.2f} % of ")
+    assert f" % of {35.03 - held_km2:.2f} km² outside no-fly areas; " in lines["Coverage"]
+    assert (
+        lines["No-fly areas"]
+        == f"Images left out: {summary.images_over_no_fly}; {held_km2:.3f} km² of the area"
+    )
 
 
 def test_several_map_types_count_together():

@@ -160,7 +160,7 @@ def test_a_field_without_an_entry_says_where_it_is_wrong():
         mission(replace(GOOD, mesh="nets", overlap_along=1.0))
     assert set(refused.value.messages) == {"more", "overlap_along"}
     assert "mesh 'nets': must be one of auto, rays" in refused.value.messages["more"]
-    assert "overlap 100 %" in refused.value.messages["overlap_along"]
+    assert "front overlap 100.0 %" in refused.value.messages["overlap_along"]
 
 
 def test_no_longest_side_is_hidden_in_a_form_saved_before_there_was_an_image_s_size():

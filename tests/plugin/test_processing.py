@@ -205,7 +205,9 @@ def test_a_provider_that_is_taken_away_is_gone(plugin):
 
 
 def test_plan_gives_what_the_core_plans(tmp_path):
-    mission = Mission(BOX, 200.0, overlap_along=0.2, overlap_across=0.1, start="2024-06-21T10:30:00Z")
+    mission = Mission(
+        BOX, 200.0, overlap_along=0.2, overlap_across=0.1, facing="north", start="2024-06-21T10:30:00Z"
+    )
     expected = planned(mission)
     feedback = Feedback()
     results = run(
@@ -215,6 +217,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
         AGL=200,
         FRONT_OVERLAP=20,
         SIDE_OVERLAP=10,
+        FACING="North",
         START="2024-06-21T10:30:00Z",
         FOOTPRINTS="memory:",
         CAPTURES="memory:",
@@ -256,7 +259,7 @@ def test_plan_gives_what_the_core_plans(tmp_path):
     summary = estimate(expected, OFFLINE)
     assert results["IMAGES"] == len(expected)
     assert results["COVERAGE"] == 100.0 * summary.covered_share
-    assert results["OVERLAP_LEAST_ALONG"] == summary.least_overlap_along
+    assert results["LEAST_FRONT_OVERLAP"] == 100.0 * summary.least_overlap_along
     assert (results["TILES"], results["CHOSEN_ZOOM"]) == (summary.unique_tiles, expected.zoom)
     assert (results["FLIGHT_S"], results["ERROR_BOUND"]) == (summary.flight_s, summary.accuracy.bound_px)
     assert results["FILE_BYTES"] == summary.output_bytes

@@ -96,7 +96,7 @@ def test_the_algorithms_are_listed_and_explained(terminal, help_of_plan):
     ):
         assert f"terrainav:{name}\t" in listed
     assert "without fetching imagery" in help_of_plan
-    assert "FRONT_OVERLAP: Overlap along rows (percent)" in help_of_plan
+    assert "FRONT_OVERLAP: Front overlap (percent)" in help_of_plan
 
 
 def test_plan(terminal, tmp_path):

@@ -45,8 +45,6 @@ _DESCRIPTION = "words"
 #: What reads like advice, and is none.
 NO_ADVICE = frozenset(
     [
-        "overlap along rows",
-        "overlap across rows",
         "shares {}: add up to {}; must add up to 1",
         "cache %s: is damaged; set aside as %s and begun anew",
         "--plot shows what a threshold rejects: it does not go with --undo",

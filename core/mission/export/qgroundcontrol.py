@@ -123,10 +123,14 @@ def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict
     }
 
 
-def simple_items(commands: Iterable[Command], first: int, placed: bool = True) -> Iterator[dict[str, Any]]:
-    """Items of commands, numbered from ``first``; ``placed`` ones say their height for the editor as well."""
+def simple_items(commands: Iterable[Command], first: int) -> Iterator[dict[str, Any]]:
+    """Items of commands, numbered from ``first``.
+
+    They have no ``AltitudeMode``, ``Altitude`` and ``AMSLAltAboveTerrain``: QGroundControl asks for all three or none,
+    takes frame and parameters where there is none, and some of its versions refuse an unknown height above sea level.
+    """
     for number, (command, frame, params) in enumerate(commands, start=first):
-        item: dict[str, Any] = {
+        yield {
             "autoContinue": True,
             "command": command,
             "doJumpId": number,
@@ -134,9 +138,6 @@ def simple_items(commands: Iterable[Command], first: int, placed: bool = True) -
             "params": list(params),
             "type": "SimpleItem",
         }
-        if placed and frame == FRAME_RELATIVE:
-            item.update(AMSLAltAboveTerrain=None, Altitude=params[6], AltitudeMode=_ALTITUDE_RELATIVE)
-        yield item
 
 
 def _commands(plan: Plan, sortie: Sortie) -> Iterator[Command]:

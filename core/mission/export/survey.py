@@ -177,7 +177,7 @@ def _survey(plan: Plan, sortie: Sortie, first: int) -> dict[str, Any]:
         "CameraTriggerInTurnAround": False,
         "FollowTerrain": _follows_terrain(plan),
         "HoverAndCapture": hovers,
-        "Items": list(simple_items(flight(plan, sortie), first, placed=False)),
+        "Items": list(simple_items(flight(plan, sortie), first)),
         "Refly90Degrees": plan.mission.flight.crosshatch,
         "TurnAroundDistance": plan.mission.route.turnaround_m,
         "VisualTransectPoints": _corners(plan, sortie),

@@ -56,7 +56,7 @@ class _Drone(NamedTuple):
     camera: int | None
     lens: str = "visable"
     namespace: str = "http://www.dji.com/wpmz/1.0.6"
-    most_waypoints: int = 65_536
+    most_waypoints: int = 65_535
     highest_m: float = 1500.0
 
     @property
@@ -222,7 +222,7 @@ def _template(plan: Plan, sortie: Sortie) -> Iterator[str]:
             f"<wpml:globalHeight>{sortie.height_m[0]:.3f}</wpml:globalHeight>\n"
             "<wpml:caliFlightEnable>0</wpml:caliFlightEnable>\n"
             "<wpml:gimbalPitchMode>usePointSetting</wpml:gimbalPitchMode>\n"
-            f"<wpml:globalWaypointHeadingParam>{_heading(float(sortie.heading_deg[0]))}"
+            f"<wpml:globalWaypointHeadingParam>{_heading(float(sortie.heading_deg[0]), executed=False)}"
             "</wpml:globalWaypointHeadingParam>\n"
             f"<wpml:globalWaypointTurnMode>{_STOP}</wpml:globalWaypointTurnMode>\n"
             "<wpml:globalUseStraightLine>1</wpml:globalUseStraightLine>\n"
@@ -267,6 +267,7 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
     place = f"<wpml:takeOffRefPoint>{lat:.9f},{lon:.9f},{sortie.base_m:.3f}</wpml:takeOffRefPoint>\n"
     camera = (
         f"<wpml:payloadInfo><wpml:payloadEnumValue>{drone.camera}</wpml:payloadEnumValue>"
+        "<wpml:payloadSubEnumValue>0</wpml:payloadSubEnumValue>"
         "<wpml:payloadPositionIndex>0</wpml:payloadPositionIndex></wpml:payloadInfo>\n"
     )
     return (
@@ -286,6 +287,8 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
 def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
     """Waypoints: of the file that is flown, or of that which is edited."""
     passed = _passed(plan, sortie)
+    # DJI Fly knows no risky waypoints.
+    risk = "" if _drone(plan).of_dji_fly else "<wpml:isRisky>0</wpml:isRisky>\n"
     for at, actions in enumerate(_actions(plan, sortie)):
         lat, lon, height = float(sortie.lat_deg[at]), float(sortie.lon_deg[at]), float(sortie.height_m[at])
         turn = (
@@ -293,7 +296,8 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
             f"<wpml:waypointTurnDampingDist>{_ROUNDING_M if passed[at] else 0:g}</wpml:waypointTurnDampingDist>"
             "</wpml:waypointTurnParam>\n<wpml:useStraightLine>1</wpml:useStraightLine>\n"
         )
-        heading = f"<wpml:waypointHeadingParam>{_heading(float(sortie.heading_deg[at]))}</wpml:waypointHeadingParam>\n"
+        heading = _heading(float(sortie.heading_deg[at]), executed)
+        heading = f"<wpml:waypointHeadingParam>{heading}</wpml:waypointHeadingParam>\n"
         if executed:
             own = (
                 f"<wpml:executeHeight>{height:.3f}</wpml:executeHeight>\n"
@@ -310,7 +314,7 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
             )
         yield (
             f"<Placemark>\n<Point><coordinates>{lon:.9f},{lat:.9f}</coordinates></Point>\n"
-            f"<wpml:index>{at}</wpml:index>\n{own}{actions}<wpml:isRisky>0</wpml:isRisky>\n</Placemark>\n"
+            f"<wpml:index>{at}</wpml:index>\n{own}{actions}{risk}</Placemark>\n"
         )
 
 
@@ -445,14 +449,14 @@ def _gimbal(drone: _Drone, pitch_deg: float) -> tuple[str, str]:
     )
 
 
-def _heading(heading_deg: float) -> str:
+def _heading(heading_deg: float, executed: bool) -> str:
     """The aircraft turns to it by the shorter way on its leg to the waypoint."""
     wrapped = round((heading_deg + 180.0) % 360.0 - 180.0, 2)
     return (
         "<wpml:waypointHeadingMode>smoothTransition</wpml:waypointHeadingMode>"
         f"<wpml:waypointHeadingAngle>{wrapped:.2f}</wpml:waypointHeadingAngle>"
         "<wpml:waypointPoiPoint>0.000000,0.000000,0.000000</wpml:waypointPoiPoint>"
-        "<wpml:waypointHeadingAngleEnable>1</wpml:waypointHeadingAngleEnable>"
+        f"{'<wpml:waypointHeadingAngleEnable>1</wpml:waypointHeadingAngleEnable>' if executed else ''}"
         "<wpml:waypointHeadingPathMode>followBadArc</wpml:waypointHeadingPathMode>"
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 from collections.abc import Callable, Iterable, Iterator
+from itertools import count, islice, takewhile
 from pathlib import Path
 from typing import NamedTuple
 
@@ -31,10 +32,13 @@ class Exported(NamedTuple):
     ----------
     notes : tuple of str
         What the format cannot say of the plan, one line each.
+    replaced : tuple of Path
+        Parts of a flight, whose names nobody has chosen, that took the place of files that were there.
     """
 
     files: tuple[Path, ...]
     notes: tuple[str, ...] = ()
+    replaced: tuple[Path, ...] = ()
 
 
 class PartsAlreadyThere(OutputError):
@@ -88,14 +92,14 @@ _PARTED = {
 ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", *_PARTED)
 
 
-def check_plan_ending(path: str | os.PathLike[str]) -> str:
-    """Return the ending of a plan's file; refuse one that names no format a plan can be written in."""
-    name = Path(path).name.lower()
+def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
+    """Return the ending of a plan's file; refuse one that is neither of a plan's format nor one of ``more``."""
+    name, known = Path(path).name.lower(), (*ENDINGS, *more)
     # The longest one that it ends in: Litchi's table is a .csv as well.
-    ending = max((one for one in ENDINGS if name.endswith(one)), key=len, default=name)
+    ending = max((one for one in known if name.endswith(one)), key=len, default=name)
     if name != ending:
         return ending
-    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(ENDINGS))
+    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(known))
 
 
 def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> Exported:
@@ -138,12 +142,16 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
     form.check(plan)
     contents = form.contents(plan)
     stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
-    files = [target]
+    parts = (target.with_name(f"{stem}-{number}{ending}") for number in count(1))
+    files, there = [target], tuple[Path, ...]()
     if len(contents) > 1:
-        files = [target.with_name(f"{stem}-{number}{ending}") for number in range(1, len(contents) + 1)]
+        files = list(islice(parts, len(contents)))
         there = tuple(file for file in files if file.exists())
         if there and not replace_parts:
             raise PartsAlreadyThere(there)
+    # Of an earlier flight in fewer parts, or in more.
+    left = [file for file in [target] if file not in files and file.exists()]
+    left += takewhile(Path.exists, parts)
     written: list[Path] = []
     try:
         for file, blocks in zip(files, contents):
@@ -161,4 +169,7 @@ def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) ->
             Message("{0} parts of one flight, {1} to {2}", len(files), files[0].name, files[-1].name),
             *notes,
         )
-    return Exported(tuple(files), notes)
+    if left:
+        names = ", ".join(file.name for file in left)
+        notes = (*notes, Message("not of this flight, and left as they were: {0}", names))
+    return Exported(tuple(files), notes, there)

@@ -13,7 +13,19 @@ from numpy.typing import NDArray
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import Windows
 from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
-from ..area import Area, Box, Points, Polygon, Polygons, Rings, area_within_m2, parts_of
+from ..area import (
+    Area,
+    Box,
+    Part,
+    Points,
+    Polygon,
+    Polygons,
+    Rings,
+    area_within_m2,
+    parts_of,
+    ring_of_box,
+    shared_rings,
+)
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -33,15 +45,37 @@ _NOTHING_MISSING = 1e-9
 
 @dataclass(frozen=True)
 class Coverage:
-    """Ground of the area, ground of it that no picture shows (m²), and the covered share rounded down."""
+    """What pictures show of an area, but for its no-fly areas.
+
+    Parameters
+    ----------
+    area_m2 : float
+        Ground of the area outside no-fly areas.
+    uncovered_m2 : float
+        Ground of that which no picture shows.
+    complete : bool
+    no_fly_m2 : float
+        Ground of the area inside no-fly areas, whether pictures show it or not.
+    """
 
     area_m2: float
     uncovered_m2: float
     complete: bool
+    no_fly_m2: float = 0.0
+
+    def without(self, held: Sequence[Coverage]) -> Coverage:
+        """The same but for parts of the area that no-fly areas hold, which share no ground."""
+        if not held:
+            return self
+        inside = summed(held)
+        area_m2 = max(self.area_m2 - inside.area_m2, 0.0)
+        uncovered_m2 = self.uncovered_m2 - inside.uncovered_m2
+        complete = self.complete or uncovered_m2 <= _NOTHING_MISSING * self.area_m2
+        return Coverage(area_m2, 0.0 if complete else uncovered_m2, complete, inside.area_m2)
 
     @property
     def share(self) -> float:
-        """Covered share of the area in [0, 1], rounded down; 1 only where nothing is missing."""
+        """Covered share of the area outside no-fly areas in [0, 1], rounded down; 1 only where nothing is missing."""
         if self.complete:
             return 1.0
         covered = 1.0 - self.uncovered_m2 / self.area_m2 if self.area_m2 > 0.0 else 0.0
@@ -56,7 +90,8 @@ def summed(found: Sequence[Coverage]) -> Coverage:
     return Coverage(
         sum(one.area_m2 for one in found),
         sum(one.uncovered_m2 for one in found),
-        complete=all(one.complete for one in found),
+        all(one.complete for one in found),
+        sum(one.no_fly_m2 for one in found),
     )
 
 
@@ -295,21 +330,41 @@ def _gaps_in_cells(parts: Rectangles, cell: Numbers, bounds: Rectangles, cells: 
     )
 
 
-def coverage(area: Box | Polygon | Polygons, windows: Windows, grid: PixelGrid, zoom: int) -> Coverage:
-    """What windows show of an area; exact on the pixel grid for a box. Images over a polygon count for others, too."""
-    shown = Rectangles(*windows.bounds_px)
-    if not isinstance(area, Polygons):
-        return _coverage_of(area, area, area.bounds.edges_deg, shown, grid.world_px(zoom))
-    return summed(
-        [
-            _coverage_of(polygon, placed, placed.edges_deg, shown, grid.world_px(zoom), others=True)
-            for polygon, placed in zip(area.parts, area.placed())
+def coverage(
+    area: Box | Polygon | Polygons,
+    windows: Windows,
+    grid: PixelGrid,
+    zoom: int,
+    no_fly: Sequence[Polygon] = (),
+) -> Coverage:
+    """What windows show of an area outside no-fly areas; exact on the pixel grid for a box.
+
+    Images over a polygon count for others, too.
+    """
+    shown, world = Rectangles(*windows.bounds_px), grid.world_px(zoom)
+    several = isinstance(area, Polygons)
+    found = []
+    for part, placed in zip(parts_of(area), area.placed() if isinstance(area, Polygons) else (area,)):
+        whole = _coverage_of(
+            part.area_m2(),
+            placed,
+            placed.edges_deg if isinstance(placed, Part) else placed.bounds.edges_deg,
+            shown,
+            world,
+            others=several,
+        )
+        held = [
+            _coverage_of(
+                WGS84.ring_area_m2(*ring), Part((ring,)), Part((ring,)).edges_deg, shown, world, others=True
+            )
+            for ring in shared_rings(placed, no_fly)
         ]
-    )
+        found.append(whole.without(held))
+    return summed(found)
 
 
 def _coverage_of(
-    area: Box | Polygon,
+    total_m2: float,
     placed: Box | Rings,
     edges_deg: tuple[float, float, float, float],
     shown: Rectangles,
@@ -321,14 +376,13 @@ def _coverage_of(
 
     ``others`` says that most of them may lie elsewhere.
     """
-    total = area.area_m2()
     west_deg, south_deg, east_deg, north_deg = edges_deg
     west, east = (lon_to_u(np.array([west_deg, east_deg])) * world).tolist()
     north, south = (lat_to_v(np.array([north_deg, south_deg])) * world).tolist()
     if others:
         near = (shown.x0 < east) & (shown.x1 > west) & (shown.y0 < south) & (shown.y1 > north)
         if not near.any():
-            return Coverage(total, total, complete=False)
+            return Coverage(total_m2, total_m2, complete=False)
         shown = Rectangles(*(edge[near] for edge in shown))
     missing = gaps(joined(shown), (west, north, east, south))
     ground = area_within_m2(
@@ -339,7 +393,7 @@ def _coverage_of(
         v_to_lat(missing.y0 / world),
     )
     ground = ground[ground > _NO_GROUND_M2]
-    return Coverage(total, float(ground.sum()), complete=not len(ground))
+    return Coverage(total_m2, float(ground.sum()), complete=not len(ground))
 
 
 def unique_tiles(windows: Windows, grid: PixelGrid, zoom: int) -> int:
@@ -470,12 +524,7 @@ def imagery_of(area: Area, windows: Windows, grid: PixelGrid, zoom: int) -> Imag
 
 def rings_of(area: Box | Polygon) -> list[tuple[Floats, Floats]]:
     """Longitudes and latitudes of the corners of an area's rings, the outer one first."""
-    if isinstance(area, Polygon):
-        return area.arrays()
-    west, east, north, south = area.west_deg, area.continuous_east_deg, area.north_deg, area.south_deg
-    corners = [west, east, east, west], [north, north, south, south]
-    lon, lat = (np.array(angles, np.float64) for angles in corners)
-    return [(lon, lat)]
+    return area.arrays() if isinstance(area, Polygon) else ring_of_box(area)
 
 
 def twice_area(ring: Floats) -> float:

@@ -25,6 +25,7 @@ from ..area import (
     ground_m2,
     in_band,
     parts_of,
+    shared_rings,
     sides_of,
     touching,
 )
@@ -498,15 +499,19 @@ def rotated_coverage(
     found = []
     for part in parts_of(area):
         own = [at for at, one in enumerate(passes) if one.area is None or one.area == part]
-        if own:
-            found.append(_coverage_of(part, [passes[at] for at in own], [rectangles[at] for at in own]))
-        else:
-            found.append(Coverage(part.area_m2(), part.area_m2(), complete=False))
+        of_part = [passes[at] for at in own], [rectangles[at] for at in own]
+        held = [
+            Polygon((tuple(zip(lon.tolist(), lat.tolist())),))
+            for lon, lat in shared_rings(part, mission.no_fly)
+        ]
+        found.append(_coverage_of(part, *of_part).without([_coverage_of(one, *of_part) for one in held]))
     return summed(found)
 
 
 def _coverage_of(area: Box | Polygon, passes: Sequence[Pass], rectangles: Sequence[Rectangles]) -> Coverage:
     """What rectangles show of an area, in the plane of the first pass."""
+    if not passes:
+        return Coverage(area.area_m2(), area.area_m2(), complete=False)
     plane = passes[0].plane
     shape = _shape(area, plane, _BEND_SHARE * float(np.min(passes[0].sides.size_m)))
     x, y = (np.concatenate(values) for values in zip(*shape.rings))

@@ -457,7 +457,7 @@ def test_files_for_drones_follow_the_terrain_as_it_was_planned(dem, tmp_path):
     # QGroundControl keeps what was planned where the speed is the one that it is said to be for.
     assert transects["TerrainFlightSpeed"] == mission["hoverSpeed"]
     assert transects["CameraCalc"]["DistanceToSurface"] == 80.0
-    assert [height for *_, height in photos(transects["Items"])] == pytest.approx(above)
+    assert [height for _, _, height, _ in photos(transects["Items"])] == pytest.approx(above)
 
 
 def test_figures_say_what_is_below_a_flight_and_how_near_it_comes(dem):

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 
 import pytest
+from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_text, estimate, percent
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
 
 AGRICENTER = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -36,10 +39,29 @@ def test_what_is_not_complete_never_reads_so():
     assert percent(0.999999, exact=False) == "99.9999 %"
 
 
+def test_images_over_relief_take_longer_the_more_of_its_cells_they_see():
+    """The same pixels see four times the ground from twice as high, as long as cells are not larger from there."""
+    mission = Mission(Points(((35, -89, 40),)), 40.0, image_px=160, elevation=("world",), frame="camera")
+    seconds, cells = [], []
+    for agl_m in (40.0, 80.0):
+        made = plan(
+            mission.with_(area=Points(((35, -89, agl_m),)), agl_m=agl_m), PixelGrid(), heights_of(mission)
+        )
+        costs = replace(OFFLINE, request_s=0.0)
+        seconds.append(estimate(made, costs, cores=1).seconds)
+        tan_x, tan_y = mission.camera.half_tangents
+        # Cells of the world's heights are those of its pixels at zoom 19.
+        cell_m = 2.0 * math.pi * WGS84.a_m * math.cos(math.radians(35.0)) / 256.0 / 2.0**19
+        cells.append(4.0 * tan_x * tan_y * agl_m**2 / cell_m**2)
+    added = (cells[1] - cells[0]) * costs.trace_s_per_cell
+    assert seconds[1] - seconds[0] == pytest.approx(added, rel=0.02)
+    assert added > seconds[0] / 3.0
+
+
 def test_points_have_no_area():
     words = text(estimate(plan(Mission(Points(((35, -89, 120),)), 120.0), PixelGrid())))
     assert "coverage" not in words
-    assert "overlap along rows" not in words
+    assert "front overlap" not in words
 
 
 def test_two_map_types_take_twice_as_much():

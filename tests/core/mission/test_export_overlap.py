@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
+import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from osgeo import ogr
 from pyproj import Transformer
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -14,6 +18,10 @@ from terrainav.core.mission.area import Box, Polygon
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+
+from tests.core.mission.qgc_survey import photos
+from tests.core.mission.test_export_wpml import along as places_along
+from tests.core.mission.wpml_reader import Wpml
 
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 #: Diagonal field of view in degrees, and width over height.
@@ -32,21 +40,101 @@ MISSIONS = {
 }
 
 
-#: Columns of a place, a height and a heading by the ending of a file.
-COLUMNS = {
-    ".litchi.csv": ("latitude", "longitude", "altitude(m)", "heading(deg)"),
-    ".csv": ("lat_deg", "lon_deg", "agl_m", "yaw_deg"),
+def of_table(path, names=("lat_deg", "lon_deg", "agl_m", "yaw_deg")):
+    with path.open(newline="") as file:
+        return [[float(row[name]) for name in names] for row in csv.DictReader(file)]
+
+
+def of_litchi(path):
+    return of_table(path, ("latitude", "longitude", "altitude(m)", "heading(deg)"))
+
+
+def of_geojson(path):
+    every = [feature["properties"] for feature in json.loads(path.read_text())["features"]]
+    return [[one[name] for name in ("lat_deg", "lon_deg", "agl_m", "yaw_deg")] for one in every]
+
+
+def of_geopackage(path):
+    data = ogr.Open(str(path))
+    return [
+        [
+            feature.GetGeometryRef().GetY(),
+            feature.GetGeometryRef().GetX(),
+            feature["agl_m"],
+            feature["yaw_deg"],
+        ]
+        for feature in data.GetLayer("captures")
+    ]
+
+
+def of_kml(path):
+    found, kml = [], "{http://www.opengis.net/kml/2.2}"
+    for mark in ET.parse(path).iter(f"{kml}Placemark"):
+        about = {
+            one.get("name"): float(one[0].text)
+            for one in mark.iter(f"{kml}Data")
+            if one.get("name") != "time"
+        }
+        if about:
+            lon, lat, height = map(float, mark.find(f"{kml}Point/{kml}coordinates").text.split(","))
+            found.append([lat, lon, height, about["heading_deg"]])
+    return found
+
+
+def of_gpx(path):
+    found = []
+    for point in ET.parse(path).iter("{http://www.topografix.com/GPX/1/1}rtept"):
+        about = {one.tag.rpartition("}")[2]: one.text for one in point[-1]}
+        found.append(
+            [
+                float(value)
+                for value in (point.get("lat"), point.get("lon"), about["agl_m"], about["heading_deg"])
+            ]
+        )
+    return found
+
+
+def of_qgroundcontrol(path):
+    items = []
+    for item in json.loads(path.read_text())["mission"]["items"]:
+        items += item["TransectStyleComplexItem"]["Items"] if item["type"] == "ComplexItem" else [item]
+    return photos([item for item in items if item["command"] in (16, 206, 2000)])
+
+
+def of_wpml(path):
+    return [photo[:4] for photo in Wpml(path).photos(places_along)]
+
+
+#: Ending of a file, what the mission has beside it, and what reads places, heights and headings of its images.
+KINDS = {
+    "table": (".csv", {}, of_table),
+    "GeoJSON": (".geojson", {}, of_geojson),
+    "GeoPackage": (".gpkg", {}, of_geopackage),
+    "Google Earth": (".kml", {}, of_kml),
+    "GPX": (".gpx", {}, of_gpx),
+    "Litchi": (".litchi.csv", {}, of_litchi),
+    "QGroundControl": (".plan", {}, of_qgroundcontrol),
+    "QGroundControl by distance": (".plan", {"trigger": "distance"}, of_qgroundcontrol),
+    "survey": (".survey.plan", {}, of_qgroundcontrol),
+    "survey by distance": (".survey.plan", {"trigger": "distance"}, of_qgroundcontrol),
+    "Pilot 2": (".kmz", {}, of_wpml),
+    "Pilot 2 by distance": (".kmz", {"trigger": "distance"}, of_wpml),
+    "DJI Fly": (".kmz", {"drone": "dji-fly"}, of_wpml),
 }
 
 
-def exported(made, folder, ending):
-    """Latitudes, longitudes, heights and headings of the files of a flight, of which Litchi has many short ones."""
-    rows = []
-    for path in write_plan(made, folder / f"plan{ending}").files:
-        with path.open(newline="") as file:
-            rows += list(csv.DictReader(file))
+@pytest.fixture(scope="module")
+def plans():
+    return {name: plan(mission, GRID) for name, mission in MISSIONS.items()}
+
+
+def exported(made, folder, kind):
+    """Latitudes, longitudes, heights and headings of the files of a flight, of which some programs want many."""
+    ending, changes, read = KINDS[kind]
+    flown = replace(made, mission=made.mission.with_(**changes))
+    rows = [row for path in write_plan(flown, folder / f"plan{ending}").files for row in read(path)]
     assert len(rows) == len(made)
-    return [np.array([float(row[name]) for row in rows]) for name in COLUMNS[ending]]
+    return np.array(rows, np.float64).T
 
 
 def overlaps_in_flight(lat, lon, agl, heading):
@@ -88,11 +176,11 @@ def overlaps_in_flight(lat, lon, agl, heading):
     return [(float(values.min()), float(np.median(values))) for values in shares]
 
 
-@pytest.mark.parametrize("ending", COLUMNS)
+@pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", MISSIONS)
-def test_the_overlap_of_an_exported_flight_is_the_one_that_was_planned(name, ending, tmp_path):
-    made = plan(MISSIONS[name], GRID)
-    along, across = overlaps_in_flight(*exported(made, tmp_path, ending))
+def test_the_overlap_of_an_exported_flight_is_the_one_that_was_planned(name, kind, plans, tmp_path):
+    made = plans[name]
+    along, across = overlaps_in_flight(*exported(made, tmp_path, kind))
     (least_along, median_along), (least_across, median_across) = along, across
     found = made.overlap
     # Windows are rounded to pixels of 0.3 m, and Litchi has headings by the degree.
@@ -105,8 +193,8 @@ def test_the_overlap_of_an_exported_flight_is_the_one_that_was_planned(name, end
 
 
 @pytest.mark.parametrize("name", MISSIONS)
-def test_the_aircraft_heads_where_the_image_was_planned_to_point(name, tmp_path):
-    made = plan(MISSIONS[name], GRID)
-    *_, heading = exported(made, tmp_path, ".litchi.csv")
+def test_the_aircraft_heads_where_the_image_was_planned_to_point(name, plans, tmp_path):
+    made = plans[name]
+    *_, heading = exported(made, tmp_path, "Litchi")
     off = np.abs(np.mod(heading - made.poses.yaw_deg + 180.0, 360.0) - 180.0)
     assert off.max() <= 0.51

@@ -13,6 +13,7 @@ from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 
 from tests.core.mission.flights import worked_out
+from tests.core.mission.qgc_loaders import loaded_plan
 from tests.core.mission.qgc_survey import (
     GEOD,
     PHOTO,
@@ -62,14 +63,14 @@ def distance_m(one, other):
 def test_what_is_flown_is_what_was_planned(tmp_path, plans, name):
     flown = plans[name]
     _, (data,) = exported(flown, tmp_path)
-    items = data["mission"]["items"]
+    items = loaded_plan(data)
     assert [item["type"] for item in items] == ["SimpleItem"] * 3 + ["ComplexItem", "SimpleItem"]
     assert [item["command"] for item in items if "command" in item] == [22, 178, 205, 20]
     transects = checked(survey_of(data))
     numbers = [item["doJumpId"] for item in (*items[:3], *transects["Items"], items[-1])]
     assert numbers == list(range(1, len(numbers) + 1))
     assert [item["command"] for item in transects["Items"]] == [WAYPOINT, PHOTO] * len(flown)
-    lat, lon, height = np.array(photos(transects["Items"])).T
+    lat, lon, height, _ = np.array(photos(transects["Items"])).T
     assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 1e-3
     assert height == pytest.approx(flown.agl_m, abs=1e-9)
     assert transects["CameraShots"] == len(flown)
@@ -135,7 +136,7 @@ def test_distance_releases_the_camera_along_each_row(tmp_path, plans):
     survey = survey_of(exported(flown, tmp_path)[1][0])
     transects = checked(survey)
     assert [item["command"] for item in transects["Items"]] == [16, 206, 16, 206] * flown.rows
-    lat, lon, _ = np.array(photos(transects["Items"])).T
+    lat, lon, _, _ = np.array(photos(transects["Items"])).T
     assert GEOD.inv(lon, lat, flown.lon_deg, flown.lat_deg)[2].max() < 0.05
     assert transects["HoverAndCapture"] is False
 
@@ -167,7 +168,7 @@ def test_ways_there_and_back_are_outside_the_survey(tmp_path):
         assert data["mission"]["plannedHomePosition"] == [47.39, 8.49, 430.0]
         numbers = [item["doJumpId"] for item in (*items[:5], *transects["Items"], *items[6:])]
         assert numbers == list(range(1, len(numbers) + 1))
-        assert {height for *_, height in photos(transects["Items"])} == {170.0}
+        assert {height for _, _, height, _ in photos(transects["Items"])} == {170.0}
 
 
 @pytest.mark.parametrize(

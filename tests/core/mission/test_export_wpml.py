@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.export.wpml import _DRONES
 from terrainav.core.mission.flight.path import (
     CAPTURE,
     LANDING,
@@ -28,6 +30,7 @@ from terrainav.core.mission.parts import Route
 
 from tests.core.mission.flights import ACROSS, ALONE, HERE, IN_WIND, worked_out
 from tests.core.mission.wpml_reader import Wpml
+from tests.core.mission.wpml_writers import FLY_WRITERS, PILOT_WRITERS, TEMPLATE, WAYLINES, outline
 
 GEOD = Geod(ellps="WGS84")
 SURVEY = Mission(
@@ -41,6 +44,45 @@ SURVEY = Mission(
 FAR = ((47.4, 8.5, 1600.0), (47.4, 8.6, 1600.0))
 LIFTED = tuple((lat, lon, 99.0) for lat, lon, _ in FAR)
 DRONES = tuple(field_named(Route, "drone").choices)
+WRITERS = {"mavic-3e": PILOT_WRITERS, "dji-fly": FLY_WRITERS}
+#: Elements that most writers for a program have and we do not: ``{(drone, file, parent): (children, reason)}``.
+LEFT_OUT = {
+    ("mavic-3e", TEMPLATE, "rotateYaw"): (
+        "aircraftHeading aircraftPathMode",
+        "each waypoint has its heading, to which the aircraft turns on the way there",
+    ),
+    ("mavic-3e", TEMPLATE, "waylineCoordinateSysParam"): (
+        "positioningType",
+        "not required: says what measured the waypoints, and ours are measured by nothing",
+    ),
+    ("dji-fly", WAYLINES, "gimbalEvenlyRotate"): (
+        "gimbalPitchRotateAngle payloadPositionIndex",
+        "DJI's reference has it turn between two waypoints; gimbalRotate, which drone-flightplan has too, turns at one",
+    ),
+}
+#: Elements that we have and no writer for that program.
+MORE = {
+    ("mavic-3e", TEMPLATE, "Placemark"): (
+        "gimbalPitchAngle waypointHeadingParam",
+        "required where each waypoint has its own pitch and heading",
+    ),
+    ("mavic-3e", TEMPLATE, "waypointHeadingParam"): (
+        "waypointHeadingAngle waypointHeadingMode waypointHeadingPathMode waypointPoiPoint",
+        "what the others have for all waypoints at once",
+    ),
+    ("mavic-3e", WAYLINES, "waypointHeadingParam"): ("waypointHeadingPathMode", "required"),
+    ("mavic-3e", WAYLINES, "gimbalRotate"): ("gimbalHeadingYawBase", "required"),
+    ("mavic-3e", WAYLINES, "hover"): ("hoverTime", "none of the others hovers there"),
+    ("dji-fly", TEMPLATE, "missionConfig"): ("globalRTHHeight takeOffSecurityHeight", "required"),
+    ("dji-fly", WAYLINES, "missionConfig"): ("takeOffSecurityHeight", "required"),
+}
+#: Pairs that most writers have the other way round than we.
+TURNED = {
+    ("mavic-3e", TEMPLATE, "Placemark"): (
+        "waypointTurnParam useGlobalTurnParam",
+        "DJI's reference says first whether it counts",
+    ),
+}
 
 
 def along(start, end, spacing):
@@ -94,12 +136,45 @@ def test_files_are_as_the_reference_says(tmp_path, survey, drone, trigger):
     )
 
 
+@pytest.mark.parametrize("name", [TEMPLATE, WAYLINES])
+@pytest.mark.parametrize("drone", WRITERS)
+def test_elements_are_where_other_writers_put_them(tmp_path, survey, drone, name):
+    ours = {}
+    for trigger in ("waypoint", "distance", "hover"):
+        (path,) = write_plan(routed(survey, drone=drone, trigger=trigger), tmp_path / f"{trigger}.kmz").files
+        for parent, orders in outline(path, name).items():
+            ours.setdefault(parent, set()).update(orders)
+    others = [writer[name] for writer in WRITERS[drone].values() if name in writer]
+    most = min(2, len(others))
+    left_out, more, turned = {}, {}, {}
+    for parent in {*ours, *(parent for other in others for parent in other)}:
+        theirs = [other[parent].split() for other in others if parent in other]
+        agreed = {child for order in theirs for child in order if sum(child in one for one in theirs) >= most}
+        have = {child for order in ours.get(parent, ()) for child in order}
+        left_out[parent] = agreed - have
+        more[parent] = have - {child for order in theirs for child in order}
+        turned[parent] = set()
+        for first, second in permutations(agreed & have, 2):
+            votes = [
+                order.index(first) < order.index(second) for order in theirs if {first, second} <= {*order}
+            ]
+            if sum(votes) >= most and 2 * sum(votes) > len(votes):
+                both = [order for order in ours[parent] if {first, second} <= {*order}]
+                if any(order.index(first) > order.index(second) for order in both):
+                    turned[parent] |= {first, second}
+    for found, known in ((left_out, LEFT_OUT), (more, MORE), (turned, TURNED)):
+        named = {key[2]: set(known[key][0].split()) for key in known if key[:2] == (drone, name)}
+        assert {parent: children for parent, children in found.items() if children} == named
+
+
 def test_every_drone_has_its_own_code(tmp_path, survey):
     kinds = []
     for drone in DRONES:
         write_plan(routed(survey, drone=drone), tmp_path / f"{drone}.kmz")
         kinds.append(Wpml(tmp_path / f"{drone}.kmz").kind)
     assert len(set(kinds)) == len(DRONES)
+    # DJI's programs take 2 to 65,535 waypoints, though their indices would count one more.
+    assert max(drone.most_waypoints for drone in _DRONES.values()) == 65_535
 
 
 @pytest.mark.parametrize("mission", [HERE, ACROSS, IN_WIND], ids=["here", "antimeridian", "wind"])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons, holds
-from terrainav.core.mission.estimate import estimate
+from terrainav.core.mission.estimate import area_text, estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import polygons as polygons_of_layout
 from terrainav.core.mission.layout.rows import Layout
@@ -319,23 +320,81 @@ def test_captures_inside_no_fly_polygons_are_left_out_and_no_others(layout, area
     assert whole.coverage.complete
 
 
-def test_coverage_tells_of_the_gap_that_no_fly_polygons_make():
+def test_coverage_tells_what_no_fly_polygons_hold_from_what_they_leave_uncovered():
     found = planned(FAR_APART.parts[0], no_fly=(FORBIDDEN,))
     lat, lon = places_in(FAR_APART.parts[0], 4000, 7)
-    share = float(seen(found, lat, lon).mean())
+    west, south, east, north = FORBIDDEN.bounds.edges_deg
+    held = (lat > south) & (lat < north) & (lon > west) & (lon < east)
+    share = float(seen(found, lat, lon)[~held].mean())
     assert not found.coverage.complete
-    assert found.coverage.share == pytest.approx(share, abs=0.03)
+    assert found.coverage.share == pytest.approx(share, abs=0.01)
+    assert found.coverage.no_fly_m2 == pytest.approx(FORBIDDEN.area_m2())
     figures = estimate(found)
     assert figures.to_dict()["images_over_no_fly"] == found.left_out
-    assert ("over no-fly areas", f"{found.left_out} images left out") in figures.lines()
+    assert figures.area_m2 == pytest.approx(FAR_APART.parts[0].area_m2())
+    lines = dict(figures.lines())
+    held_text = area_text(FORBIDDEN.area_m2())
+    assert lines["over no-fly areas"] == f"{found.left_out} images left out, {held_text} of the area"
+    assert re.fullmatch(r"[\d.]+ % of the area outside no-fly areas \(.* uncovered\)", lines["coverage"])
     assert "over no-fly areas" not in dict(estimate(planned(FAR_APART.parts[0])).lines())
+    # What a polygon elsewhere holds is none of the area.
+    away = estimate(planned(FAR_APART.parts[0], no_fly=(square(-89.95, 35.2),)))
+    assert dict(away.lines())["coverage"] == "100 % (complete)"
 
 
-def test_a_polygon_all_of_whose_captures_are_left_out_counts_as_not_covered():
+def shape_of(polygons):
+    """Union of polygons in GEOS."""
+    ogr = pytest.importorskip("osgeo.ogr")
+    union = ogr.Geometry(ogr.wkbMultiPolygon)
+    for polygon in polygons:
+        rings = (
+            "(" + ",".join(f"{lon!r} {lat!r}" for lon, lat in (*ring, ring[0])) + ")"
+            for ring in polygon.rings
+        )
+        union = union.Union(ogr.CreateGeometryFromWkt(f"POLYGON ({','.join(rings)})"))
+    return union
+
+
+@pytest.mark.parametrize("layout", ["overlap", "rotated", "crosshatch"])
+@pytest.mark.parametrize("part", [RING, RING.bounds], ids=["polygon", "box"])
+def test_ground_in_no_fly_polygons_is_that_of_their_union(layout, part):
+    """Polygons that share ground, cross the area's sides and its hole, have a hole, and are there twice."""
+    west, south, east, north = RING.bounds.edges_deg
+    wide, high = east - west, north - south
+
+    def at(*places):
+        return tuple((west + x * wide, south + y * high) for x, y in places)
+
+    bow = Polygon((at((-0.2, 0.1), (0.5, 0.35), (0.3, 0.8), (0.1, 0.3)),))
+    frame = Polygon(
+        (
+            at((0.25, 0.2), (0.7, 0.3), (0.6, 0.7), (0.2, 0.6)),
+            at((0.35, 0.35), (0.55, 0.4), (0.5, 0.55), (0.3, 0.5)),
+        )
+    )
+    no_fly = (bow, frame, square(west - 1.0, south, 0.5), Polygon((at((0.8, 0.9), (1.3, 1.4), (0.7, 1.2)),)))
+    whole, found = (planned(part, no_fly=zones, **LAYOUTS[layout]) for zones in ((), no_fly))
+    area = part if isinstance(part, Polygon) else Polygon((at((0, 0), (1, 0), (1, 1), (0, 1)),))
+    common = shape_of([area]).Intersection(shape_of(no_fly))
+    m2_per_deg2 = part.area_m2() / shape_of([area]).GetArea()
+    coverage = found.coverage
+    assert coverage.no_fly_m2 == pytest.approx(common.GetArea() * m2_per_deg2, rel=1e-4)
+    assert coverage.area_m2 + coverage.no_fly_m2 == pytest.approx(whole.coverage.area_m2, rel=1e-9)
+    if not found.passes:
+        lat, lon = places_in(area, 3000, 5)
+        shown = seen(found, lat, lon)
+        ogr = pytest.importorskip("osgeo.ogr")
+        inside = np.array(
+            [common.Contains(ogr.CreateGeometryFromWkt(f"POINT ({x!r} {y!r})")) for y, x in zip(lat, lon)]
+        )
+        assert coverage.share == pytest.approx(float(shown[~inside].mean()), abs=0.02)
+
+
+def test_ground_of_a_polygon_inside_a_no_fly_area_does_not_count_as_uncovered():
     for more in LAYOUTS.values():
         found = planned(FAR_APART, no_fly=(square(-89.891, 35.099, 0.006),), **more)
-        lost = FAR_APART.parts[2].area_m2()
-        assert found.coverage.uncovered_m2 == pytest.approx(lost, rel=1e-6)
+        assert found.coverage.no_fly_m2 == pytest.approx(FAR_APART.parts[2].area_m2(), rel=1e-6)
+        assert found.coverage.complete
         assert len(found.parts) == 3
         assert found.overlap.least_along is not None
 
@@ -392,7 +451,7 @@ def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout
     assert np.ptp(found.lon_deg) < 0.3
     left = plan(found.mission.with_(no_fly=(field(179.99, 80.0),)), grid)
     assert left.left_out > 0
-    assert left.coverage.uncovered_m2 > 0.0
+    assert left.coverage.no_fly_m2 == pytest.approx(field(179.99, 80.0).area_m2())
 
 
 def test_polygons_over_relief_share_what_was_asked_for():

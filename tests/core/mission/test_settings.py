@@ -261,7 +261,7 @@ def test_a_camera_of_the_user_s_own(tmp_path, monkeypatch):
         ({"coords": "1_2_3", "camera": ""}, "camera '' is unknown"),
         ({"coords": "1_2_3", "aspect_ratio": ["0", "3"]}, "aspect ratio 0 3"),
         ({"coords": "1_2_3", "fov": "180"}, "field of view 180"),
-        ({"coords": "1_2_3", "overlap": ["1"]}, "overlap along rows 1.0"),
+        ({"coords": "1_2_3", "overlap": ["60", "0.5"]}, "overlap '60': must be a share from 0 to below 1"),
         ({"coords": "1_2_3", "map_type": ["hybrid"]}, "map types 'hybrid'"),
     ],
 )

@@ -60,6 +60,7 @@ HEADING = [
     ),
     ("waypointHeadingAngle", True, ANGLE),
     ("waypointPoiPoint", False, place),
+    # Not in the tables: Pilot 2 writes it into the file that is flown.
     ("waypointHeadingAngleEnable", False, FLAG),
     ("waypointHeadingPathMode", True, one_of("clockwise", "counterClockwise", "followBadArc")),
 ]
@@ -124,7 +125,12 @@ CONFIG = [
     (
         "payloadInfo",
         False,
-        [("payloadEnumValue", True, whole(0, 65_534)), ("payloadPositionIndex", True, whole(0, 2))],
+        [
+            ("payloadEnumValue", True, whole(0, 65_534)),
+            # Not in the tables: Pilot 2 writes it.
+            ("payloadSubEnumValue", False, whole(0, 9)),
+            ("payloadPositionIndex", True, whole(0, 2)),
+        ],
     ),
 ]
 POINT = ("Point", True, [("coordinates", True, lambda text: len(text.split(",")) == 2)])

@@ -172,6 +172,19 @@ def elevation_of(folder, heights):
     return str(path)
 
 
+def heights_at(heights, x, y):
+    """Such heights in UTM, bilinear between the pixels' centres."""
+    column, row = (x - 238900.0) / 2.0 - 0.5, (3891120.0 - y) / 2.0 - 0.5
+    i, j = np.floor(row).astype(int).clip(0, 118), np.floor(column).astype(int).clip(0, 118)
+    s, t = column - j, row - i
+    return (
+        heights[i, j] * (1 - s) * (1 - t)
+        + heights[i, j + 1] * s * (1 - t)
+        + heights[i + 1, j] * (1 - s) * t
+        + heights[i + 1, j + 1] * s * t
+    )
+
+
 def wall(folder):
     """A wall of 40 m from south to north in the middle; not level beside it, either."""
     heights = np.full((120, 120), 100.0) + np.linspace(0.0, 6.0, 120)[:, None]
@@ -207,16 +220,7 @@ def test_ground_behind_relief_comes_from_an_image_that_sees_it(tmp_path):
     choice = chosen(frames, boxes, block)
 
     def height_at(x, y):
-        """Bilinear between the pixels' centres."""
-        column, row = (x - 238900.0) / 2.0 - 0.5, (3891120.0 - y) / 2.0 - 0.5
-        i, j = np.floor(row).astype(int).clip(0, 118), np.floor(column).astype(int).clip(0, 118)
-        s, t = column - j, row - i
-        return (
-            heights[i, j] * (1 - s) * (1 - t)
-            + heights[i, j + 1] * s * (1 - t)
-            + heights[i + 1, j] * (1 - s) * t
-            + heights[i + 1, j + 1] * s * t
-        )
+        return heights_at(heights, x, y)
 
     def clearance(index, rows, columns):
         """Least height of rays over the ground on their way, but for the last metres of it."""
@@ -249,6 +253,62 @@ def test_ground_behind_relief_comes_from_an_image_that_sees_it(tmp_path):
             assert clearance(index, rows[inner], columns[inner]).max() < 0.05
             hidden_from_nearest += int(inner.sum())
     assert hidden_from_nearest > 100
+
+
+def marched(pose, camera, side, heights):
+    """Ground in EPSG:3857 that rays of an image, its edges' among them, meet first: followed by 10 cm."""
+    from pyproj import Transformer
+
+    lat, lon, height = (float(at[0]) for at in pose[:3])
+    origin = np.array(Transformer.from_crs(4979, 4978).transform(lat, lon, height))
+    phi, theta = math.radians(lat), math.radians(lon)
+    axes = np.array(
+        [
+            [-math.sin(theta), math.cos(theta), 0.0],
+            [-math.sin(phi) * math.cos(theta), -math.sin(phi) * math.sin(theta), math.cos(phi)],
+            [math.cos(phi) * math.cos(theta), math.cos(phi) * math.sin(theta), math.sin(phi)],
+        ]
+    )
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, side), np.linspace(-1.0, 1.0, side))
+    right, up, view = (part[0] for part in image_axes(*pose.attitude))
+    tan_x, tan_y = camera.half_tangents
+    ways = (view + tan_x * x[..., None] * right + tan_y * y[..., None] * up).reshape(-1, 3)
+    ways = ways / np.linalg.norm(ways, axis=1, keepdims=True) @ axes
+    to_utm = Transformer.from_crs(4978, 32616)
+    along, rest = np.zeros(len(ways)), np.arange(len(ways))
+    while len(rest):
+        east, north, above = to_utm.transform(*(origin + along[rest, None] * ways[rest]).T)
+        rest = rest[above > heights_at(heights, east, north)]
+        along[rest] += 0.1
+    east, north, _ = to_utm.transform(*(origin + along[:, None] * ways).T)
+    known = (np.abs(east - 239020.0) <= 119.0) & (np.abs(north - 3891000.0) <= 119.0)
+    return Transformer.from_crs(32616, 3857).transform(east[known], north[known])
+
+
+@pytest.mark.parametrize("east", [239035.0, 239110.0], ids=["beside the wall", "where heights end"])
+def test_over_relief_a_mosaic_ends_where_its_images_do(tmp_path, east):
+    """Rays of the images, marched step by step over the heights, reach as far as the mosaic does."""
+    from pyproj import Transformer
+
+    elevation = wall(tmp_path)
+    lat, lon = Transformer.from_crs(32616, 4326).transform(east, 3891000.0)
+    made = captured(
+        tmp_path / "set",
+        area=Points(((lat, lon, 80.0),)),
+        elevation=(elevation,),
+        vertical_datum="ellipsoid",
+        yaw_deg=20.0,
+        tilt_deg=15.0,
+    )
+    frames, _, _ = frames_of(tmp_path / "set")
+    raster, _ = raster_of(frames, 0.5)
+    with rasterio.open(elevation) as file:
+        heights = file.read(1)
+    pose = made.poses.take(np.array([0]))._replace(agl_m=made.height_m)
+    x, y = marched(pose, made.mission.camera, 181, heights)
+    ends = (raster.west, raster.north - raster.height_px * raster.down)
+    ends += (raster.west + raster.width_px * raster.across, raster.north)
+    assert ends == pytest.approx((x.min(), y.min(), x.max(), y.max()), abs=2.0 * raster.across)
 
 
 @pytest.mark.parametrize("image_format", ["tif", "jpg", "png"])

@@ -177,7 +177,7 @@ def test_lines_are_flown_one_after_the_other():
         ),
         ({"speed_m_per_s": 9.0}, "interval: must be either in seconds or in metres"),
         ({"speed_m_per_s": 9.0, "every_s": 1.0, "every_m": 1.0}, "interval: must be either"),
-        ({"speed_m_per_s": 9.0, "every_m": math.nan}, "interval in metres nan m: must be above 0"),
+        ({"speed_m_per_s": 9.0, "every_m": math.nan}, "distance interval nan m: must be above 0"),
     ],
 )
 def test_flights_that_are_none(flight, words):

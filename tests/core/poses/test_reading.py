@@ -9,17 +9,19 @@ import numpy as np
 import pytest
 from pyproj import Transformer
 from terrainav.core.capture.runner import capture
-from terrainav.core.cli import pose_options
 from terrainav.core.dataset.table import Table
-from terrainav.core.errors import InvalidInput
+from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.exports.formats import export
 from terrainav.core.exports.views import Views
+from terrainav.core.fields import field_named
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.coords import parse_coords
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import table_text
 from terrainav.core.poses.gpx import read_gpx
+from terrainav.core.poses.reading import read_poses_file
+from terrainav.core.poses.settings import LOCAL_FORMATS, PoseFile
 from terrainav.core.poses.track import Track
 from terrainav.core.poses.trajectories import BODIES, FORMATS, WORLDS, read_trajectory
 
@@ -155,10 +157,33 @@ def test_a_long_way_turns_with_the_ground():
     assert track.height_m[2] > 1_000.0
 
 
-def test_the_command_offers_what_is_read():
-    assert pose_options.LOCAL == FORMATS
-    assert tuple(BODIES) == pose_options.BODIES
-    assert tuple(WORLDS) == pose_options.WORLDS
+def test_what_is_read_is_offered():
+    assert LOCAL_FORMATS == FORMATS
+    assert tuple(field_named(PoseFile, "body").choices) == tuple(BODIES)
+    assert tuple(field_named(PoseFile, "world").choices) == tuple(WORLDS)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("poses.txt", "0 0 0 90 1 0 0 0\n" * 20_000),
+        ("way.gpx", "<gpx>" + '<trkpt lat="35.16" lon="-89.9"/>' * 10_000 + "</gpx>"),
+    ],
+)
+def test_reading_says_how_far_it_is_and_can_be_stopped(tmp_path, name, text):
+    pytest.importorskip("lxml")
+    path = tmp_path / name
+    path.write_text(text)
+    how = PoseFile(agl_m=90.0) if name.endswith(".gpx") else PoseFile("tum", ORIGIN)
+    shares = []
+    read = read_poses_file(path, how, progress=lambda share: shares.append(share) is None)
+    assert len(read.points.poses) == read.positions == text.count("\n") + text.count("<trkpt")
+    assert shares == sorted(shares)
+    assert 0.8 < shares[-1] <= 1.0
+    asked = []
+    with pytest.raises(Cancelled):
+        read_poses_file(path, how, progress=lambda share: asked.append(share) is not None)
+    assert len(asked) == 1
 
 
 def test_kitti_looks_north_where_its_world_does():

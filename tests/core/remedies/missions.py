@@ -361,8 +361,9 @@ def _wpml(case: Case) -> None:
 )
 def _into_dji_fly(case: Case) -> None:
     made = plan(Mission(AREA, 120.0, drone="dji-fly"), GRID)
-    (file,), notes = write_plan(made, case.tmp_path / "flight.kmz")
-    case.says("\n".join(notes))
+    exported = write_plan(made, case.tmp_path / "flight.kmz")
+    (file,) = exported.files
+    case.says("\n".join(exported.notes))
     # As the program keeps a mission that was made in it.
     kept = case.tmp_path / "waypoint" / "4C0B9E6B" / "4C0B9E6B.kmz"
     kept.parent.mkdir(parents=True)

@@ -31,7 +31,7 @@ def refused_read(case: Case, *arguments: str) -> None:
     case.says(case.run("poses", "read", *arguments, "--output", "poses.csv").stderr)
 
 
-@remedy("cli/posing.py", "trajectory {}: its ending does not tell its format; give --format")
+@remedy("poses/reading.py", "trajectory {}: its ending does not tell its format; give --format")
 def _no_ending(case: Case) -> None:
     (case.tmp_path / "flight.txt").write_text(TUM)
     refused_read(case, "flight.txt", *ORIGIN)
@@ -39,7 +39,7 @@ def _no_ending(case: Case) -> None:
 
 
 @remedy(
-    "cli/posing.py",
+    "poses/reading.py",
     "trajectory {}: {} is in metres of a local frame; say where its origin lies (--origin LAT LON [HEIGHT])",
 )
 def _no_origin(case: Case) -> None:

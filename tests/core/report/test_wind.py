@@ -147,10 +147,10 @@ def test_coverage_and_overlap_are_the_figures_of_the_two_plans():
             "images": summary.images,
             "coverage": summary.covered_share,
             "uncovered_m2": summary.uncovered_m2,
-            "least_overlap_along_rows": summary.least_overlap_along,
-            "median_overlap_along_rows": summary.median_overlap_along,
-            "least_overlap_across_rows": summary.least_overlap_across,
-            "median_overlap_across_rows": summary.median_overlap_across,
+            "least_front_overlap": summary.least_overlap_along,
+            "median_front_overlap": summary.median_overlap_along,
+            "least_side_overlap": summary.least_overlap_across,
+            "median_side_overlap": summary.median_overlap_across,
             "flight_s": summary.flight_s,
         }
         # In the words of `terrainav plan`, too.
@@ -158,11 +158,11 @@ def test_coverage_and_overlap_are_the_figures_of_the_two_plans():
             assert {row[0]: row[1 + at] for row in air_table(effect).rows}[label] == dict(summary.lines())[
                 label
             ]
-    assert figures["least_overlap_along_rows"][1] < figures["least_overlap_along_rows"][0] - 0.05
+    assert figures["least_front_overlap"][1] < figures["least_front_overlap"][0] - 0.05
     said = wind_effect_text(effect)[-1]
-    for way in ("along", "across"):
-        was, now = figures[f"least_overlap_{way}_rows"]
-        assert f"{way} rows {share_text(now)} instead of {share_text(was)}" in said
+    for way in ("front", "side"):
+        was, now = figures[f"least_{way}_overlap"]
+        assert f"{way} overlap {share_text(now)} instead of {share_text(was)}" in said
     assert "map frames, in wind camera frames" in " ".join(wind_notes(effect))
 
 

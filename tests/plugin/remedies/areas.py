@@ -12,7 +12,7 @@ from qgis.core import (
     QgsProject,
     QgsVectorLayer,
 )
-from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtCore import QLocale, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
@@ -164,6 +164,22 @@ def _yaws(case: Case) -> None:
     case.refused(lambda: area_of_text("35 10 120 5\n35 11 120", 120.0, "m"))
     case.follow("give every point a yaw", lambda: area_of_text("35 10 120 5\n35 11 120 6", 120.0, "m"))
     case.follow("none", lambda: area_of_text("35 10 120\n35 11 120", 120.0, "m"))
+
+
+@remedy(
+    "form/area.py",
+    "coordinates “{text}”: a comma may stand between numbers or before decimals; write points before decimals, or "
+    "spaces between numbers",
+)
+def _commas(case: Case) -> None:
+    before = QLocale()
+    QLocale.setDefault(QLocale("es_ES"))
+    try:
+        case.refused(lambda: area_of_text("35,14,-89,9", 50.0, "m"))
+        case.follow("write points before decimals", lambda: area_of_text("35.14,-89.9", 50.0, "m"))
+        case.follow("spaces between numbers", lambda: area_of_text("35,14 -89,9", 50.0, "m"))
+    finally:
+        QLocale.setDefault(before)
 
 
 @remedy("map/canvas.py", "this place cannot be shown in the project's CRS {crs}; choose another CRS")

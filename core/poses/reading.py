@@ -1,0 +1,137 @@
+"""Poses of trajectories and flight logs, whatever their format: what `--coords` and the panel fly."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import NamedTuple
+
+from ..errors import InvalidInput, Message
+from ..fields import field_named
+from ..files import is_there, read_limited
+from ..limits import MAX_MISSION_BYTES
+from ..mission.area import Points, check_lat_lon
+from ..mission.parts import Flight
+from ..safe_json import decoded
+from ..safe_xml import XMLReader, elements_of
+from .gpx import read_gpx
+from .logs import read_dataflash, read_ulog
+from .settings import ENDINGS, LOCAL_FORMATS, PoseFile
+from .track import Progress, Track, unwatched
+from .trajectories import read_trajectory
+
+#: Characters of a line that are looked at.
+_LINE = 4096
+
+
+class ReadPoses(NamedTuple):
+    """Points that a file's poses are, how many positions it has, and how many are not above the ground."""
+
+    points: Points
+    positions: int
+    left_out: int
+
+
+def format_of(path: str | os.PathLike[str]) -> str | None:
+    """Format that a file's ending tells; None where it tells none."""
+    return ENDINGS.get(Path(path).suffix.lower())
+
+
+def likely_format(path: str | os.PathLike[str]) -> str | None:
+    """Format that a file's ending tells, else the numbers of its first line; None where neither does."""
+    found = format_of(path)
+    if found is not None:
+        return found
+    try:
+        with Path(path).open(encoding="utf-8", errors="replace") as file:
+            lines = (line for line in iter(lambda: file.readline(_LINE), "") if not line.startswith("#"))
+            line = next((line for line in lines if line.strip()), "")
+    except OSError:
+        return None
+    is_csv = "," in line
+    return {(12, False): "kitti", (8, False): "tum", (8, True): "euroc", (17, True): "euroc"}.get(
+        (len(line.replace(",", " ").split()), is_csv)
+    )
+
+
+def read_poses_file(
+    path: str | os.PathLike[str],
+    how: PoseFile,
+    read_xml: XMLReader = elements_of,
+    progress: Progress = unwatched,
+) -> ReadPoses:
+    """Read the poses of a trajectory or a flight log.
+
+    Parameters
+    ----------
+    read_xml : callable
+        What reads GPX; by default lxml does.
+    progress : callable
+
+    Raises
+    ------
+    InvalidInput
+        A file that is none, or that says too little of its poses; as `Track.points` does.
+    OutputError
+        What reads the format is not installed.
+    Cancelled
+        When ``progress`` said so.
+    """
+    track = _track(Path(path), how, read_xml, progress)
+    if how.start_s is not None:
+        track = track.starting(how.start_s)
+    if how.nadir:
+        track = track.nadir()
+    points, left_out = track.points(how.ground_height_m, how.agl_m, every_s=how.every_s, every_m=how.every_m)
+    return ReadPoses(points, len(track), left_out)
+
+
+def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -> Track:
+    file_format = how.format or format_of(path)
+    if file_format is None:
+        raise InvalidInput(
+            "trajectory {0}: its ending does not tell its format", path, remedy="give --format"
+        )
+    if file_format not in LOCAL_FORMATS and (how.origin or how.body or how.world):
+        raise InvalidInput(
+            "--origin, --body and --world: are for {0}, and not for {1}",
+            ", ".join(LOCAL_FORMATS),
+            file_format,
+        )
+    if not is_there(path):
+        raise InvalidInput("trajectory {0}: no such file", path)
+    if file_format == "ulog":
+        return read_ulog(path, progress)
+    if file_format == "dataflash":
+        return read_dataflash(path, progress, text=path.suffix.lower() == ".log")
+    try:
+        body = read_limited(path, MAX_MISSION_BYTES)
+        text = "" if file_format == "gpx" else decoded(body)
+    except (OSError, InvalidInput) as wrong:
+        raise InvalidInput("trajectory {0}: cannot be read ({1})", path, wrong) from wrong
+    name = Message("trajectory {0}", path)
+    if file_format == "gpx":
+        return read_gpx(body, name, read_xml, progress)
+    return read_trajectory(
+        text,
+        file_format,
+        _origin(how.origin, path, file_format),
+        body=how.body,
+        world=how.world,
+        name=name,
+        progress=progress,
+    )
+
+
+def _origin(numbers: tuple[float, ...], path: Path, file_format: str) -> tuple[float, float, float]:
+    if len(numbers) not in (2, 3):
+        raise InvalidInput(
+            "trajectory {0}: {1} is in metres of a local frame",
+            path,
+            file_format,
+            remedy="say where its origin lies (--origin LAT LON [HEIGHT])",
+        )
+    lat_deg, lon_deg, height_m = (*numbers, 0.0)[:3]
+    check_lat_lon(lat_deg, lon_deg)
+    field_named(Flight, "ground_height_m").settled(height_m)
+    return lat_deg, lon_deg, height_m
