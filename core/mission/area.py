@@ -424,7 +424,7 @@ def _crossing_lats(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> Fl
 
 def ring_of_box(box: Box) -> list[tuple[Floats, Floats]]:
     """Longitudes and latitudes of a box's corners, as the only ring."""
-    west, south, east, north = box.edges_deg
+    west, south, east, north = map(float, box.edges_deg)
     return [(np.array([west, east, east, west]), np.array([north, north, south, south]))]
 
 

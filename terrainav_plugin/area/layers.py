@@ -32,7 +32,7 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position, parts_of
 from ...core.mission.area_files import load_area, load_no_fly
 from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
@@ -290,15 +290,39 @@ def points(layer: QgsVectorLayer, only_selected: bool, fields: PointFields, proj
 def flown_lines(
     layer: QgsVectorLayer, flight: LineFlight, agl_m: float, start_s: float, project: QgsProject
 ) -> Reading:
-    """Reader of the selected lines of a layer, of all where none is selected, flown one after the other."""
+    """Reader of the lines of a layer, see `of_lines`, flown one after the other."""
+
+    def flown(lines: list[Floats]) -> Found:
+        found = fly(lines, flight, start_s)
+        return Found(found.points, agl_m, flown_words(found))
+
+    return of_lines(layer, agl_m, flown, project)
+
+
+def of_lines(
+    layer: QgsVectorLayer, agl_m: float, made: Callable[[list[Floats]], Found], project: QgsProject
+) -> Reading:
+    """Reader of what is made of the selected lines of a layer, of all where none is selected."""
     crs, context = _crs(layer), project.transformContext()
-    source = QgsVectorLayerFeatureSource(layer)
-    request = _selected(layer) if layer.selectedFeatureCount() else QgsFeatureRequest()
+    source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
 
     def read(task: Task) -> Found:
-        lines = lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled)
-        flown = fly(lines, flight, start_s)
-        return Found(flown.points, agl_m, flown_words(flown))
+        return made(lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled))
+
+    return read
+
+
+def of_outlines(
+    layer: QgsVectorLayer, made: Callable[[list[Box | Polygon]], Found], project: QgsProject
+) -> Reading:
+    """Reader of what is made of the selected polygons of a layer, each by itself, of all where none is selected."""
+    crs, context = _crs(layer), project.transformContext()
+    source, request = QgsVectorLayerFeatureSource(layer), _selected_or_all(layer)
+
+    def read(task: Task) -> Found:
+        features = source.getFeatures(request)
+        shapes = (polygons_of([one], crs, context, task.isCanceled) for one in features)
+        return made([outline for shape in shapes for outline in parts_of(shape)])
 
     return read
 
@@ -632,3 +656,7 @@ def _crs(layer: QgsMapLayer) -> QgsCoordinateReferenceSystem:
 
 def _selected(layer: QgsVectorLayer) -> QgsFeatureRequest:
     return QgsFeatureRequest().setFilterFids(layer.selectedFeatureIds())
+
+
+def _selected_or_all(layer: QgsVectorLayer) -> QgsFeatureRequest:
+    return _selected(layer) if layer.selectedFeatureCount() else QgsFeatureRequest()

@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
-    QgsFeatureRequest,
     QgsMapLayer,
     QgsProject,
     QgsVectorLayer,
-    QgsVectorLayerFeatureSource,
 )
 from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
 
 from ...core.errors import InvalidInput
 from ...core.fields import declared_fields, field_named
-from ...core.mission.area import Box, Polygon, Polygons, parts_of
+from ...core.mission.area import Box, Polygon, Polygons
 from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS
@@ -29,7 +26,7 @@ from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
 from .dialogs import DEGREES, LayerDialog, number_entry
-from .layers import Found, Reading, lines_of, polygons_of
+from .layers import Found, Reading, of_lines, of_outlines
 from .menu import Way
 
 if TYPE_CHECKING:
@@ -37,7 +34,6 @@ if TYPE_CHECKING:
 
     from ...core.geodesy.camera import Camera
     from ..form.state import FormState
-    from ..tasks import Task
 
 #: Heights and counts that random poses start with.
 _RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
@@ -128,8 +124,11 @@ class CorridorDialog(_PatternDialog):
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
         agl_m = self._state.agl_m
-        return _of_lines(
-            self.chosen(), project, agl_m, lambda lines: corridor(lines, camera, agl_m, overlaps, wanted)
+        return of_lines(
+            self.chosen(),
+            agl_m,
+            lambda lines: Found(corridor(lines, camera, agl_m, overlaps, wanted), agl_m),
+            project,
         )
 
     def _of_panel(self) -> str:
@@ -151,12 +150,12 @@ class FacadeDialog(_PatternDialog):
         from ...core.poses.patterns import facade
 
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
-        left = self.left.isChecked()
-        return _of_lines(
+        left, agl_m = self.left.isChecked(), wanted.lowest_m
+        return of_lines(
             self.chosen(),
+            agl_m,
+            lambda lines: Found(facade(lines, camera, overlaps, wanted, left=left), agl_m),
             project,
-            wanted.lowest_m,
-            lambda lines: facade(lines, camera, overlaps, wanted, left=left),
         )
 
     def _add_entries(self) -> None:
@@ -178,17 +177,12 @@ class StructureDialog(_PatternDialog):
         """Return the reader of its flights; raises InvalidInput."""
         from ...core.poses.patterns import structure
 
-        layer = self.chosen()
         wanted, camera, overlaps = self.wanted(), _camera(self._state), _overlaps(self._state)
-        source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
-        context, request = project.transformContext(), _taken(layer)
-
-        def read(_task: Task) -> Found:
-            shapes = (polygons_of([one], crs, context) for one in source.getFeatures(request))
-            outlines = [outline for shape in shapes for outline in parts_of(shape)]
-            return Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m)
-
-        return read
+        return of_outlines(
+            self.chosen(),
+            lambda outlines: Found(structure(outlines, camera, overlaps, wanted), wanted.lowest_m),
+            project,
+        )
 
 
 class OrbitDialog(QDialog):
@@ -271,25 +265,6 @@ class RandomDialog(QDialog):
 
 def _found(points: Any) -> Found:
     return Found(points, points.poses[0][2])
-
-
-def _of_lines(
-    layer: QgsVectorLayer, project: QgsProject, agl_m: float, made: Callable[[Iterable[Any]], Any]
-) -> Reading:
-    """Reader of what is made of a layer's lines."""
-    source, crs = QgsVectorLayerFeatureSource(layer), layer.crs()
-    context, request = project.transformContext(), _taken(layer)
-
-    def read(task: Task) -> Found:
-        return Found(made(lines_of(source.getFeatures(request), crs, context, agl_m, task.isCanceled)), agl_m)
-
-    return read
-
-
-def _taken(layer: QgsVectorLayer) -> QgsFeatureRequest:
-    """Features of a layer that are selected, or all where none is."""
-    request = QgsFeatureRequest()
-    return request.setFilterFids(layer.selectedFeatureIds()) if layer.selectedFeatureCount() else request
 
 
 def _camera(state: FormState) -> Camera:

@@ -157,7 +157,7 @@ class PlanExport(QObject):
             return
         if task.exported is None:
             return
-        files, notes = task.exported
+        files, notes = task.exported.files, task.exported.notes
         text = tr("Plan exported as {names}.").format(names=", ".join(file.name for file in files))
         folder = files[0].parent
         open_folder = (tr("Open folder"), lambda: open_in_system(folder))

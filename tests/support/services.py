@@ -11,6 +11,7 @@ from urllib.parse import parse_qs, urlsplit
 from xml.sax.saxutils import escape
 
 import numpy as np
+from terrainav.core.imagery.opening import SourceOptions, named_source
 
 from tests.support import patterns
 
@@ -39,6 +40,21 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, *args):
         """Say nothing."""
+
+
+def png(picture):
+    """Answer of an image."""
+    return 200, "image/png", patterns.to_bytes(picture, "png")
+
+
+def xml(body, status=200):
+    """Answer of a document."""
+    return status, "text/xml", body
+
+
+def service_entry(name, **options):
+    """Entry of a layer, from the capabilities of its service."""
+    return named_source(name, SourceOptions(**options)).entry
 
 
 class ServiceServer:

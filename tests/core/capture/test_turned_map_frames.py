@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from contextlib import closing
 
 import numpy as np
@@ -11,6 +12,7 @@ from pyproj import Transformer
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.ground import boxes_of, of_camera
+from terrainav.core.dataset.loading.batches import Samples
 from terrainav.core.errors import InvalidInput
 from terrainav.core.exports.kinds import export_as
 from terrainav.core.geodesy.camera import Camera
@@ -144,6 +146,33 @@ def test_ground_points_and_optics_are_those_of_the_turned_image(tmp_path):
         row = optics.centre_y_px[index] - optics.focal_y_px[index] * ahead / 60.0
         true_column, true_row = np.meshgrid(np.arange(lon.shape[1]) + 0.5, np.arange(lon.shape[0]) + 0.5)
         assert np.hypot(column - true_column, row - true_row).max() < 0.05
+
+
+def test_footprints_and_loaded_images_are_those_of_the_turned_files(tmp_path):
+    made, _ = captured(tmp_path, Mission(PLACES, 60.0, CAMERA, image_format="png"))
+    features = json.loads((tmp_path / "footprints.geojson").read_text())["features"]
+    to_map = Transformer.from_crs(4326, 3857, always_xy=True)
+    resolution = 2.0 * np.pi * 6378137.0 / made.grid.world_px(made.zoom)
+    for index, feature in enumerate(features):
+        raster = gdal.Open(str(tmp_path / "satellite" / f"{feature['properties']['name']}.png"))
+        assert feature["properties"]["yaw_deg"] == pytest.approx(YAWS[index])
+        seen = np.array(to_map.transform(*np.array(feature["geometry"]["coordinates"][0]).T))
+        there = np.array([(at.min(), at.max()) for at in places_of(raster)])
+        ends = np.stack([seen.min(axis=1), seen.max(axis=1)], axis=1)
+        # To the whole pixels that the centres of the outermost ones are half a pixel inside of.
+        assert np.abs(ends - there).max() < 1.1 * resolution
+    for size in ((90, 60, 3), (60, 90, 3)):
+        samples = Samples(
+            tmp_path, part="all", img_size=size, dtype="uint8", augment=None, targets=("attitude",)
+        )
+        images, values = samples.take(np.arange(len(YAWS)), 0)
+        assert images.shape == (len(YAWS), size[1], size[0], 3)
+        assert values[:, 0] == pytest.approx(YAWS)
+        for image, name in zip(images, samples.names):
+            own = pixels_of(gdal.Open(str(tmp_path / "satellite" / f"{name}.png"))).astype(np.float64)
+            for rows in (slice(0, size[1] // 2), slice(size[1] // 2, None)):
+                part = slice(*(round(at * len(own) / size[1]) for at in rows.indices(size[1])[:2]))
+                assert image[rows].mean() == pytest.approx(own[part].mean(), abs=2.0)
 
 
 def test_rows_to_and_fro_are_map_frames_of_one_dataset(tmp_path):

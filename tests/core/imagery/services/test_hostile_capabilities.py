@@ -19,6 +19,7 @@ from tests.support.services import (
     dimension,
     matrix,
     matrix_set,
+    service_entry,
     wms_document,
     wmts_document,
     wmts_layer,
@@ -41,11 +42,6 @@ WMS_TYPE = (
     '<!DOCTYPE WMT_MS_Capabilities SYSTEM "http://schemas.opengis.net/wms/1.1.1/WMS_MS_Capabilities.dtd"'
     " [\n <!ELEMENT VendorSpecificCapabilities EMPTY>\n ]>"
 )
-
-
-def service_entry(name, **options):
-    """Entry of a layer, from the capabilities of its service."""
-    return named_source(name, SourceOptions(**options)).entry
 
 
 def layers(name, **options):

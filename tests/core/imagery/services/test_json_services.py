@@ -27,30 +27,15 @@ from tests.support.json_services import (
     matrix_set,
     tileset,
 )
-from tests.support.services import ServiceServer, painted, wms_document, wmts_document, wmts_layer
 from tests.support.services import matrix as wmts_matrix
 from tests.support.services import matrix_set as wmts_set
+from tests.support.services import painted, png, service_entry, wms_document, wmts_document, wmts_layer
 
 #: A tile over the services' ground, and another place.
 ZOOM, COLUMN, ROW = 14, 4101, 6462
 NOT_FOUND = 404, "text/plain", b"nothing here"
 LAYERS = "<Layer><Title>A</Title><CRS>EPSG:3857</CRS><Layer><Name>a</Name><Title>A</Title></Layer></Layer>"
 MERCATOR_URI = "http://www.opengis.net/def/crs/EPSG/0/3857"
-
-
-@pytest.fixture(autouse=True)
-def _no_key(monkeypatch):
-    monkeypatch.delenv("TERRAINAV_KEY", raising=False)
-
-
-@pytest.fixture
-def server():
-    with ServiceServer() as running:
-        yield running
-
-
-def png(picture):
-    return 200, "image/png", patterns.to_bytes(picture, "png")
 
 
 def serve(server, documents, tiles=None):
@@ -68,10 +53,6 @@ def serve(server, documents, tiles=None):
         return NOT_FOUND if document is None else answer_of(document)
 
     server.answer = answer
-
-
-def entry(name, **options):
-    return named_source(name, SourceOptions(**options)).entry
 
 
 def refusal(name, **options):
@@ -100,7 +81,9 @@ def test_cached_map_service_is_asked_for_its_tiles(server):
     west, south = Transformer.from_crs(3857, 4326, always_xy=True).transform(
         EXTENT_M["xmin"], EXTENT_M["ymin"]
     )
-    assert entry(f"arcgis:{server.url}{base}").bounds_deg[:2] == pytest.approx((west, south), abs=1e-9)
+    assert service_entry(f"arcgis:{server.url}{base}").bounds_deg[:2] == pytest.approx(
+        (west, south), abs=1e-9
+    )
     source.close()
 
 
@@ -134,7 +117,7 @@ def test_tiles_of_a_national_system_keep_its_grid(server):
         },
     )
     serve(server, {base: document})
-    found = entry(f"arcgis:{server.url}{base}")
+    found = service_entry(f"arcgis:{server.url}{base}")
     grid = found.grid()
     assert (grid.plane.crs, grid.tile_px) == ("EPSG:2056", 512)
     # A pixel of the finest level is a metre, and the plane begins at the origin.
@@ -143,7 +126,7 @@ def test_tiles_of_a_national_system_keep_its_grid(server):
     url = found.templates("")[""].url(grid.native_zoom, 3, 5)
     assert url.endswith(f"{base}/tile/22/5/3")
     # In Web Mercator, where that is asked for, the service draws.
-    asked = entry(f"arcgis:{server.url}{base}", crs="EPSG:3857").urls[""]
+    asked = service_entry(f"arcgis:{server.url}{base}", crs="EPSG:3857").urls[""]
     assert "/export?" in asked
 
 
@@ -182,7 +165,7 @@ def test_map_service_without_tiles_draws_the_layers_that_are_asked_for(server):
     assert source.grid.native_zoom == 18
     source.close()
     # A layer's own address names it as well.
-    assert "layers=show:2" in entry(f"arcgis:{server.url}{base}/2").urls[""]
+    assert "layers=show:2" in service_entry(f"arcgis:{server.url}{base}/2").urls[""]
     text = refusal(f"arcgis:{server.url}{base}#layers=7")
     assert "offers 0, 2" in text
 
@@ -190,17 +173,17 @@ def test_map_service_without_tiles_draws_the_layers_that_are_asked_for(server):
 def test_image_service_draws_up_to_its_own_pixels_and_in_any_system(server):
     base = "/arcgis/rest/services/Ortho/Shelby/ImageServer"
     serve(server, {base: image_service()})
-    found = entry(f"arcgis:{server.url}{base}")
+    found = service_entry(f"arcgis:{server.url}{base}")
     assert "/exportImage?bbox={bbox-epsg-3857}" in found.urls[""]
     assert (found.title, found.attribution) == ("Ortho/Shelby", "County of Shelby")
     # 0.3 m of ground at 35 degrees: zoom 18 has 0.49 m there, zoom 19 0.24 m.
     assert found.native_zoom == 19
-    own = entry(f"arcgis:{server.url}{base}", crs="EPSG:26916")
+    own = service_entry(f"arcgis:{server.url}{base}", crs="EPSG:26916")
     assert own.plane.crs == "EPSG:26916"
     assert "bbox={bbox}&bboxSR=26916&imageSR=26916" in own.urls[""]
     assert own.plane.width / 2**own.native_zoom / 256 == 0.25
     with pytest.raises(InvalidInput, match="every projected system"):
-        entry(f"arcgis:{server.url}{base}", crs="EPSG:4326")
+        service_entry(f"arcgis:{server.url}{base}", crs="EPSG:4326")
 
 
 def test_services_of_a_server_are_listed_and_chosen(server):
@@ -241,7 +224,7 @@ def test_token_goes_with_each_request_and_into_no_file(server):
     assert "499 Token Required" in refusal(f"arcgis:{server.url}{base}")
     name = f"arcgis:{server.url}{base}?token={{key}}"
     assert "needs an API key" in refusal(name)
-    found = entry(name, key="s3cret/1")
+    found = service_entry(name, key="s3cret/1")
     assert "s3cret" not in json.dumps(found.to_data())
     assert found.key_env == "TERRAINAV_KEY"
     source = open_source(name, key="s3cret/1")
@@ -280,10 +263,10 @@ def test_broken_and_hostile_descriptions_end_in_one_line(server, document, words
     serve(server, {base: lambda _: answer_of(document)})
     name = f"arcgis:{server.url}{base}"
     if words is None:
-        assert entry(name).kind == "xyz"
+        assert service_entry(name).kind == "xyz"
     elif words == "":
         # A cache that cannot be is left aside for what the service draws.
-        assert "/export?" in entry(name).urls[""]
+        assert "/export?" in service_entry(name).urls[""]
     else:
         assert words in refusal(name)
 
@@ -370,7 +353,7 @@ def test_tiles_are_found_from_every_document(server, path):
     # PNG, which tells ground without imagery.
     assert server.asked[-1] == "/collections/ortho/map/tiles/WebMercatorQuad/17/7/5?f=png"
     if path != "/collections/ortho/map/tiles" and not path.endswith("Quad"):
-        found = entry(f"ogcapi:{server.url}{path}")
+        found = service_entry(f"ogcapi:{server.url}{path}")
         assert found.attribution == "Survey of Somewhere"
         assert found.policy.licence == "CC BY 4.0"
         assert found.bounds_deg == (-90.2, 34.9, -89.6, 35.3)
@@ -379,14 +362,14 @@ def test_tiles_are_found_from_every_document(server, path):
 
 def test_own_system_of_an_api_is_taken_as_it_is(server):
     tiles_api(server)
-    found = entry(f"ogcapi:{server.url}/collections/ortho", crs="EPSG:25832")
+    found = service_entry(f"ogcapi:{server.url}/collections/ortho", crs="EPSG:25832")
     grid = found.grid()
     assert grid.plane.crs == "EPSG:25832"
     # Level 13 has 1223 m / 2**13.
     assert grid.pixel_size(grid.native_zoom)[0] == pytest.approx(1222.992452562495 / 2**13, rel=1e-9)
     assert (grid.plane.west, grid.plane.north) == (-46_133.17, 6_301_219.54)
     assert "/UTM32/L13/4/9" in found.templates("")[""].url(grid.native_zoom, 9, 4)
-    assert entry(f"ogcapi:{server.url}/collections/ortho#tilematrixset=UTM32").plane == found.plane
+    assert service_entry(f"ogcapi:{server.url}/collections/ortho#tilematrixset=UTM32").plane == found.plane
 
 
 def test_collections_are_listed_where_one_is_to_be_chosen(server):
@@ -466,7 +449,7 @@ def test_key_of_an_api_stays_with_its_server(server):
             f"{base}/WebMercatorQuad": checked(quad),
         },
     )
-    found = entry(f"ogcapi:{server.url}/collections/ortho?api-key={{key}}", key="s3cret")
+    found = service_entry(f"ogcapi:{server.url}/collections/ortho?api-key={{key}}", key="s3cret")
     assert asked == ["s3cret", "s3cret", None]
     assert "key" not in found.urls[""]
     assert found.key_env is None
@@ -588,7 +571,7 @@ def test_any_value_in_any_place_gives_an_entry_or_one_line(value):
         for place in some:
             transport = Documents({path: with_other(document, place, value)})
             try:
-                found = entry(f"{kind}:{api}{path}", transport=transport)
+                found = service_entry(f"{kind}:{api}{path}", transport=transport)
                 found.grid()
                 said = found.title + found.attribution
             except TerrAInavError as wrong:

@@ -18,14 +18,16 @@ from terrainav.core.imagery.source import Window
 from tests.support import patterns
 from tests.support.growth import PROPORTIONAL, growth
 from tests.support.services import (
-    ServiceServer,
     dimension,
     matrix,
     matrix_set,
     painted,
+    png,
+    service_entry,
     wms_document,
     wmts_document,
     wmts_layer,
+    xml,
 )
 
 pytest.importorskip("owslib")
@@ -42,33 +44,9 @@ DUTCH = matrix_set(
 DEGREES = matrix_set("EPSG:4326", [matrix("0", 0, corner=(90.0, -180.0))], "urn:ogc:def:crs:EPSG::4326")
 
 
-def service_entry(name, **options):
-    """Entry of a layer, from the capabilities of its service."""
-    return named_source(name, SourceOptions(**options)).entry
-
-
 def layers(name, **options):
     """Layers that a service offers."""
     return named_source(name, SourceOptions(**options)).layers()
-
-
-@pytest.fixture(autouse=True)
-def _no_key(monkeypatch):
-    monkeypatch.delenv("TERRAINAV_KEY", raising=False)
-
-
-@pytest.fixture
-def server():
-    with ServiceServer() as running:
-        yield running
-
-
-def png(picture):
-    return 200, "image/png", patterns.to_bytes(picture, "png")
-
-
-def xml(body, status=200):
-    return status, "text/xml", body
 
 
 def serve_tiles(server, document, pattern):

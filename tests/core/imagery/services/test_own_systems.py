@@ -32,13 +32,14 @@ from tests.support.services import (
     DUTCH,
     EUROPEAN,
     SWISS,
-    ServiceServer,
     matrix,
     matrix_set,
     painted_by,
+    png,
     wms_document,
     wmts_document,
     wmts_layer,
+    xml,
 )
 
 gdal = pytest.importorskip("osgeo.gdal", reason="images and services are read by GDAL's Python module")
@@ -59,20 +60,6 @@ PLACES = {
     "northing first": (EUROPEAN, 48.2, 16.4, "", 800.0, 1.0),
 }
 QUAD = matrix_set("GoogleMapsCompatible", [matrix(str(zoom), zoom) for zoom in range(19)])
-
-
-@pytest.fixture
-def server():
-    with ServiceServer() as running:
-        yield running
-
-
-def png(picture):
-    return 200, "image/png", patterns.to_bytes(picture, "png")
-
-
-def xml(body):
-    return 200, "text/xml", body
 
 
 def serve(server, *sets, layer=None, texts=None, mercator=False, **more):
