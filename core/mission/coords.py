@@ -65,7 +65,7 @@ def parse_coords(
     agl_unit : str
         m or ft, of the heights given.
     agl_m : float or None
-        Height of a table's poses in metres, where it has none.
+        Height in metres of corners, a point or a table's poses that have none of their own.
 
     Raises
     ------
@@ -81,18 +81,21 @@ def parse_coords(
     if Path(text).suffix.lower() in _TEXT_FILES:
         raise InvalidInput("coordinates {0!r}: there is no such file", text.strip())
     values = _numbers(text, Message("coordinates"))
-    if len(values) not in (3, 5):
+    if len(values) in (3, 5):
+        corners, agl = values[:-1], _scaled(values[-1], agl_unit)
+    elif len(values) in (2, 4) and agl_m is not None:
+        corners, agl = values, agl_m
+    else:
         raise InvalidInput(
             "coordinates {0!r}: {1} numbers; expected {2}", text.strip(), len(values), _FORMATS
         )
-    agl = _scaled(values[-1], agl_unit)
-    if len(values) == 5 and kind in (None, "raster"):
-        return Box(*values[:4]), agl
-    if len(values) == 3 and kind == "raster":
+    if len(corners) == 4 and kind in (None, "raster"):
+        return Box(*corners), agl
+    if len(corners) == 2 and kind == "raster":
         raise InvalidInput(
             "coordinates {0!r}: a raster mission needs two corners and a height (5 numbers)", text.strip()
         )
-    return Points(((values[0], values[1], agl),)), agl
+    return Points(((corners[0], corners[1], agl),)), agl
 
 
 def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_unit: str = "m") -> Points:

@@ -938,8 +938,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Circles from which the camera looks at a point</source>
-        <translation>Círculos desde los que la cámara mira a un punto</translation>
+        <source>Click a point on the map: circles from which the camera looks at it</source>
+        <translation>Haga clic en un punto del mapa: círculos desde los que la cámara lo mira</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -1153,8 +1153,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Centre of the circles; starts as the middle of the map</source>
-        <translation>Centro de los círculos; al principio, el centro del mapa</translation>
+        <source>Centre of the circles, as clicked on the map</source>
+        <translation>Centro de los círculos, el punto pulsado en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -3496,6 +3496,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>GSD</source>
         <translation>GSD</translation>
     </message>
@@ -5957,8 +5958,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
-        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
+        <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, with or without the height, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
+        <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, con la altura o sin ella, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -6387,11 +6388,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>Ground sample distance</source>
-        <translation>Distancia de muestreo del terreno</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Height</source>
         <translation>Altura</translation>
     </message>
@@ -6499,11 +6495,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>{agl} m above ground, {height} m above the ellipsoid</source>
         <translation>{agl} m sobre el terreno, {height} m sobre el elipsoide</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>{gsd} m/px</source>
-        <translation>{gsd} m/px</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from qgis.core import QgsCsException, QgsMapLayer, QgsProject, QgsVectorLayer
 from qgis.gui import QgisInterface, QgsDockWidget
@@ -46,7 +47,7 @@ from .layers import (
 )
 from .menu import Way
 from .no_fly import NoFlyWay
-from .patterns import PATTERNS, pattern_dialog
+from .patterns import PATTERNS, OrbitDialog, pattern_dialog
 from .tools import AreaTool, BoxTool, PointTool
 
 #: Room left around an area that is zoomed to, as a share of it.
@@ -76,8 +77,8 @@ class AreaControl(QObject):
         Draw the area, a hole in it, one more polygon of it, and a no-fly area.
     takeoff_tool : PointTool
         Takes the take-off point.
-    single_tool : PointTool
-        Takes the place of a single capture.
+    single_tool, orbit_tool : PointTool
+        Take the place of a single capture, and the centre of an orbit.
     mark : AreaMark
         Shows the area on the map as long as neither that tool nor a preview does.
     no_fly_mark, takeoff_mark : AreaMark
@@ -102,7 +103,7 @@ class AreaControl(QObject):
         self._selecting: QgsVectorLayer | None = None
         keys = self._editing.undo_keys
         self.tool = AreaTool(self._canvas, keys)
-        self.single_tool = PointTool(self._canvas)
+        self.single_tool, self.orbit_tool = PointTool(self._canvas), PointTool(self._canvas)
         self.polygon_tool = PolygonTool(self._canvas, tr("Click the first corner"))
         self.hole_tool = PolygonTool(self._canvas, tr("Click the first corner of the hole"))
         self.part_tool = PolygonTool(self._canvas, tr("Click the first corner of one more polygon"))
@@ -133,6 +134,7 @@ class AreaControl(QObject):
             Way.DRAW_POLYGON: self.polygon_tool.start,
             Way.CANVAS: self.take_canvas,
             Way.SINGLE: self.single_tool.start,
+            Way.ORBIT: self.orbit_tool.start,
             Way.LAYER: self._ask_for_layer,
             Way.POLYGON: self._take_polygon,
             Way.POINTS: self._ask_for_points,
@@ -162,12 +164,15 @@ class AreaControl(QObject):
         self._panel.visibilityChanged.disconnect(self._show_mark)
         for mark in (self.mark, self.no_fly_mark, self.takeoff_mark):
             mark.close()
-        for tool in (*self._polygon_tools(), self.takeoff_tool, self.single_tool, self.tool):
+        for tool in (*self._polygon_tools(), *self._point_tools(), self.tool):
             tool.stop()
             tool.deleteLater()
 
     def _polygon_tools(self) -> tuple[PolygonTool, ...]:
         return self.polygon_tool, self.hole_tool, self.part_tool, self.no_fly_tool
+
+    def _point_tools(self) -> tuple[PointTool, ...]:
+        return self.takeoff_tool, self.single_tool, self.orbit_tool
 
     def _join_tools(self) -> None:
         """Have what the map's tools tell entered."""
@@ -190,7 +195,8 @@ class AreaControl(QObject):
             drawing.deactivated.connect(self._messages.withdraw_refusal)
         self.takeoff_tool.clicked.connect(self._take_takeoff)
         self.single_tool.clicked.connect(self._take_single)
-        for point in (self.single_tool, self.takeoff_tool):
+        self.orbit_tool.clicked.connect(self._ask_for_orbit)
+        for point in self._point_tools():
             point.refused.connect(self._messages.warning)
 
     # --- ways to an area
@@ -343,11 +349,17 @@ class AreaControl(QObject):
 
     def _ask_for_pattern(self, way: str) -> None:
         try:
-            dialog = pattern_dialog(way, self._iface, self._editing.state(), self._project)
+            dialog = pattern_dialog(way, self._iface, self._editing.state())
         except InvalidInput as wrong:
             self._refuse(translate(wrong))
             return
+        self._open_pattern(dialog)
 
+    def _ask_for_orbit(self, lat_deg: float, lon_deg: float) -> None:
+        lon, lat = pointed(lon_deg, lat_deg)
+        self._open_pattern(OrbitDialog(self._iface.mainWindow(), lat, lon))
+
+    def _open_pattern(self, dialog: Any) -> None:
         def take() -> None:
             try:
                 reading = dialog.reading(self._project)

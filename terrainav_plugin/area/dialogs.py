@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from qgis.core import QgsFieldProxyModel, QgsMapLayer, QgsVectorLayer
+from qgis.core import QgsFieldProxyModel, QgsMapLayer, QgsProject, QgsVectorLayer
 from qgis.gui import QgsFieldComboBox, QgsMapLayerComboBox
 from qgis.PyQt.QtWidgets import (
     QButtonGroup,
@@ -24,6 +24,7 @@ from ..compat import LINE_LAYERS, POINT_LAYERS, POLYGON_LAYERS
 from ..form.fields import choices_of, label_of, tip_of
 from ..form.state import FormState, in_metres
 from ..i18n import number_text, tr
+from ..map.mission_group import preview_layers
 from ..plain import plain_label
 from ..widgets import NumberBox, choose, combo, named, ok_and_cancel, row, show_row, spin, tick
 from .layers import PointFields
@@ -51,6 +52,7 @@ class LayerDialog(QDialog):
         self.layer = named(QgsMapLayerComboBox(), "layer", tr("Layer of this project, in any CRS"))
         if kind is not None:
             self.layer.setFilters(kind)
+        self.layer.setExceptedLayerList(preview_layers(QgsProject.instance()))
         if active is not None:
             self.layer.setLayer(active)
         if self.layer.currentLayer() is None and self.layer.count():

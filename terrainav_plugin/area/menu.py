@@ -147,7 +147,7 @@ class AreaMenu(MenuButton):
                     Way.ORBIT,
                     "/mActionAddRing.svg",
                     tr("O&rbit around a point…"),
-                    tr("Circles from which the camera looks at a point"),
+                    tr("Click a point on the map: circles from which the camera looks at it"),
                 ),
                 (
                     Way.FACADE,

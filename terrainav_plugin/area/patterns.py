@@ -22,7 +22,6 @@ from ..form.area import entered_area
 from ..form.camera import camera_of
 from ..form.fields import label_of
 from ..i18n import number_text, tr
-from ..map.canvas import lon_lat_of
 from ..plain import plain_label
 from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
@@ -31,24 +30,27 @@ from .layers import Found, Reading, of_lines, of_outlines
 from .menu import Way
 
 if TYPE_CHECKING:
-    from qgis.gui import QgisInterface, QgsMapCanvas
+    from qgis.gui import QgisInterface
 
     from ...core.geodesy.camera import Camera
-    from ...core.mission.area import Area
     from ..form.state import FormState
 
 #: Heights and counts that random poses start with.
 _RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
 
-#: Ways of the menu that ask for a pattern.
-PATTERNS = (Way.CORRIDOR, Way.FACADE, Way.STRUCTURE, Way.ORBIT, Way.RANDOM)
+#: Ways of the menu that ask for a pattern; an orbit also needs a click on the map first.
+PATTERNS = (Way.CORRIDOR, Way.FACADE, Way.STRUCTURE, Way.RANDOM)
 
 
-def pattern_dialog(way: str, iface: QgisInterface, state: FormState, project: QgsProject) -> Any:
-    """Dialog of one of `PATTERNS`; its ``reading`` is what is to be read once it is accepted."""
+def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
+    """Dialog of one of `PATTERNS`; its ``reading`` is what is to be read once it is accepted.
+
+    Raises
+    ------
+    InvalidInput
+        Where there is no area for random poses.
+    """
     window = iface.mainWindow()
-    if way == Way.ORBIT:
-        return OrbitDialog(window, iface.mapCanvas(), project)
     if way == Way.RANDOM:
         return RandomDialog(window, state)
     kinds = {Way.CORRIDOR: CorridorDialog, Way.FACADE: FacadeDialog, Way.STRUCTURE: StructureDialog}
@@ -184,19 +186,21 @@ class StructureDialog(_PatternDialog):
 
 
 class OrbitDialog(QDialog):
-    """Asks for a centre, which starts as the middle of the map, and for circles around it."""
+    """Asks for circles around a centre, which starts as the point that was clicked."""
 
-    def __init__(self, parent: QWidget, canvas: QgsMapCanvas, project: QgsProject) -> None:
+    def __init__(self, parent: QWidget, lat_deg: float, lon_deg: float) -> None:
         super().__init__(parent)
         self.setObjectName("orbit_dialog")
         self.setWindowTitle(tr("Orbit around a point"))
         self.form = QFormLayout(self)
-        lon_deg, lat_deg = lon_lat_of(canvas.center(), canvas.mapSettings().destinationCrs(), project)
-        tip = tr("Centre of the circles; starts as the middle of the map")
+        tip = tr("Centre of the circles, as clicked on the map")
         self.lat = spin("centre_lat", -90.0, 90.0, DEGREES, " °", tip)
         self.lon = spin("centre_lon", -180.0, 180.0, DEGREES, " °", tip)
-        self.lat.setValue(lat_deg)
-        self.lon.setValue(lon_deg)
+        for box, value in ((self.lat, lat_deg), (self.lon, lon_deg)):
+            box.setValue(value)
+            # Qt makes room for the ends of the range, which are written without decimals.
+            digits = box.fontMetrics().horizontalAdvance("0" * (1 + DEGREES))
+            box.setMinimumWidth(box.sizeHint().width() + digits)
         self.form.addRow(tr("Centre, l&atitude and longitude"), row(self.lat, self.lon))
         self.entries = _Entries(Orbit, self.form)
         self.form.addRow(ok_and_cancel(self))
@@ -210,13 +214,16 @@ class OrbitDialog(QDialog):
 
 
 class RandomDialog(QDialog):
-    """Asks for distributions of poses inside the area that is entered."""
+    """Asks for distributions of poses inside the area that is entered; raises InvalidInput where there is none."""
 
     def __init__(self, parent: QWidget, state: FormState) -> None:
+        area = entered_area(state)
+        if not isinstance(area, (Box, Polygon, Polygons)):
+            raise InvalidInput(tr("no area to draw poses in: draw a box or a polygon first"))
         super().__init__(parent)
         self.setObjectName("random_dialog")
         self.setWindowTitle(tr("Random poses in the area"))
-        self._area: Area | None = entered_area(state)
+        self._area = area
         self._seed = state.seed
         form = QFormLayout(self)
         words = named(plain_label(), "words")
@@ -246,8 +253,6 @@ class RandomDialog(QDialog):
         from ...core.poses.random_poses import Distribution, PoseDistributions, random_poses
 
         area, count, seed = self._area, int(self.count.value()), self._seed
-        if not isinstance(area, (Box, Polygon, Polygons)):
-            raise InvalidInput(tr("no area to draw poses in: draw a box or a polygon first"))
         uniform = partial(Distribution, "uniform")
         poses = PoseDistributions(
             uniform(self.low.value(), self.high.value()),

@@ -81,6 +81,12 @@ def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapL
     return found
 
 
+def preview_layers(project: QgsProject) -> list[QgsMapLayer]:
+    """Layers of previews, which hold what the map shows of a plan, and not all of it."""
+    layers = project.mapLayers().values()
+    return [one for one in layers if one.customProperty(ROLE) and one.providerType() == "memory"]
+
+
 def dataset_of(layer: QgsMapLayer) -> Path:
     """Folder of the dataset whose footprints a layer shows."""
     return file_of(layer).parent

@@ -203,8 +203,8 @@ def _add_area(algorithm: Algorithm) -> None:
     algorithm.add(
         QgsProcessingParameterString("COORDS", tr("Area: coordinates"), optional=True),
         tr(
-            "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, or a file: lat lon agl [yaw] lines, "
-            "or a table whose first line names its columns; heights in metres."
+            "lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, with or without the height, or a "
+            "file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres."
         ),
     )
     algorithm.add(
@@ -357,7 +357,7 @@ def _area(run: Run, agl_m: float) -> tuple[Area, float]:
         return area_of_layer(run, agl_m)
     from ...core.mission.coords import parse_coords
 
-    return parse_coords(run.text("COORDS").strip())
+    return parse_coords(run.text("COORDS").strip(), agl_m=agl_m)
 
 
 def _camera(run: Run) -> tuple[Camera, int]:

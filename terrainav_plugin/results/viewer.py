@@ -24,6 +24,7 @@ from ..dataset.picture import Depth, legend_image
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..plain import plain_label
+from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
 from .shots import Seen, Shot
 
@@ -418,7 +419,7 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
             tr("Size"),
             tr("{width} × {height} px").format(width=seen.picture.width_px, height=seen.picture.height_px),
         )
-    yield tr("Ground sample distance"), _gsd(metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
+    yield tr("GSD"), _gsd(metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
     facade_share = _float(row.get("facade_share", ""))
     if facade_share > 0.0:
         yield (
@@ -470,7 +471,7 @@ def _time(pose: dict[str, Any]) -> str:
 
 def _gsd(text: str) -> str:
     value = _float(text)
-    return "" if math.isnan(value) else tr("{gsd} m/px").format(gsd=number_text(value, ".4g"))
+    return "" if math.isnan(value) else gsd_text(value, METRES)
 
 
 def _pixels(row: dict[str, str]) -> str:

@@ -38,6 +38,10 @@ def layers(desk):
 
 def dialog_of(desk, way):
     desk.form.area.area_from.actions_by_name[way].trigger()
+    return shown_dialog(desk)
+
+
+def shown_dialog(desk):
     window = desk.iface.mainWindow()
     desk.wait(lambda: any(one.isVisible() for one in window.findChildren(QDialog)))
     return next(one for one in window.findChildren(QDialog) if one.isVisible())
@@ -81,12 +85,20 @@ def test_polygon_becomes_a_scan_of_a_structure(desk, layers):
     np.testing.assert_allclose(found.yaws_deg, expected.yaws_deg, atol=1e-4)
 
 
-def test_orbit_is_around_the_middle_of_the_map(desk, layers, screenshot):
+def test_orbit_is_around_the_point_that_is_clicked(desk, layers, screenshot):
     desk.look_at("EPSG:4326", (7.39, 46.89, 7.41, 46.91))
-    dialog = dialog_of(desk, "orbit")
-    assert (dialog.lat.value(), dialog.lon.value()) == pytest.approx((46.9, 7.4), abs=1e-6)
-    screenshot("pattern-orbit", dialog)
+    desk.form.area.area_from.actions_by_name["orbit"].trigger()
+    at = desk.at(0.3, 0.4)
+    desk.click_map(at)
+    dialog = shown_dialog(desk)
+    clicked = desk.canvas.getCoordinateTransform().toMapCoordinates(at)
     centre = dialog.lat.value(), dialog.lon.value()
+    assert centre == pytest.approx((clicked.y(), clicked.x()), abs=1e-6)
+    # Their digits are all to be seen.
+    for box in (dialog.lat, dialog.lon):
+        text = box.fontMetrics().horizontalAdvance(box.text())
+        assert text < box.lineEdit().width()
+    screenshot("pattern-orbit", dialog)
     assert entered_after(desk, dialog) == orbit(*centre, Orbit(40.0, 30.0, 30.0))
 
 
@@ -105,6 +117,21 @@ def test_random_poses_are_inside_the_area(desk, layers, screenshot):
 
 
 def test_what_is_missing_is_said(desk, layers):
-    dialog = dialog_of(desk, "random")
-    desk.click(dialog.findChild(QDialogButtonBox).button(QDialogButtonBox.StandardButton.Ok))
-    desk.wait(lambda: any("o area to draw poses in" in text for text in desk.messages()))
+    """At once: nothing has been entered yet that would be lost."""
+    desk.form.area.area_from.actions_by_name["random"].trigger()
+    assert any("o area to draw poses in" in text for text in desk.messages())
+    assert not any(one.isVisible() for one in desk.iface.mainWindow().findChildren(QDialog))
+
+
+def test_layers_of_the_preview_are_none_to_take_points_from(desk):
+    """They hold what the map shows, which may be less than the plan."""
+    desk.look_at("EPSG:4326", (-89.871, 35.130, -89.855, 35.141))
+    desk.enter_small_mission()
+    desk.click(desk.dock.preview)
+    desk.wait_previewed()
+    desk.iface.setActiveLayer(desk.layer("Capture centres"))
+    mine = QgsVectorLayer("Point?crs=EPSG:4326", "mine", "memory")
+    QgsProject.instance().addMapLayer(mine)
+    dialog = dialog_of(desk, "points")
+    assert [dialog.layer.itemText(row) for row in range(dialog.layer.count())] == ["mine"]
+    assert dialog.chosen() == mine

@@ -500,6 +500,11 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
     assert again.read_bytes() == path.read_bytes()
 
 
+def test_coordinates_without_a_height_take_that_of_the_parameter():
+    without = run("plan", COORDS="35.143_-89.876_35.139_-89.872", AGL=300)
+    assert without == run("plan", COORDS="35.143_-89.876_35.139_-89.872_300")
+
+
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [

@@ -77,6 +77,18 @@ def test_one_place_is_three_numbers():
         parse_coords("35.1_-89.8_126_45")
 
 
+@pytest.mark.parametrize("unit", ["m", "ft"])
+def test_coordinates_without_a_height_take_the_one_given(unit):
+    """It is in metres already; a height of their own counts before it."""
+    box, point = Box(35.16, -89.9, 35.115, -89.823), (35.1, -89.8)
+    assert parse_coords("35.16_-89.90_35.115_-89.823", agl_unit=unit, agl_m=90.0) == (box, 90.0)
+    assert parse_coords("35.1, -89.8", agl_unit=unit, agl_m=90.0) == (Points(((*point, 90.0),)), 90.0)
+    assert parse_coords("35.16 -89.90 35.115 -89.823", "single", unit, 90.0)[0].poses == (
+        (35.16, -89.9, 90.0),
+    )
+    assert parse_coords("35.1_-89.8_120", agl_m=90.0)[1] == 120.0
+
+
 @pytest.mark.parametrize(
     ("text", "kind", "says"),
     [
