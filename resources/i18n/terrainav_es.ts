@@ -589,6 +589,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Click each corner on the map; a double click, a right click or Enter finishes, Backspace takes the last corner back, Esc gives up</source>
+        <translation>Haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina, Retroceso quita el último vértice, Esc abandona</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
         <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
     </message>
@@ -599,8 +604,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace takes the last corner back, Esc gives up</source>
-        <translation>Dibujar un polígono: haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina, Retroceso quita el último vértice y Esc abandona</translation>
+        <source>Draw polygon</source>
+        <translation>Trazar polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -641,12 +646,6 @@
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Northern edge: latitude in degrees, up to 90</source>
         <translation>Borde norte: latitud en grados, hasta 90</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>Polygon</source>
-        <translation>Polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -2555,6 +2554,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>Single capture</source>
         <translation>Captura única</translation>
     </message>
@@ -2651,8 +2655,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>first to last capture</source>
+        <translation>de la primera captura a la última</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>from the take-off point</source>
+        <translation>desde el punto de despegue</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>ground at {height}</source>
         <translation>terreno a {height}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>lead-in {length}</source>
+        <translation>tramo de entrada de {length}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
@@ -2687,6 +2706,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>sorties of {minutes} min</source>
+        <translation>salidas de {minutes} min</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>straight down</source>
         <translation>en vertical</translation>
     </message>
@@ -2694,6 +2718,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>tilt {angle}</source>
         <translation>inclinación {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>turnaround {length}</source>
+        <translation>prolongación de {length}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
@@ -2844,8 +2873,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>&amp;Clean dataset…</source>
-        <translation>&amp;Limpiar conjunto de datos…</translation>
+        <source>&amp;Dataset…</source>
+        <translation>Con&amp;junto de datos…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -2876,6 +2905,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture the images of the panel's mission that failed earlier</source>
         <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Clean, split, export and look at the dataset of the panel's mission</source>
+        <translation>Limpiar, dividir, exportar y ver el conjunto de datos de la misión del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -2927,11 +2961,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Opening {name}</source>
         <translation>Abriendo {name}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Reject low-detail images of the panel's mission</source>
-        <translation>Rechazar las imágenes con poco detalle de la misión del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3047,6 +3076,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is still being written; try again when it is there.</source>
         <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>Aligning the rows</source>
+        <translation>Alineando las pasadas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/alignment.py"/>
@@ -4129,6 +4163,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Dataset…: clean, split, export and look at it</source>
+        <translation>Conjunto de datos…: limpiarlo, dividirlo, exportarlo y verlo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Open the folder of the images</source>
         <translation>Abrir la carpeta de las imágenes</translation>
     </message>
@@ -4136,11 +4175,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Pause this capture</source>
         <translation>Pausar esta captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Reject low-detail images of this dataset</source>
-        <translation>Rechazar las imágenes con poco detalle de este conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>

@@ -14,6 +14,8 @@ from terrainav.terrainav_plugin.form.area import entered_area
 
 from tests.plugin.test_area_tool import bands, degrees, pixel
 
+pytestmark = pytest.mark.usefixtures("ground")
+
 NONE = Qt.KeyboardModifier.NoModifier
 LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
 #: Places that are pointed at are kept to seven decimals, twice where they are moved.
