@@ -128,7 +128,7 @@ def root_of(body: bytes) -> Any:
     except etree.XMLSyntaxError as broken:
         raise UnreadableXMLError(one_line(str(broken))) from None
     if root.xpath(f"boolean({'/*' * (MAX_XML_DEPTH + 1)})"):
-        raise UnreadableXMLError(Message("elements within each other, more than {0} deep", MAX_XML_DEPTH))
+        raise UnreadableXMLError(Message("elements nested more than {0} deep", MAX_XML_DEPTH))
     _check_layers(root)
     return root
 

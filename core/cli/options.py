@@ -243,7 +243,7 @@ def _add_benchmark_make(actions: Any) -> None:
         help="of the parts (0.8 0.1 0.1)",
     )
     asked.add_argument(
-        "--gap", type=float, default=0.0, metavar="M", help="least distance between ground of two parts (0)"
+        "--gap", type=float, default=0.0, metavar="M", help="minimum distance between ground of two parts (0)"
     )
     but = ("preset", "source", "map_type", "date", "imagery", "frame", "margin")
     _add_mission_options(making, but=but)

@@ -179,7 +179,7 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
             texts, left = [], MAX_CAPABILITIES_BYTES
             for one in found:
                 if one.compress_type not in _PACKED:
-                    raise InvalidInput("{0}: is packed in another way than KMZ is", where)
+                    raise InvalidInput("{0}: is compressed in a way that KMZ does not use", where)
                 with archive.open(one) as packed:
                     # What it says of its size may be wrong.
                     texts.append(packed.read(left + 1))
@@ -221,9 +221,7 @@ def _rings_of(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
         if name:
             open_.append(name)
             if len(open_) > MAX_XML_DEPTH:
-                raise UnreadableXMLError(
-                    Message("elements within each other, more than {0} deep", MAX_XML_DEPTH)
-                )
+                raise UnreadableXMLError(Message("elements nested more than {0} deep", MAX_XML_DEPTH))
             if name == "Polygon":
                 rings = {boundary: [] for boundary in _BOUNDARIES}
             elif name == "LinearRing":

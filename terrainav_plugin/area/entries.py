@@ -70,7 +70,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
             "draw_polygon",
             tr(
                 "Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, "
-                "Backspace takes the last corner back, Esc gives up"
+                "Backspace removes the last corner, Esc cancels"
             ),
         )
         self.area_from = AreaMenu()
