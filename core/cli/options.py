@@ -202,7 +202,7 @@ def _add_benchmark_make(actions: Any) -> None:
     )
     asked.add_argument(
         "--tile-overlap",
-        type=share,
+        type=_share,
         default=TILE_OVERLAP,
         metavar="SHARE",
         help="share of a tile that its neighbour shows again, as 0.5 or as 50%% (%(default)g)",
@@ -252,6 +252,15 @@ def _add_benchmark_make(actions: Any) -> None:
     add_consent(making)
     making.add_argument("--json", action="store_true", help="print the result as JSON")
     making.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def _share(text: str) -> float:
+    try:
+        return share(text)
+    except ValueError as wrong:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be a share from 0 to below 1, such as 0.5 or 50%"
+        ) from wrong
 
 
 def _add_sources(commands: Any) -> None:
