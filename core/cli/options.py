@@ -78,7 +78,7 @@ def normalised(argv: Sequence[str]) -> list[str]:
 
 
 def _add_flying(commands: Any) -> None:
-    planning = commands.add_parser("plan", help="work a mission out and print its figures; fetches nothing")
+    planning = commands.add_parser("plan", help="plan a mission and print its figures; fetches nothing")
     _add_mission_options(planning)
     planning.add_argument(
         "--output",
@@ -151,7 +151,7 @@ def _add_benchmark(commands: Any) -> None:
     actions = whole.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     _add_benchmark_make(actions)
     running = actions.add_parser(
-        "run", help="answer the queries by a baseline or a method of yours, and judge it"
+        "run", help="answer the queries with a baseline or a method of your own, and judge it"
     )
     running.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
     running.add_argument(
@@ -212,21 +212,21 @@ def _add_benchmark_make(actions: Any) -> None:
         dest="reference_margin",
         type=float,
         metavar="M",
-        help="reference around the ground of the queries (default: the width of the widest tile)",
+        help="ground of the reference around that of the queries (default: the width of the widest tile)",
     )
     asked.add_argument(
         "--positive",
         type=float,
         default=POSITIVE_IOU,
         metavar="IOU",
-        help="from which a tile is right (%(default)g)",
+        help="intersection over union from which a tile is right (%(default)g)",
     )
     asked.add_argument(
         "--semi-positive",
         type=float,
         default=SEMI_POSITIVE_IOU,
         metavar="IOU",
-        help="from which it nearly is (%(default)g)",
+        help="intersection over union from which a tile is nearly right (%(default)g)",
     )
     asked.add_argument(
         "--split",
@@ -240,7 +240,7 @@ def _add_benchmark_make(actions: Any) -> None:
         nargs=3,
         type=float,
         metavar=("TRAIN", "VALIDATION", "TEST"),
-        help="of the parts (0.8 0.1 0.1)",
+        help="shares of the parts (0.8 0.1 0.1)",
     )
     asked.add_argument(
         "--gap", type=float, default=0.0, metavar="M", help="minimum distance between ground of two parts (0)"

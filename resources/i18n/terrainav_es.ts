@@ -624,7 +624,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
-        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
+        <translation>Borde occidental: longitud en grados; mayor que la del borde oriental si el recuadro cruza el antimeridiano</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -3553,7 +3553,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{count} requests. Over {most} requests require accepting the terms: Capture asks you to.</source>
-        <translation>{count} peticiones. Más de {most} peticiones exigen aceptar las condiciones: Capturar lo pregunta.</translation>
+        <translation>{count} peticiones. Más de {most} peticiones exigen aceptar las condiciones: Capturar se lo pedirá.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3603,7 +3603,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{text}; relief hides about {share} %</source>
-        <translation>{text}; el relieve oculta cerca del {share} %</translation>
+        <translation>{text}; el relieve oculta alrededor del {share} %</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -6526,12 +6526,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel</source>
-        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añada su capa con el Navegador de QGIS</translation>
+        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añada su capa con el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel</source>
-        <translation>{title} nombra sus zooms de otro modo que QGIS: añada su capa con el Navegador de QGIS</translation>
+        <translation>{title} numera sus zooms de otro modo que QGIS: añada su capa con el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
