@@ -164,7 +164,7 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
             texts, left = [], MAX_CAPABILITIES_BYTES
             for one in found:
                 if one.compress_type not in _PACKED:
-                    raise InvalidInput("{0}: is packed in another way than KMZ is", where)
+                    raise InvalidInput("{0}: is compressed in a way that KMZ does not use", where)
                 with archive.open(one) as packed:
                     # What it says of its size may be wrong.
                     texts.append(packed.read(left + 1))

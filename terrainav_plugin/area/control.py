@@ -185,7 +185,7 @@ class AreaControl(QObject):
         tool.hole_wanted.connect(self.hole_tool.start)
         tool.polygon_wanted.connect(self.part_tool.start)
         tool.takeoff_set.connect(self._take_takeoff)
-        tool.refused.connect(lambda reason: self._messages.refused(reason, tr("The area is as it was.")))
+        tool.refused.connect(lambda reason: self._messages.refused(reason, tr("The area is unchanged.")))
         self._box_tool.drawn.connect(self._take_drawn)
         self.polygon_tool.drawn.connect(self._take_drawn_polygon)
         self.hole_tool.accept = lambda hole: with_hole(self._polygons(), hole)
@@ -492,7 +492,7 @@ class AreaControl(QObject):
         self._messages.refused(reason, tr("No area was taken."))
 
     def _refuse_drawn(self, reason: str) -> None:
-        self._messages.refused(reason, tr("Go on drawing; Backspace takes the last corner back."))
+        self._messages.refused(reason, tr("Go on drawing; Backspace removes the last corner."))
 
     # --- on the map
 

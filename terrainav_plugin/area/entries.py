@@ -69,8 +69,8 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
             QPushButton(icon("draw_polygon"), tr("Draw polygon")),
             "draw_polygon",
             tr(
-                "Click each corner on the map; a double click, a right click or Enter finishes, Backspace takes the "
-                "last corner back, Esc gives up"
+                "Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, "
+                "Backspace removes the last corner, Esc cancels"
             ),
         )
         self.area_from = AreaMenu()

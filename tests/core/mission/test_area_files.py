@@ -253,7 +253,7 @@ def test_an_archive_that_is_packed_in_another_way_is_refused(tmp_path):
     path = tmp_path / "area.kmz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_BZIP2) as archive:
         archive.writestr("doc.kml", kml(kml_polygon(SQUARES[0])))
-    with pytest.raises(InvalidInput, match="is packed in another way than KMZ is"):
+    with pytest.raises(InvalidInput, match="is compressed in a way that KMZ does not use"):
         load_area(path)
 
 

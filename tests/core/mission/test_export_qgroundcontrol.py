@@ -64,7 +64,7 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
     assert mount == [-70.0, 0, 0, 0, 0, 0, 2]  # targeted by MAVLink
     assert {tuple(item["params"][:3]) for item in items if item["command"] == PICTURE} == {(0, 0, 1)}
     assert "wind is left out" in exported.notes[0]
-    assert "place of take-off" in exported.notes[-1]
+    assert "heights above ground only" in exported.notes[-1]
 
 
 def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
@@ -75,7 +75,8 @@ def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path)
     flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
     (note,) = write_plan(flown, tmp_path / "field.plan").notes
     assert note == (
-        f"heights are over the take-off, worked out for ground at {flown.path.base_m:.1f} m over the ellipsoid there"
+        f"heights are above the take-off point, computed for ground at {flown.path.base_m:.1f} m above the ellipsoid "
+        "there"
     )
 
 

@@ -327,7 +327,7 @@ def clicked_triangle(desk):
     return bool(desk.session.state().shape)
 
 
-@remedy("area/control.py", "Go on drawing; Backspace takes the last corner back.")
+@remedy("area/control.py", "Go on drawing; Backspace removes the last corner.")
 def _outline_refused(case: Case) -> None:
     desk = case.fixture("desk")
     look_at_ground(desk)
@@ -336,7 +336,7 @@ def _outline_refused(case: Case) -> None:
         desk.click_map(desk.at(*place))
     case.says("\n".join(desk.messages()))
     case.follow("Go on drawing", lambda: clicked_more(desk))
-    case.follow("Backspace takes the last corner back.", lambda: desk.session.state().shape)
+    case.follow("Backspace removes the last corner.", lambda: desk.session.state().shape)
 
 
 def clicked_more(desk):

@@ -486,7 +486,7 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path, library):
     assert "2 bands: JPEG and PNG have one or three" in refused(
         path, "bands", bands=("1", "2"), stretch="percentile"
     )
-    assert "uint16, and JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch)" in refused(
+    assert "uint16, but JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch)" in refused(
         path, "stretch"
     )
     wide = rasters.write(tmp_path / "wide.tif", np.zeros((1, 8, 8)), UTM, EPSG, data_type=gdal.GDT_Float64)

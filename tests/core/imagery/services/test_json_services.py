@@ -243,7 +243,7 @@ def test_token_goes_with_each_request_and_into_no_file(server):
         ),
         ({"error": {}}, "no reason given"),
         ([1, 2], "no description of a service"),
-        (map_service(cached=False, capabilities="Query"), "neither has tiles"),
+        (map_service(cached=False, capabilities="Query"), "neither has tiles nor draws maps"),
         (map_service(tileInfo={"cols": "many"}, capabilities="Tilemap"), "cannot be read"),
         (map_service(tileInfo={**map_service()["tileInfo"], "cols": 10**40}), ""),
         (
