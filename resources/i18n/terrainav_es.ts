@@ -9620,13 +9620,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>polygon around a pole: give its corners along the pole, too, as its sides are straight in degrees</source>
+        <translation>polígono alrededor de un polo: indique también sus vértices a lo largo del polo, pues sus lados son rectos en grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>polygon ring of {0} corners: needs at least 3</source>
         <translation>anillo de polígono de {0} vértices: necesita al menos 3</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>polygon whose sides cross at latitude {0:.6f}, longitude {1:.6f}: its sides may only touch</source>
+        <translation>polígono cuyos lados se cruzan en la latitud {0:.6f}, longitud {1:.6f}: sus lados solo pueden tocarse</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon with hole {0:,} outside of it: holes lie inside the outer ring</source>
+        <translation>polígono con el hueco {0:,} fuera de él: los huecos están dentro del anillo exterior</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>polygon without a ring: needs at least one of three corners</source>
         <translation>polígono sin anillo: necesita al menos uno de tres vértices</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are all of it</source>
+        <translation>polígono sin terreno: sus vértices están en una línea o separados más de media Tierra, o sus huecos lo ocupan por completo</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
