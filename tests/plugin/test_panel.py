@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from qgis.PyQt.QtCore import QDate, QDateTime, QLocale, Qt, QTime
+from qgis.PyQt.QtCore import QDate, QDateTime, QEvent, QLocale, Qt, QTime
+from qgis.PyQt.QtGui import QFocusEvent
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QGroupBox, QScrollArea
+from qgis.PyQt.QtWidgets import QApplication, QGroupBox, QScrollArea
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
 from terrainav.core.mission.settings import mission_from, resolve
@@ -144,6 +145,10 @@ def test_edges_that_are_cut_are_whole_in_their_tooltips(desk, screenshot):
     # It is shown to a centimetre.
     assert edges["north"].toolTip().startswith(f"{whole['north']}\n")
     assert edges["south"].toolTip().startswith("Southern edge")
+    # Who leaves it sees its first digits.
+    for edge in edges.values():
+        QApplication.sendEvent(edge, QFocusEvent(QEvent.Type.FocusOut))
+    assert [edge.cursorPosition() for edge in edges.values()] == [0] * 4
     # What is cut depends on the room there is.
     least = edges["west"].minimumWidth()
     edges["west"].setFixedWidth(least)
@@ -166,6 +171,7 @@ def test_a_start_that_is_taken_back_is_not_set(desk, screenshot):
     # And not the present time, which QGIS's entry has when it is cleared.
     assert entry.edit.lineEdit().text() == "not set"
     assert entry.text() == Flight.start
+    QTest.qWait(50)
     desk.dock.findChild(QScrollArea).ensureWidgetVisible(entry)
     screenshot("start-not-set", desk.dock)
 
