@@ -2087,7 +2087,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
-        <source>Save images…</source>
+        <source>Save charts…</source>
         <translation>Guardar gráficos…</translation>
     </message>
     <message>
@@ -2158,7 +2158,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
-        <source>TerrAInav: folder for the images</source>
+        <source>TerrAInav: folder for the charts</source>
         <translation>TerrAInav: carpeta para los gráficos</translation>
     </message>
     <message>
@@ -2168,7 +2168,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
-        <source>{count} images written to {folder}.</source>
+        <source>{count} charts written to {folder}.</source>
         <translation>{count} gráficos escritos en {folder}.</translation>
     </message>
     <message>

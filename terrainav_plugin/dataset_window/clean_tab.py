@@ -296,7 +296,7 @@ class CleanTab(QWidget):
             button.clicked.connect(lambda _=False, action=action: self.action_wanted.emit(action))
         self.save = push_button(
             "save_pictures",
-            tr("Save images…"),
+            tr("Save charts…"),
             tr("Write both charts of every map type as PNG; needs the Python package matplotlib"),
         )
         self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())

@@ -188,7 +188,7 @@ class Cleaning(QObject):
         if folder is None:
             return
         chosen = QFileDialog.getExistingDirectory(
-            self.panel, tr("TerrAInav: folder for the images"), str(folder)
+            self.panel, tr("TerrAInav: folder for the charts"), str(folder)
         )
         if chosen and not self._reader.closed:
             task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
@@ -214,7 +214,7 @@ class Cleaning(QObject):
             # Stopped before it began.
             return
         self._messages.success(
-            tr("{count} images written to {folder}.").format(count=len(task.written), folder=task.target),
+            tr("{count} charts written to {folder}.").format(count=len(task.written), folder=task.target),
             (tr("Open folder"), lambda: open_in_system(task.target)),
         )
 

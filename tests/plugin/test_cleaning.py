@@ -690,18 +690,19 @@ def test_capture_s_row_menu_and_toolbar_lead_to_its_dataset(desk, cleaning, qtbo
     assert desk.session.datasets.folder == desk.folder
 
 
-def test_pictures_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
+def test_charts_are_saved(desk, dataset, opened, tmp_path, monkeypatch):
     pytest.importorskip("matplotlib")
     panel = opened(dataset)
-    target = tmp_path / "pictures"
+    target = tmp_path / "charts"
     target.mkdir()
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(target))
+    assert panel.save.text() == "Save charts…"
     desk.click(panel.save)
     desk.wait(lambda: not desk.session.datasets.busy)
     written = sorted(target.iterdir())
     assert len(written) >= 4
     assert all(path.read_bytes().startswith(b"\x89PNG") for path in written)
-    assert any(f"{len(written)} images" in text for text in desk.messages())
+    assert any(f"{len(written)} charts" in text for text in desk.messages())
 
 
 # --- never held up
