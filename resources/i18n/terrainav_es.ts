@@ -4163,8 +4163,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Dataset…: clean, split, export and look at it</source>
-        <translation>Conjunto de datos…: limpiarlo, dividirlo, exportarlo y verlo</translation>
+        <source>Open in the Dataset window, which cleans, splits, exports and shows it</source>
+        <translation>Abrir en la ventana Conjunto de datos, que lo limpia, divide, exporta y muestra</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
