@@ -135,3 +135,4 @@ def test_layers_of_the_preview_are_none_to_take_points_from(desk):
     dialog = dialog_of(desk, "points")
     assert [dialog.layer.itemText(row) for row in range(dialog.layer.count())] == ["mine"]
     assert dialog.chosen() == mine
+    dialog.reject()
