@@ -451,7 +451,8 @@ def check_rings(polygon: Polygon) -> None:
     outer, *holes = polygon.arrays()
     if abs(outer[0][-1] - outer[0][0]) > 180.0:
         raise InvalidInput(
-            "polygon around a pole: give its corners along the pole, too, as its sides are straight in degrees"
+            "polygon around a pole: its sides are straight in degrees",
+            remedy="give its corners along the pole as well",
         )
     whole = Part((outer,))
     for number, (hole_lon, hole_lat) in enumerate(holes, 1):

@@ -9600,6 +9600,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>give its corners along the pole as well</source>
+        <translation>indique también sus vértices a lo largo del polo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>give the top-left corner first</source>
         <translation>dé primero la esquina superior izquierda</translation>
     </message>
@@ -9620,8 +9625,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
-        <source>polygon around a pole: give its corners along the pole, too, as its sides are straight in degrees</source>
-        <translation>polígono alrededor de un polo: indique también sus vértices a lo largo del polo, pues sus lados son rectos en grados</translation>
+        <source>polygon around a pole: its sides are straight in degrees</source>
+        <translation>polígono alrededor de un polo: sus lados son rectos en grados</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>

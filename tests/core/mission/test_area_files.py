@@ -343,7 +343,7 @@ SQUARE = ring(-89.9, 35.1, 0.01)
         ([[[-180, -85], [180, -85], [180, 85], [-180, 85]]], "more than half the Earth apart"),
         (
             [[[0, 89.9], [90, 89.9], [180, 89.9], [-90, 89.9]]],
-            "around a pole: give its corners along the pole",
+            "around a pole: its sides are straight in degrees",
         ),
     ],
 )
