@@ -64,6 +64,8 @@ class Desk:
         self.form.template.setText(template)
 
     def click(self, button):
+        # In a group that has just been unfolded it has no size yet, and would not be hit.
+        self.wait(lambda: not button.size().isEmpty())
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
 
     def message(self, field):
