@@ -67,11 +67,12 @@ test-qgis340:  ## the same in the QGIS 3.40 of Debian 13
 fuzz: setup  ## attack what reads foreign texts for TERRAINAV_FUZZ_S seconds (600), with new examples every time
 	$(PYTHON) -m tests.fuzz
 
-lint: setup  ## ruff, mypy (strict on core), bandit; what is known of the dependencies' vulnerabilities, where it can be had
+lint: setup translations  ## ruff, mypy (strict on core), bandit; the dependencies' known vulnerabilities, where they can be had
 	$(PYTHON) -m ruff check .
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m mypy
-	$(PYTHON) -m bandit --quiet --configfile pyproject.toml --recursive core terrainav_plugin tools __init__.py
+	$(PYTHON) -m bandit --quiet --configfile pyproject.toml --recursive tools
+	$(PYTHON) tools/package.py --working-tree --folder build/lint  # bandit and detect-secrets search what is shipped
 	$(PYTHON) tools/audit.py
 
 format: setup  ## let ruff rewrite the code

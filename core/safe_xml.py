@@ -111,7 +111,7 @@ def checked_text(body: bytes) -> str:
 
 def too_deep() -> UnreadableXMLError:
     """Error of a document with elements that are within each other deeper than `MAX_XML_DEPTH`."""
-    return UnreadableXMLError(Message("elements within each other, more than {0} deep", MAX_XML_DEPTH))
+    return UnreadableXMLError(Message("elements nested more than {0} deep", MAX_XML_DEPTH))
 
 
 def root_of(body: bytes) -> Any:

@@ -203,9 +203,14 @@ class TerrAInavPlugin:
 
     def _toggle_box_tool(self, on: bool) -> None:
         self._use(lambda session: session.draw_box() if on else session.box_tool.stop())
+        # An empty map shows imagery first; the tool presses the button once it has begun.
+        if self._session is not None:
+            self.actions["draw_box"].setChecked(self._session.box_tool.isActive())
 
     def _toggle_polygon_tool(self, on: bool) -> None:
         self._use(lambda session: session.draw_polygon() if on else session.areas.polygon_tool.stop())
+        if self._session is not None:
+            self.actions["draw_polygon"].setChecked(self._session.areas.polygon_tool.isActive())
 
     def _toggle_point_tool(self, on: bool) -> None:
         self._use(lambda session: session.take_test_shot() if on else session.point_tool.stop())

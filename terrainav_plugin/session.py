@@ -80,7 +80,9 @@ class Session(QObject):
         form = self.dock.form
         self.source_on_map = SourceOnMap(self.background, messages, form.state, form.imagery.title)
         self.memory = FormMemory(self.settings, form.state, self)
-        self.areas = AreaControl(iface, self.dock, form.area, form.area_editing, messages, self.box_tool)
+        self.areas = AreaControl(
+            iface, self.dock, form.area, form.area_editing, messages, self.box_tool, self._draw
+        )
         self.runs = Runs(messages, window, self.open_project, self.group)
         self.run_panel = RunPanel(
             self.runs,
@@ -129,12 +131,12 @@ class Session(QObject):
     def draw_box(self) -> None:
         """Let the user draw the area."""
         self.dock.setUserVisible(True)
-        self.box_tool.start()
+        self._draw(self.box_tool.start)
 
     def draw_polygon(self) -> None:
         """Let the user draw the area corner by corner."""
         self.dock.setUserVisible(True)
-        self.areas.polygon_tool.start()
+        self._draw(self.areas.polygon_tool.start)
 
     def take_test_shot(self) -> None:
         """Let the user click where one picture is to be taken."""
@@ -356,6 +358,13 @@ class Session(QObject):
             zoom()
         except TerrAInavError as wrong:
             self.messages.warning(translate(wrong))
+
+    def _draw(self, begin: Callable[[], None]) -> None:
+        """Begin drawing; on an empty map, whose places nobody can tell, once the selected imagery is shown."""
+        if self.project.mapLayers():
+            begin()
+        else:
+            self.source_on_map.show(then=begin)
 
     def _zoom_if_out_of_sight(self, box: Box) -> None:
         """Move the map only where the preview could not be seen: users keep the view they chose."""

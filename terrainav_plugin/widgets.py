@@ -18,6 +18,7 @@ from qgis.gui import (
 from qgis.PyQt.QtCore import QLocale, QPoint, QSize, Qt
 from qgis.PyQt.QtGui import (
     QColor,
+    QFocusEvent,
     QIcon,
     QKeySequence,
     QPainter,
@@ -41,6 +42,8 @@ from qgis.PyQt.QtWidgets import (
     QMenuBar,
     QPushButton,
     QScrollArea,
+    QStyle,
+    QStyleOptionFrame,
     QTabBar,
     QToolButton,
     QVBoxLayout,
@@ -66,6 +69,10 @@ QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 """
 #: A number with a point before its decimals.
 _WITH_POINT = re.compile(r"[-+]?\d+\.\d+")
+#: What an entry leaves free beside its text.
+_BESIDE_TEXT_PX = 5
+#: Characters of a text that its tooltip shows.
+_MOST_TIP = 200
 #: Where windows come up, from the corner of the map.
 _CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
@@ -80,16 +87,21 @@ def named(widget: _Made, name: str, tip: str = "") -> _Made:
     return widget
 
 
-def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
-    """Layout of labelled entries for a group box.
+def contents_of(box: QgsCollapsibleGroupBoxBasic) -> QWidget:
+    """Widget for all that a group box holds.
 
-    It is inside one widget: unfolding a group shows all that is right inside it, also rows that are to be hidden.
+    Unfolding a group shows all that is right inside it, also what is to be hidden.
     """
     contents = QWidget(box)
     around = QVBoxLayout(box)
     around.setContentsMargins(0, 0, 0, 0)
     around.addWidget(contents)
-    form = growing_form(contents)
+    return contents
+
+
+def form_layout(box: QgsCollapsibleGroupBoxBasic) -> QFormLayout:
+    """Layout of labelled entries for a group box."""
+    form = growing_form(contents_of(box))
     form.setVerticalSpacing(4)
     # With large letters, a label stands above its entry where there is no room for both.
     form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapLongRows)
@@ -166,6 +178,8 @@ def line_edit(name: str, tip: str, placeholder: str = "") -> QLineEdit:
 class ShortLine(QLineEdit):
     """Entry for a text that is shown shorter than it is, and stays whole until it is edited.
 
+    Where not all of it can be seen, the tooltip begins with it.
+
     Parameters
     ----------
     shorten : callable
@@ -175,8 +189,24 @@ class ShortLine(QLineEdit):
     def __init__(self, shorten: Callable[[str], str]) -> None:
         super().__init__()
         self._shorten = shorten
-        self._whole = self._shown = ""
+        self._whole = self._shown = self._tip = ""
         self.textEdited.connect(self._forget)
+        self.textChanged.connect(self._show_tip)
+
+    def setToolTip(self, tip: str) -> None:
+        """Say what the entry is for."""
+        self._tip = tip
+        self._show_tip()
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Show the first digits of what was typed."""
+        super().focusOutEvent(event)
+        self.setCursorPosition(0)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """See whether all of the text is to be seen."""
+        super().resizeEvent(event)
+        self._show_tip()
 
     def whole(self) -> str:
         """Return what is entered."""
@@ -193,6 +223,16 @@ class ShortLine(QLineEdit):
 
     def _forget(self) -> None:
         self._whole = ""
+
+    def _show_tip(self, *_: object) -> None:
+        whole, text = self.whole(), self.text()
+        option = QStyleOptionFrame()
+        self.initStyleOption(option)
+        room = self.style().subElementRect(QStyle.SubElement.SE_LineEditContents, option, self).width()
+        # Qt leaves two pixels on either side of the text, and one for the cursor.
+        is_cut = self.fontMetrics().horizontalAdvance(text) > room - _BESIDE_TEXT_PX
+        begins = f"{whole[:_MOST_TIP]}\n" if whole != text or is_cut else ""
+        super().setToolTip(shown_plain(begins + self._tip))
 
 
 class ElidedLabel(QLabel):

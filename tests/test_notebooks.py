@@ -90,7 +90,7 @@ def captured(tmp_path_factory):
     """A dataset of both map types, which tests copy."""
     folder = tmp_path_factory.mktemp("captured") / "dataset"
     source = open_source("world")
-    worked_out = plan(Mission(AREA, 120.0, map_types=("satellite", "roadmap")), source.grid)
+    worked_out = plan(Mission(AREA, 120.0, map_types=("satellite", "roadmap"), image_px=320), source.grid)
     result = capture(worked_out, source, folder, connections=2)
     assert not result.failed
     return folder

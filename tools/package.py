@@ -122,7 +122,7 @@ def _json(module: str, *arguments: str, folder: Path) -> dict[str, list]:
         raise PackageError(f"{module} did not run: {ran.stderr.strip()[-500:]}") from None
 
 
-def build(folder: Path, working: bool) -> Path:
+def build(folder: Path, working: bool, search: bool = True) -> Path:
     """Make the zip in ``folder``, checked, whole or not at all; returns its path."""
     metadata = configparser.ConfigParser(interpolation=None)
     metadata.read(ROOT / "metadata.txt", encoding="utf-8")
@@ -140,7 +140,9 @@ def build(folder: Path, working: bool) -> Path:
             raise PackageError(
                 f"zip of {made.stat().st_size:,} bytes: the plugin repository takes {MOST_BYTES:,}"
             )
-        if SCANNERS.is_file():
+        if not search:
+            print("package: not searched by bandit and detect-secrets, as it was asked for", file=sys.stderr)
+        elif SCANNERS.is_file():
             found = findings(unpacked)
             if found:
                 raise PackageError("the plugin repository would refuse it:\n" + "\n".join(found))
@@ -159,11 +161,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--working-tree", action="store_true", help="pack the files as they are now")
     parser.add_argument(
+        "--unsearched", action="store_true", help="leave bandit and detect-secrets out: not for publication"
+    )
+    parser.add_argument(
         "--folder", type=Path, default=ROOT / "dist", metavar="DIR", help="where it goes (dist)"
     )
     options = parser.parse_args()
     try:
-        build(options.folder, options.working_tree)
+        build(options.folder, options.working_tree, search=not options.unsearched)
     except PackageError as wrong:
         print(f"package: {wrong}", file=sys.stderr)
         return 1

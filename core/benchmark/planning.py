@@ -60,7 +60,7 @@ class BenchmarkSettings:
     shares : three numbers
         Of training, validation and test.
     gap_m : float
-        With cross-area: least distance between ground of two parts.
+        With cross-area: minimum distance between ground of two parts.
     """
 
     queries: Mission

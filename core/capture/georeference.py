@@ -73,7 +73,9 @@ class Georeference:
                 "edges {0} m (west, south, east, north): need west < east and south < north", edges
             )
         if self.width_px < 1 or self.height_px < 1:
-            raise InvalidInput("image of {0} x {1} px: needs a pixel at least", self.width_px, self.height_px)
+            raise InvalidInput(
+                "image of {0} x {1} px: needs at least one pixel", self.width_px, self.height_px
+            )
 
     @property
     def pixel_size_m(self) -> tuple[float, float]:

@@ -132,7 +132,7 @@ def _add_split(commands: Any) -> None:
         choices=WAYS,
         default=WAYS[0],
         help="shuffled by seed and image name, in the table's order, or by blocks of ground, so that no ground is in "
-        "two parts; auto (default) takes blocks where images overlap, and shuffles else",
+        "two parts; auto (default) takes blocks where images overlap, and shuffles otherwise",
     )
     splitting.add_argument(
         "--block",
@@ -148,7 +148,7 @@ def _add_split(commands: Any) -> None:
         default=0.0,
         metavar="METRES",
         dest="gap_m",
-        help="least distance between the ground of two parts, with blocks (default %(default)s)",
+        help="minimum distance between the ground of two parts, with blocks (default %(default)s)",
     )
     splitting.add_argument("--seed", type=int, default=SEED, help="of the order (default %(default)s)")
     splitting.add_argument(
@@ -225,7 +225,7 @@ def _add_pairs(commands: Any) -> None:
         "--spacing",
         type=float,
         metavar="M",
-        help="least distance between them (default: no two see the same ground)",
+        help="minimum distance between them (default: no two see the same ground)",
     )
     _add_views(command.add_argument_group("views"))
     parts = command.add_argument_group("parts")

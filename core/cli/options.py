@@ -78,7 +78,7 @@ def normalised(argv: Sequence[str]) -> list[str]:
 
 
 def _add_flying(commands: Any) -> None:
-    planning = commands.add_parser("plan", help="work a mission out and print its figures; fetches nothing")
+    planning = commands.add_parser("plan", help="plan a mission and print its figures; fetches nothing")
     _add_mission_options(planning)
     planning.add_argument(
         "--output",
@@ -151,7 +151,7 @@ def _add_benchmark(commands: Any) -> None:
     actions = whole.add_subparsers(dest="action", metavar="ACTION", parser_class=_Parser)
     _add_benchmark_make(actions)
     running = actions.add_parser(
-        "run", help="answer the queries by a baseline or a method of yours, and judge it"
+        "run", help="answer the queries with a baseline or a method of your own, and judge it"
     )
     running.add_argument("folder", metavar="BENCHMARK", help="the benchmark's folder")
     running.add_argument(
@@ -202,7 +202,7 @@ def _add_benchmark_make(actions: Any) -> None:
     )
     asked.add_argument(
         "--tile-overlap",
-        type=share,
+        type=_share,
         default=TILE_OVERLAP,
         metavar="SHARE",
         help="share of a tile that its neighbour shows again, as 0.5 or as 50%% (%(default)g)",
@@ -212,21 +212,21 @@ def _add_benchmark_make(actions: Any) -> None:
         dest="reference_margin",
         type=float,
         metavar="M",
-        help="reference around the ground of the queries (default: the width of the widest tile)",
+        help="ground of the reference around that of the queries (default: the width of the widest tile)",
     )
     asked.add_argument(
         "--positive",
         type=float,
         default=POSITIVE_IOU,
         metavar="IOU",
-        help="from which a tile is right (%(default)g)",
+        help="intersection over union from which a tile is right (%(default)g)",
     )
     asked.add_argument(
         "--semi-positive",
         type=float,
         default=SEMI_POSITIVE_IOU,
         metavar="IOU",
-        help="from which it nearly is (%(default)g)",
+        help="intersection over union from which a tile is nearly right (%(default)g)",
     )
     asked.add_argument(
         "--split",
@@ -240,10 +240,10 @@ def _add_benchmark_make(actions: Any) -> None:
         nargs=3,
         type=float,
         metavar=("TRAIN", "VALIDATION", "TEST"),
-        help="of the parts (0.8 0.1 0.1)",
+        help="shares of the parts (0.8 0.1 0.1)",
     )
     asked.add_argument(
-        "--gap", type=float, default=0.0, metavar="M", help="least distance between ground of two parts (0)"
+        "--gap", type=float, default=0.0, metavar="M", help="minimum distance between ground of two parts (0)"
     )
     but = ("preset", "source", "map_type", "date", "imagery", "frame", "margin")
     _add_mission_options(making, but=but)
@@ -252,6 +252,15 @@ def _add_benchmark_make(actions: Any) -> None:
     add_consent(making)
     making.add_argument("--json", action="store_true", help="print the result as JSON")
     making.add_argument("--quiet", action="store_true", help="no progress bar")
+
+
+def _share(text: str) -> float:
+    try:
+        return share(text)
+    except ValueError as wrong:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: must be a share from 0 to below 1, such as 0.5 or 50%"
+        ) from wrong
 
 
 def _add_sources(commands: Any) -> None:

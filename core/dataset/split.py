@@ -57,7 +57,7 @@ class Split:
     left_out : int
         Places whose images have failed or have been rejected, which are not asked for.
     block_m, gap_m : float or None
-        Side of the blocks and least distance between parts; None without blocks.
+        Side of the blocks and minimum distance between parts; None without blocks.
     blocks : int or None
         Number of blocks.
     seen : float or None
@@ -117,7 +117,7 @@ def split(
     block_m : float or None
         Side of the blocks; None finds one.
     gap_m : float
-        With blocks: least distance between the ground of two parts.
+        With blocks: minimum distance between the ground of two parts.
     frame : str
         Of the labels (see `labels.frame_of`).
     dry_run : bool

@@ -169,7 +169,8 @@ class Datum:
                 Message(", as it lacks the grid {0}", " or ".join(grids)) if grids else "",
                 field="vertical_datum",
                 remedy=Message(
-                    "install it, as by projsync, or take the ellipsoid and say how far heights are off it ({0})",
+                    "install it, for example with projsync, or take the ellipsoid and say how far heights are off it "
+                    "({0})",
                     OptionName("height_offset"),
                 ),
             )

@@ -208,7 +208,7 @@ class TiledHeights:
                 LOWEST_M,
                 HIGHEST_M,
                 _VOID,
-                remedy="say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata",
+                remedy="say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata",
             )
         return heights.astype(np.float32)
 

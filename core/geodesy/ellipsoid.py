@@ -452,12 +452,12 @@ def sin_cos(angle_deg: Floats | float) -> tuple[Floats, Floats]:
     degrees is off by a part in 10¹⁰, which is how far π/2 is from a float64.
     """
     angle = np.asarray(angle_deg, np.float64)
-    quarters = np.round(angle / _QUARTER_DEG)
+    quarters = np.rint(angle / _QUARTER_DEG)
     rest = np.radians(angle - _QUARTER_DEG * quarters)
     sine, cosine = np.sin(rest), np.cos(rest)
-    if not np.any(quarters):
+    if not quarters.any():
         return sine, cosine
-    turn = np.mod(quarters, 4.0)
-    swapped, opposite = np.mod(turn, 2.0) == 1.0, turn >= 2.0
+    turn = quarters % 4.0
+    swapped, opposite = turn % 2.0 == 1.0, turn >= 2.0
     sine, cosine = np.where(swapped, cosine, sine), np.where(swapped, sine, cosine)
     return np.where(opposite, -sine, sine), np.where((turn == 1.0) | (turn == 2.0), -cosine, cosine)

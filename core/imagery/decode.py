@@ -174,7 +174,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
             raise _broken(Message("JPEG segments out of step"))
         begin, at = at, _JPEG_FILL.match(body, at).end()  # type: ignore[union-attr]
         if at >= len(body):
-            raise _broken(Message("JPEG broken off"))
+            raise _broken(Message("JPEG cut off"))
         marker = body[at]
         at += 1
         if marker == _JPEG_SCAN and not scans:
@@ -196,7 +196,7 @@ def _plain_jpeg(body: bytes, *, whole: bool) -> bytes:
         if marker == _JPEG_SCAN:
             found = _JPEG_MARKER.search(body, at)
             if found is None:
-                raise _broken(Message("JPEG broken off"))
+                raise _broken(Message("JPEG cut off"))
             at = found.start()
     return b"".join(kept)
 

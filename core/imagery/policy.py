@@ -33,7 +33,7 @@ class TermsError(SourceError):
         else:
             way_out = Message("take another source")
         refused = Message(
-            "{0}: {1:,} requests, and {2:,} at most pass without {3}: {4}{5}",
+            "{0}: {1:,} requests, but at most {2:,} are allowed without {3}: {4}{5}",
             title,
             requests,
             policy.max_tiles,

@@ -159,12 +159,24 @@ def _short(crs: str) -> str:
     return named.group(1) if named else crs[:_LONGEST]
 
 
+@lru_cache(maxsize=1)
+def _projected() -> frozenset[str]:
+    """Numbers of EPSG's projected systems, deprecated ones included."""
+    from pyproj.database import get_codes
+    from pyproj.enums import PJType
+
+    return frozenset(get_codes("EPSG", PJType.PROJECTED_CRS, allow_deprecated=True))
+
+
 @lru_cache(maxsize=_KEPT)
 def _system(code: str) -> CRS | None:
     """The system of a code; None where it cannot be used."""
     from pyproj import CRS
     from pyproj.exceptions import ProjError
 
+    # PROJ takes tens of milliseconds to find that there is no such system, and documents list hundreds of them.
+    if code.startswith("EPSG:") and code[5:].lstrip("0") not in _projected():
+        return None
     try:
         crs = CRS.from_user_input(code)
     except ProjError:

@@ -146,7 +146,7 @@ class Template:
                 "URL template {0}: {{{1}}} is unknown; known are {2}", shown, name, _in_braces(PLACEHOLDERS)
             )
         if re.search(r"[{}]", _BRACES.sub("", self.text)):
-            raise InvalidInput("URL template {0}: a brace without its partner", shown)
+            raise InvalidInput("URL template {0}: an unmatched brace", shown)
         if "s" in names and not self.subdomains:
             raise InvalidInput("URL template {0}: {{s}} without subdomains to put there", shown)
         in_host = set(_BRACES.findall(urlsplit(self.text).netloc)) - {"s"}
@@ -208,7 +208,7 @@ def check_address(text: str, what: str) -> None:
     """
     if not text.isprintable() or " " in text:
         raise InvalidInput(
-            "{0} with spaces or control characters: must be without, or have them written %20", what
+            "{0} with spaces or control characters: must have none, or spaces written as %20", what
         )
     filled = _BRACES.sub("0", text)
     try:

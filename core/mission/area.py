@@ -22,6 +22,8 @@ Numbers = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 #: Start longitude, start latitude, end longitude, end latitude of each edge.
 Edges = tuple[Floats, Floats, Floats, Floats]
+#: Share of sides within which they touch rather than cross, and of a square about a polygon below which it is none.
+_TOUCHING, _NO_GROUND = 1e-9, 1e-9
 #: Pairs of a rectangle and a corner of a polygon looked at in one go, to bound memory: 13 MB for areas.
 _CHUNK = 100_000
 
@@ -106,7 +108,7 @@ class Polygon:
     ----------
     rings : tuple of rings, each a tuple of (longitude, latitude) in degrees
         The outer ring first, then holes; closed or not. Longitudes run on across the antimeridian (179,
-        181) instead of jumping; a jump of more than 180 degrees is read as such a crossing.
+        181) instead of jumping; a jump of more than 180 degrees is read as such a crossing, but for one along a pole.
     """
 
     rings: tuple[tuple[Position, ...], ...]
@@ -152,7 +154,9 @@ def _tidy_ring(ring: tuple[Position, ...]) -> tuple[Position, ...]:
         check_lat_lon(lat, lon)
     tidy = [corners[0]]
     for lon, lat in corners[1:]:
-        turns = round((lon - tidy[-1][0]) / 360.0)
+        # Along a pole all longitudes are one place: sides there lead as far as they say.
+        along_pole = abs(lat) == 90.0 and lat == tidy[-1][1]
+        turns = 0 if along_pole else round((lon - tidy[-1][0]) / 360.0)
         tidy.append((lon - 360.0 * turns, lat))
     return tuple(tidy)
 
@@ -383,7 +387,7 @@ def shared_rings(area: Box | Rings, others: Sequence[Polygon]) -> list[tuple[Flo
     owner = np.concatenate(owners)
     if len(shapes) == 1:
         return []
-    cuts = np.unique(np.concatenate([lat0, lat1, _crossing_lats(lon0, lat0, lon1, lat1)]))
+    cuts = np.unique(np.concatenate([lat0, lat1, _crossing_places(lon0, lat0, lon1, lat1)[1]]))
     cuts = cuts[(cuts >= south) & (cuts <= north)]
     low, high = np.minimum(lat0, lat1), np.maximum(lat0, lat1)
     slope = (lon1 - lon0) / np.where(lat1 == lat0, 1.0, lat1 - lat0)
@@ -405,11 +409,16 @@ def shared_rings(area: Box | Rings, others: Sequence[Polygon]) -> list[tuple[Flo
     return found
 
 
-def _crossing_lats(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> Floats:
-    """Latitudes at which edges (n,) cross each other."""
-    found = [np.empty(0)]
-    for at in range(len(lon0) - 1):
-        rest = slice(at + 1, None)
+def _crossing_places(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> tuple[Floats, Floats]:
+    """Longitudes and latitudes at which edges (n,) cross each other, but for those that only touch."""
+    order = np.argsort(np.minimum(lon0, lon1), kind="stable")
+    lon0, lat0, lon1, lat1 = (part[order] for part in (lon0, lat0, lon1, lat1))
+    begins = np.minimum(lon0, lon1)
+    # Only those that begin before one ends can cross it.
+    ends = np.searchsorted(begins, np.maximum(lon0, lon1)).tolist()
+    lon, lat = [np.empty(0)], [np.empty(0)]
+    for at, end in enumerate(ends):
+        rest = slice(at + 1, end)
         x, y = lon1[at] - lon0[at], lat1[at] - lat0[at]
         other_x, other_y = lon1[rest] - lon0[rest], lat1[rest] - lat0[rest]
         apart_x, apart_y = lon0[rest] - lon0[at], lat0[rest] - lat0[at]
@@ -417,9 +426,49 @@ def _crossing_lats(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> Fl
         with np.errstate(divide="ignore", invalid="ignore"):
             share = (apart_x * other_y - apart_y * other_x) / turn
             other_share = (apart_x * y - apart_y * x) / turn
-            cross = (share > 0.0) & (share < 1.0) & (other_share > 0.0) & (other_share < 1.0)
-        found.append(lat0[at] + share[cross] * y)
-    return np.concatenate(found)
+            cross = (share > _TOUCHING) & (share < 1.0 - _TOUCHING)
+            cross &= (other_share > _TOUCHING) & (other_share < 1.0 - _TOUCHING)
+        if cross.any():
+            lon.append(lon0[at] + share[cross] * x)
+            lat.append(lat0[at] + share[cross] * y)
+    return np.concatenate(lon), np.concatenate(lat)
+
+
+def check_rings(polygon: Polygon) -> None:
+    """Refuse a polygon whose rings tell no ground: sides that cross, holes that are not in it, or no area.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    lon, lat = _crossing_places(*sides_of(polygon))
+    if len(lon):
+        raise InvalidInput(
+            "polygon whose sides cross at latitude {0:.6f}, longitude {1:.6f}: its sides may only touch",
+            float(lat[0]),
+            float(wrap_lon_deg(lon[:1])[0]),
+        )
+    outer, *holes = polygon.arrays()
+    if abs(outer[0][-1] - outer[0][0]) > 180.0:
+        raise InvalidInput(
+            "polygon around a pole: its sides are straight in degrees",
+            remedy="give its corners along the pole as well",
+        )
+    whole = Part((outer,))
+    for number, (hole_lon, hole_lat) in enumerate(holes, 1):
+        # The middles of its sides are inside even where its corners lie on the ring around it.
+        at_lon, at_lat = (np.concatenate([at, (at + np.roll(at, -1)) / 2.0]) for at in (hole_lon, hole_lat))
+        if not holds(whole, at_lat, at_lon).any():
+            raise InvalidInput(
+                "polygon with hole {0:,} outside of it: holes lie inside the outer ring", number
+            )
+    west, south, east, north = whole.edges_deg
+    sides_m2 = WGS84.a_m**2 * math.radians(max(east - west, north - south)) ** 2
+    if polygon.area_m2() <= _NO_GROUND * sides_m2 * math.cos(math.radians(min(abs(south), abs(north)))):
+        raise InvalidInput(
+            "polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are "
+            "all of it"
+        )
 
 
 def ring_of_box(box: Box) -> list[tuple[Floats, Floats]]:

@@ -16,7 +16,7 @@ from ..files import read_limited
 from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
 from ..safe_json import parse_json
 from ..safe_xml import UnreadableXMLError, XMLReader, elements_of
-from .area import Polygon, Polygons
+from .area import Polygon, Polygons, check_rings
 
 #: First bytes of a zip, which a KMZ is.
 _ZIP = b"PK\x03\x04"
@@ -73,7 +73,7 @@ def load_polygons(
     Raises
     ------
     InvalidInput
-        The file cannot be read, holds no polygon, or one that is none.
+        The file cannot be read, holds no polygon, or one that is none, see `check_rings`.
     OutputError
         A KML file, and lxml is not installed.
     """
@@ -101,9 +101,11 @@ def load_polygons(
 
 def _polygon(rings: _Rings, number: int, where: str) -> Polygon:
     try:
-        return Polygon(rings)
+        polygon = Polygon(rings)
+        check_rings(polygon)
     except InvalidInput as wrong:
         raise InvalidInput("{0}: polygon {1:,}: {2}", where, number, wrong) from wrong
+    return polygon
 
 
 # --- GeoJSON
@@ -164,7 +166,7 @@ def _unpacked(body: bytes, where: str) -> list[bytes]:
             texts, left = [], MAX_CAPABILITIES_BYTES
             for one in found:
                 if one.compress_type not in _PACKED:
-                    raise InvalidInput("{0}: is packed in another way than KMZ is", where)
+                    raise InvalidInput("{0}: is compressed in a way that KMZ does not use", where)
                 with archive.open(one) as packed:
                     # What it says of its size may be wrong.
                     texts.append(packed.read(left + 1))

@@ -236,7 +236,7 @@ class Summary:
         if self.lowest_ground_m is None or self.finest_gsd_m_per_px is None:
             return []
         ground = Message(
-            "from {0:,.1f} to {1:,.1f} m over the ellipsoid, captures at least {2:,.1f} m clear",
+            "from {0:,.1f} to {1:,.1f} m above the ellipsoid, captures at least {2:,.1f} m clear",
             self.lowest_ground_m,
             self.highest_ground_m,
             self.clearance_m,
@@ -246,7 +246,7 @@ class Summary:
         if self.filled_heights and self.heights:
             share = percent(self.filled_heights / self.heights, exact=False)
             counts = Message(
-                "{0:,} of {1:,} heights about the area ({2}), from the next source",
+                "{0:,} of {1:,} heights around the area ({2}), from the next source",
                 self.filled_heights,
                 self.heights,
                 share,
@@ -257,7 +257,7 @@ class Summary:
             *filled,
             (
                 Message("over the relief"),
-                Message("{0} a pixel at the highest, {1} at the lowest", finest, coarsest),
+                Message("{0} per pixel at the highest point, {1} at the lowest", finest, coarsest),
             ),
         ]
 

@@ -151,7 +151,7 @@ OPTIONS: tuple[Option, ...] = (
         "preset",
         str,
         None,
-        "values for what the images are for; every other option replaces its own",
+        "values that suit a purpose; every other option overrides its own",
         choices=PRESET_NAMES,
     ),
     Option(
@@ -211,7 +211,8 @@ OPTIONS: tuple[Option, ...] = (
         "wind",
         float,
         None,
-        "moves and turns the captures: mean speed in m/s, degrees it blows from, turbulence (gusts over mean speed)",
+        "wind that moves and turns the captures: mean speed in m/s, azimuth it blows from in degrees, turbulence "
+        "(gusts over mean speed)",
         count=(3, 3),
         metavar=("SPEED", "FROM", "TURBULENCE"),
     ),
@@ -224,12 +225,12 @@ OPTIONS: tuple[Option, ...] = (
         "dataset",
         str,
         "TerrAInav",
-        "whose layout a dataset that is read has; plan and capture write TerrAInav's own",
+        "layout of a dataset that is read; plan and capture write TerrAInav's own",
         choices=("TerrAInav", "VBN"),
     ),
     Option("batch_size", int, 8, "images in a batch of a loaded dataset; plan and capture do not use it"),
     Option("data_dir", str, "datasets/terrainav", "folder the dataset is written to"),
-    Option("connections", int, 8, "requests under way at once"),
+    Option("connections", int, 8, "requests that are under way at once"),
     Option(
         "placeholder",
         str,

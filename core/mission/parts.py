@@ -211,8 +211,8 @@ class Attitude(Part):
     yaw_deg: float = declared(
         0.0,
         title="yaw",
-        help="direction of the image's top edge, clockwise from north; counted from across the rows where these are "
-        "turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws",
+        help="direction of the image's top edge, clockwise from north; where the rows are turned from east it turns "
+        "with them, where the source has its own CRS it counts from grid north, and points may have yaws of their own",
         unit="deg",
         least=-360.0,
         most=360.0,
@@ -282,7 +282,7 @@ class Flight(Part):
         COVER,
         title="layout",
         label="la&yout",
-        help="cover: rows that leave nothing out; paper: the grid in UTM as published",
+        help="cover: rows without gaps; paper: the UTM grid of the published paper",
         choices={COVER: "Cover (no gaps)", PAPER: "Paper (UTM grid)"},
     )
     row_azimuth_deg: float = declared(
@@ -316,7 +316,7 @@ class Flight(Part):
     margin_m: float = declared(
         0.0,
         title="margin",
-        help="so much ground beyond an area is covered as well, on all sides; points have none",
+        help="width of the ground around an area that is covered as well; points have none",
         unit="m",
         least=0.0,
         most=WIDEST_MARGIN_M,
@@ -390,8 +390,9 @@ class Imagery(Part):
     bands: tuple[str, ...] = declared(
         (),
         title="bands",
-        help="of a raster file, by name or by number from 1, in the order they are written in: 4 1 2 is infrared, red "
-        "and green where those are so numbered; without it GeoTIFF has all of them, and JPEG and PNG those of colours",
+        help="bands of a raster file, by name or by number from 1, in the order to write them in: 4 1 2 is infrared, "
+        "red and green of a file with red, green, blue and infrared; left out, GeoTIFF has all of them, and JPEG and "
+        "PNG the colours",
         advanced=True,
         check=_check_bands,
         schema={"items": {"type": ["string", "integer"], "minLength": 1}, "uniqueItems": True},
@@ -399,9 +400,9 @@ class Imagery(Part):
     stretch: str = declared(
         "none",
         title="stretch",
-        help="how the values of a raster file become 8 bits: none leaves them as they are, which JPEG and PNG need to "
-        "be of 8 bits then; percentile shows those from the 2nd to the 98th percentile of the file, two numbers those "
-        "from one to the other",
+        help="how the values of a raster file become 8 bits: none leaves them as they are, so that JPEG and PNG need "
+        "values of 8 bits; percentile stretches from the 2nd to the 98th percentile of the file; two numbers stretch "
+        "from the first to the second",
         advanced=True,
         check=_check_stretch,
         schema={"pattern": _STRETCH},
@@ -409,8 +410,8 @@ class Imagery(Part):
     crs: str = declared(
         "",
         title="coordinate reference system",
-        help="of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the "
-        "Web-Mercator map; left out, the source's own, or the map's where a service has both",
+        help="system of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of "
+        "the Web-Mercator map; left out, the source's own, or the map's where a service has both",
         advanced=True,
         check=_check_crs,
         schema={"pattern": f"^{_CRS}$", "maxLength": _LONGEST_CRS},
@@ -418,8 +419,8 @@ class Imagery(Part):
     imageries: tuple[str, ...] = declared(
         (),
         title="imageries",
-        help="several beside each other, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or "
-        "NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own",
+        help="several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, "
+        "NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own",
         option="imagery",
         advanced=True,
         check=_check_imageries,
@@ -428,7 +429,7 @@ class Imagery(Part):
     seed: int = declared(
         2024,
         title="seed",
-        help="of whatever is random, such as the synthetic landscape and gusts of wind",
+        help="start of all that is random, such as the synthetic landscape and gusts of wind",
         advanced=True,
     )
 
@@ -540,16 +541,17 @@ class Accuracy(Part):
     frame: str = declared(
         AUTO,
         title="frame",
-        help="map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight "
-        "down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget",
+        help="map: a window of the source's own pixels, turned by multiples of 90° only, for cameras that look "
+        "straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget",
         choices={AUTO: "Automatic", "map": "Map frame (not resampled)", "camera": "Camera frame (as seen)"},
         advanced=True,
     )
     mesh: str = declared(
         AUTO,
         title="mesh",
-        help="ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays one ray a pixel",
-        choices={AUTO: "Automatic", RAYS: "One ray a pixel"},
+        help="ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays traces one ray "
+        "per pixel",
+        choices={AUTO: "Automatic", RAYS: "One ray per pixel"},
         advanced=True,
     )
     resampling: str = declared(
@@ -582,8 +584,8 @@ class Terrain(Part):
     surface: tuple[str, ...] = declared(
         (),
         title="surface",
-        help="where heights of what cameras see come from, buildings and trees with it, where that is other than what "
-        "the flight follows; named as those of the elevation, which fills what it leaves open",
+        help="where the heights of what cameras see come from, with buildings and trees, if that is not what the "
+        "flight follows; named like the elevation, which fills its gaps",
         advanced=True,
         check=_check_heights,
         schema={"items": {"type": "string", "minLength": 1}},
@@ -592,14 +594,14 @@ class Terrain(Part):
         "",
         title="vertical datum",
         help="what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; "
-        "left out, what the source says, and the ellipsoid where it says nothing",
+        "left out, what the source states, and the ellipsoid where it states nothing",
         advanced=True,
         schema={"pattern": "^[^\\s]*$"},
     )
     height_unit: str = declared(
         "",
         title="height unit",
-        help="of the sources of heights; left out, what they say, and metres where they say nothing",
+        help="unit of the sources of heights; left out, the one that they state, and metres where they state none",
         choices={"": "As the source says", "m": "Metres", "ft": "Feet", "us-ft": "US survey feet"},
         advanced=True,
     )
@@ -624,8 +626,8 @@ class Terrain(Part):
         GROUND,
         title="height above",
         help="over relief, what the heights of captures are above: the ground below each one; the ground at the "
-        "takeoff (an area's north-western corner, or the first point), one height for all; or the ellipsoid",
-        choices={GROUND: "The ground below", TAKEOFF: "The takeoff", ELLIPSOID: "The ellipsoid"},
+        "take-off (an area's north-western corner, or the first point), one height for all; or the ellipsoid",
+        choices={GROUND: "The ground below", TAKEOFF: "The take-off", ELLIPSOID: "The ellipsoid"},
         advanced=True,
     )
     climb_m_per_s: float | None = declared(
@@ -735,8 +737,8 @@ class Route(Part):
     )
     photo_interval_s: float | None = declared(
         None,
-        title="least interval of images",
-        help="the shortest time between two images that the camera can keep up",
+        title="minimum image interval",
+        help="shortest time between two images that the camera can keep up",
         unit="s",
         above=0.0,
         suggested=1.0,
@@ -745,8 +747,8 @@ class Route(Part):
     drone: str = declared(
         "mavic-3e",
         title="drone",
-        help="drone that a file for DJI's programs (.kmz) is for: of DJI Pilot 2 and FlightHub 2, M300 and M350 with "
-        "the camera P1; dji-fly: those of DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3",
+        help="drone that a file for DJI's programs (.kmz) is for; M300 and M350 are those with the camera P1, and "
+        "dji-fly stands for the drones that DJI Fly flies, such as Mini 4 Pro, Air 3 and Mavic 3",
         choices={
             "mavic-3e": "Mavic 3E",
             "mavic-3t": "Mavic 3T",
@@ -764,7 +766,7 @@ class Route(Part):
     battery_min: float | None = declared(
         None,
         title="battery",
-        help="flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end "
+        help="flight time of one battery, without the reserve: the flight is split into sorties that begin and end "
         "at the take-off",
         unit="min",
         above=0.0,
@@ -820,8 +822,8 @@ class Output(Part):
     products: tuple[str, ...] = declared(
         (),
         title="products",
-        help="written beside the images, of every pixel: depth along the optical axis, ground points, normals of the "
-        "ground, and the mask of faces that no map shows; of all map types together",
+        help="files with a value for every pixel, written beside the images: depth along the optical axis, ground "
+        "points, normals of the ground, and the mask of faces that no map shows; of all map types together",
         choices={
             "depth": "Depth along the optical axis",
             "points": "Ground points",

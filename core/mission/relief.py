@@ -297,7 +297,7 @@ class ReliefBelow:
     def text(self) -> Message:
         """What is flown over, in words."""
         return Message(
-            "relief of {0} from {1:.1f} to {2:.1f} m over the ellipsoid",
+            "relief of {0} from {1:.1f} to {2:.1f} m above the ellipsoid",
             self.heights.surface.title,
             self.lowest_m,
             self.highest_m,
@@ -446,7 +446,7 @@ class ReliefBelow:
         if len(low):
             at = int(low[0])
             raise InvalidInput(
-                "capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: what its image may see "
+                "capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: what its image may see "
                 "there rises to {3:.1f} m",
                 float(lat[at]),
                 float(lon[at]),
@@ -538,7 +538,7 @@ class ReliefBelow:
             return
         at = int(low[np.argmax((least - height)[low])])
         raise InvalidInput(
-            "capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: the surface there rises to "
+            "capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: the surface there rises to "
             "{3:.1f} m, and {4:g} m of clearance are to be kept",
             float(lat[at]),
             float(lon[at]),

@@ -403,7 +403,7 @@ class _Images:
             pixels = np.rint(pixels @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)[..., np.newaxis]
         elif self.channels == 3 and pixels.shape[2] == 1:
             pixels = np.repeat(pixels, 3, axis=2)
-        step = self._reduced
+        step = min(self._reduced, max(pixels.shape[:2]))
         if step == 1:
             return pixels, mask
         from PIL import Image

@@ -201,7 +201,7 @@ def _scanned(
     path = _beside(x, y, side * wanted.distance_m, wanted.distance_m, step_m, closed=closed)
     if path is None:
         raise InvalidInput(
-            "distance {0:g} m: leaves no place that is so far from every wall",
+            "distance {0:g} m: no place is so far from every wall",
             wanted.distance_m,
             field="distance_m",
             remedy="take a shorter distance",

@@ -148,7 +148,7 @@ def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count
 
     wanted = Message("above 0 m") if name == "agl" else Message("within 180 degrees")
     return _first_accepted(
-        draw, count, InvalidInput("{0} {1}: hardly any of its numbers is {2}", name, distribution, wanted)
+        draw, count, InvalidInput("{0} {1}: hardly any of its numbers are {2}", name, distribution, wanted)
     )
 
 
@@ -172,7 +172,7 @@ def _places(area: Box | Polygon | Polygons, bits: np.random.PCG64, count: int) -
         return np.column_stack([lat, lon]), accepted
 
     refusal = InvalidInput(
-        "area: takes hardly any of the box around it",
+        "area: fills hardly any of the box around it",
         remedy="give a polygon that is less narrow",
     )
     lat, lon = _first_accepted(draw, count, refusal).T

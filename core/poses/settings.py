@@ -144,7 +144,7 @@ class LineFlight(Part):
     every_m: float | None = declared(
         None,
         title="distance interval",
-        help="way flown from one exposure to the next",
+        help="distance flown from one exposure to the next",
         unit="m",
         option="every_m",
         above=0.0,
@@ -227,7 +227,7 @@ class Orbit(Part):
     highest_m: float | None = declared(
         None,
         title="highest height",
-        help="height above ground of the highest circle; left out, there is one",
+        help="height above ground of the highest circle; left out, there is only one circle",
         label="&Highest height",
         unit="m",
         above=0.0,
@@ -236,23 +236,23 @@ class Orbit(Part):
     circles: int = declared(
         1,
         title="circles",
-        help="circles from the lowest height to the highest, as far from each other",
+        help="number of circles, evenly spaced from the lowest height to the highest",
         label="&Circles",
         least=1,
         most=1000,
     )
     images: int = declared(
         36,
-        title="images a circle",
-        help="images of each circle",
-        label="&Images a circle",
+        title="images per circle",
+        help="number of images on each circle",
+        label="&Images per circle",
         least=1,
         most=36_000,
     )
     target_m: float = declared(
         0.0,
         title="height of the target",
-        help="height above ground, at the centre, of what the middle of the images shows",
+        help="height above ground, at the centre, that the camera looks at",
         label="Height of the &target",
         unit="m",
         least=0.0,
@@ -300,7 +300,7 @@ class Scan(Part):
     highest_m: float | None = declared(
         None,
         title="highest height",
-        help="height above ground of the highest flight; left out, there is one",
+        help="height above ground of the highest flight; left out, there is only one flight",
         label="&Highest height",
         unit="m",
         above=0.0,

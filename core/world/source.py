@@ -54,7 +54,7 @@ def _chart(crs: str) -> str:
             crs,
             ", ".join((WebMercator.crs, *_POLES)),
             field="crs",
-            remedy="choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or none elsewhere",
+            remedy="choose EPSG:3413 around the North Pole, EPSG:3031 around the South Pole, or none elsewhere",
         )
     return code
 

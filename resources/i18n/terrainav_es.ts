@@ -45,7 +45,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
-        <source>Go on drawing; Backspace takes the last corner back.</source>
+        <source>Go on drawing; Backspace removes the last corner.</source>
         <translation>Siga dibujando; Retroceso quita el último vértice.</translation>
     </message>
     <message>
@@ -85,8 +85,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
-        <source>The area is as it was.</source>
-        <translation>El área queda como estaba.</translation>
+        <source>The area is unchanged.</source>
+        <translation>El área no ha cambiado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -187,7 +187,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>the clipboard holds no text; copy coordinates first</source>
-        <translation>el portapapeles no contiene texto; copiar antes unas coordenadas</translation>
+        <translation>el portapapeles no contiene texto; copie antes unas coordenadas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
@@ -293,13 +293,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Corners become turns of a radius of {radius} m.</source>
+        <source>Corners become turns with a radius of {radius} m.</source>
         <translation>Los vértices se convierten en virajes de {radius} m de radio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no zone is stated; empty: the mission's start and airspeed tell. Images are in the order of times.</source>
-        <translation>Fechas con su hora, texto como 2024-06-21T10:30:00Z, o segundos desde 1970; en UTC donde no se indica la zona. Vacío: lo dicen el inicio y la velocidad aérea de la misión. Las imágenes siguen el orden de las horas.</translation>
+        <source>Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no zone is stated; empty: they follow from the mission's start and airspeed. Images are in the order of times.</source>
+        <translation>Fechas con su hora, texto como 2024-06-21T10:30:00Z, o segundos desde 1970; en UTC si no se indica la zona. Vacío: resultan del inicio y de la velocidad aérea de la misión. Las imágenes siguen el orden de las horas.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -468,8 +468,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
-        <source>Time, or way flown</source>
-        <translation>Tiempo, o camino volado</translation>
+        <source>Time, or distance flown</source>
+        <translation>Tiempo, o distancia volada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
@@ -599,8 +599,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace takes the last corner back, Esc gives up</source>
-        <translation>Dibujar un polígono: haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina, Retroceso quita el último vértice y Esc abandona</translation>
+        <source>Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace removes the last corner, Esc cancels</source>
+        <translation>Dibujar un polígono: haga clic en cada vértice en el mapa; un doble clic, un clic derecho o Intro termina, Retroceso quita el último vértice y Esc cancela</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>Draw polygon</source>
+        <translation>Trazar polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -644,15 +649,9 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
-        <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>Polygon</source>
-        <translation>Polígono</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Press, drag and release on the map</source>
-        <translation>Pulsar, arrastrar y soltar en el mapa</translation>
+        <translation>Pulse, arrastre y suelte en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -697,7 +696,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Western edge: longitude in degrees; greater than the eastern one across the antimeridian</source>
-        <translation>Borde occidental: longitud en grados; mayor que la oriental a través del antimeridiano</translation>
+        <translation>Borde occidental: longitud en grados; mayor que la del borde oriental si el recuadro cruza el antimeridiano</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -762,7 +761,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>layer “{name}” has no CRS: set it in the layer's properties</source>
-        <translation>la capa «{name}» no tiene SRC: definirlo en las propiedades de la capa</translation>
+        <translation>la capa «{name}» no tiene SRC: defínalo en las propiedades de la capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -772,12 +771,12 @@
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>no lines to fly: select some, or use all lines of the layer</source>
-        <translation>no hay ninguna línea que volar: seleccionar algunas, o tomar todas las de la capa</translation>
+        <translation>no hay ninguna línea que volar: seleccione algunas, o tome todas las de la capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>no points to use: select some, or use all points of the layer</source>
-        <translation>no hay ningún punto que tomar: seleccionar algunos, o tomar todos los de la capa</translation>
+        <translation>no hay ningún punto que tomar: seleccione algunos, o tome todos los de la capa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -802,42 +801,42 @@
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has an edge through a pole or across the edge of its map: cut it</source>
-        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: cortarlo</translation>
+        <translation>{feature} tiene un lado que pasa por un polo o cruza el borde de su mapa: córtelo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has no geometry: give it a line, or leave it out</source>
-        <translation>{feature} no tiene geometría: darle una línea u omitirla</translation>
+        <translation>{feature} no tiene geometría: dele una línea u omítala</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has no geometry: give it a point, or leave it out</source>
-        <translation>{feature} no tiene geometría: darle un punto u omitirlo</translation>
+        <translation>{feature} no tiene geometría: dele un punto u omitirlo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} has no geometry: select one that has</source>
-        <translation>{feature} no tiene geometría: seleccionar uno que la tenga</translation>
+        <translation>{feature} no tiene geometría: seleccione uno que la tenga</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} is no line: take a layer of lines</source>
-        <translation>{feature} no es una línea: tomar una capa de líneas</translation>
+        <translation>{feature} no es una línea: tome una capa de líneas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} is no point: take a layer of points</source>
-        <translation>{feature} no es un punto: tomar una capa de puntos</translation>
+        <translation>{feature} no es un punto: tome una capa de puntos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} is no polygon: select one that is</source>
-        <translation>{feature} no es un polígono: seleccionar uno que lo sea</translation>
+        <translation>{feature} no es un polígono: seleccione uno que lo sea</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)</source>
-        <translation>{feature} no es un polígono válido, {what}: repararlo antes (Procesos: Corregir geometrías)</translation>
+        <translation>{feature} no es un polígono válido, {what}: repárelo antes (Procesos: Corregir geometrías)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -912,8 +911,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>A line flown at a speed, with an image each so many seconds or metres</source>
-        <translation>Una línea volada a una velocidad, con una imagen cada tantos segundos o metros</translation>
+        <source>A line flown at a speed, with images at intervals of time or distance</source>
+        <translation>Una línea volada a una velocidad, con imágenes a intervalos de tiempo o de distancia</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -944,7 +943,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <source>Click a point on the map: the mission is one image, straight above it</source>
-        <translation>Pulsar un punto del mapa: la misión es una sola imagen, en su vertical</translation>
+        <translation>Haga clic en un punto del mapa: la misión es una sola imagen, en su vertical</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -1031,8 +1030,8 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
-        <source>Other ways to an area: the map, a layer, a file, the clipboard, a click</source>
-        <translation>Otras formas de obtener un área: el mapa, una capa, un archivo, el portapapeles, una pulsación</translation>
+        <source>Other ways to set the area: the map, a layer, a file, the clipboard, a click</source>
+        <translation>Otras formas de definir el área: el mapa, una capa, un archivo, el portapapeles, un clic</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
@@ -1129,7 +1128,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
         <source>&amp;Height above ground, from and to</source>
-        <translation>&amp;Altura sobre el suelo, desde y hasta</translation>
+        <translation>&amp;Altura sobre el terreno, desde y hasta</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -1178,13 +1177,13 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Greatest tilt; the least is 0</source>
-        <translation>Inclinación máxima; la mínima es 0</translation>
+        <source>Its only feature will be used.</source>
+        <translation>Se usará su único objeto.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Its only feature will be used.</source>
-        <translation>Se usará su único objeto.</translation>
+        <source>Maximum tilt; the minimum is 0</source>
+        <translation>Inclinación máxima; la mínima es 0</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -1203,7 +1202,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
-        <source>Places evenly inside the area, in any direction, at heights and tilts evenly between two values.</source>
+        <source>Places spread evenly over the area, in any direction, with heights and tilts spread evenly between two values.</source>
         <translation>Lugares repartidos por igual en el área, en cualquier dirección, con alturas e inclinaciones repartidas por igual entre dos valores.</translation>
     </message>
     <message>
@@ -1229,7 +1228,7 @@
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
         <source>no area to draw poses in: draw a box or a polygon first</source>
-        <translation>no hay un área para las poses: dibuje antes un rectángulo o un polígono</translation>
+        <translation>no hay un área para las poses: dibuje antes un recuadro o un polígono</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -1324,7 +1323,7 @@
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>Its project is closed: open the dataset by “Missions” to see it.</source>
-        <translation>Su proyecto está cerrado: abrir el conjunto de datos con «Misiones» para verlo.</translation>
+        <translation>Su proyecto está cerrado: abra el conjunto de datos con «Misiones» para verlo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -1410,7 +1409,7 @@
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
         <source>no folder: choose where to save the images</source>
-        <translation>no hay carpeta: elegir dónde guardar las imágenes</translation>
+        <translation>no hay carpeta: elija dónde guardar las imágenes</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/questions.py"/>
@@ -1561,7 +1560,7 @@
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
         <source>API key: choose a configuration, or press “+” and enter it as password</source>
-        <translation>Clave API: elegir una configuración, o pulsar «+» e introducirla como contraseña</translation>
+        <translation>Clave API: elija una configuración, o pulse «+» e introdúzcala como contraseña</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
@@ -1571,7 +1570,7 @@
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
         <source>QGIS's authentication database is locked: press Capture again and enter its master password</source>
-        <translation>La base de datos de autenticación de QGIS está bloqueada: pulsar Capturar de nuevo e introducir su contraseña maestra</translation>
+        <translation>La base de datos de autenticación de QGIS está bloqueada: pulse Capturar de nuevo e introduzca su contraseña maestra</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
@@ -1581,12 +1580,12 @@
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
         <source>authentication configuration {id} holds no key: choose a Basic one with the key as password</source>
-        <translation>la configuración de autenticación {id} no contiene ninguna clave: elegir una de autenticación básica con la clave como contraseña</translation>
+        <translation>la configuración de autenticación {id} no contiene ninguna clave: elija una de autenticación básica con la clave como contraseña</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
         <source>authentication configuration {id} is not there (any more): choose another</source>
-        <translation>la configuración de autenticación {id} no existe (o ya no existe): elegir otra</translation>
+        <translation>la configuración de autenticación {id} no existe (o ya no existe): elija otra</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
@@ -2147,7 +2146,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>{name}
 {bits} bits; press to show it on the map</source>
         <translation>{name}
-{bits} bits; pulsar para verla en el mapa</translation>
+{bits} bits; pulse para verla en el mapa</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/cleaning.py"/>
@@ -2555,6 +2554,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>Polygon</source>
+        <translation>Polígono</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>Single capture</source>
         <translation>Captura única</translation>
     </message>
@@ -2576,7 +2580,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>give every point a yaw, or none</source>
-        <translation>dar una guiñada a cada punto, o a ninguno</translation>
+        <translation>dé una guiñada a cada punto, o a ninguno</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -2606,7 +2610,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>time</source>
-        <translation>tiempo</translation>
+        <translation>hora</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -2651,8 +2655,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>first to last capture</source>
+        <translation>de la primera captura a la última</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>from the take-off point</source>
+        <translation>desde el punto de despegue</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>ground at {height}</source>
         <translation>terreno a {height}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>lead-in {length}</source>
+        <translation>tramo de entrada de {length}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
@@ -2687,6 +2706,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>sorties of {minutes} min</source>
+        <translation>salidas de {minutes} min</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>straight down</source>
         <translation>en vertical</translation>
     </message>
@@ -2694,6 +2718,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>tilt {angle}</source>
         <translation>inclinación {angle}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/headings.py"/>
+        <source>turnaround {length}</source>
+        <translation>prolongación de {length}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
@@ -2798,7 +2827,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
         <source>“Maximum number of images” of the algorithm “Plan a mission”, or max_images in the mission's file</source>
-        <translation>“Número máximo de imágenes” del algoritmo “Planificar una misión”, o max_images en el archivo de la misión</translation>
+        <translation>«Número máximo de imágenes» del algoritmo «Planificar una misión», o max_images en el archivo de la misión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
@@ -2813,7 +2842,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place cannot be shown in the project's CRS {crs}; choose another CRS</source>
-        <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elegir otro SRC</translation>
+        <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elija otro SRC</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
@@ -2844,8 +2873,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>&amp;Clean dataset…</source>
-        <translation>&amp;Limpiar conjunto de datos…</translation>
+        <source>&amp;Dataset…</source>
+        <translation>Con&amp;junto de datos…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -2875,7 +2904,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture the images of the panel's mission that failed earlier</source>
-        <translation>De la misión del panel: las que no se pudieron hacer antes</translation>
+        <translation>Capturar las imágenes de la misión del panel que fallaron antes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Clean, split, export and look at the dataset of the panel's mission</source>
+        <translation>Limpiar, dividir, exportar y ver el conjunto de datos de la misión del panel</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -2930,11 +2964,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
-        <source>Reject low-detail images of the panel's mission</source>
-        <translation>Rechazar las imágenes con poco detalle de la misión del panel</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>TerrAInav: open dataset</source>
         <translation>TerrAInav: abrir conjunto de datos</translation>
     </message>
@@ -2956,7 +2985,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder</source>
-        <translation>carpeta {folder}: no tiene {name}, así que no es el conjunto de datos de una captura; elegir su carpeta</translation>
+        <translation>carpeta {folder}: no tiene {name}, así que no es el conjunto de datos de una captura; elija su carpeta</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3046,12 +3075,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
         <source>{name} is still being written; try again when it is there.</source>
-        <translation>{name} todavía se está escribiendo; intentarlo de nuevo cuando esté.</translation>
+        <translation>{name} todavía se está escribiendo; inténtelo de nuevo cuando esté.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/alignment.py"/>
+        <source>Aligning the rows</source>
+        <translation>Alineando las pasadas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/alignment.py"/>
         <source>The entries changed while the rows were being aligned: press the button again.</source>
-        <translation>Las entradas han cambiado mientras se alineaban las pasadas: pulsar el botón de nuevo.</translation>
+        <translation>Las entradas han cambiado mientras se alineaban las pasadas: pulse el botón de nuevo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/alignment.py"/>
@@ -3178,7 +3212,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>These values are not a valid camera: fix the highlighted fields, then save.</source>
-        <translation>Estos valores no forman una cámara válida: corregir los campos resaltados y guardar después.</translation>
+        <translation>Estos valores no forman una cámara válida: corrija los campos resaltados y guarde después.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -3193,7 +3227,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Width to height of the image, such as 4:3, 4000x3000 or 1.333</source>
-        <translation>Anchura entre altura de la imagen, como 4:3, 4000x3000 o 1.333</translation>
+        <translation>Anchura entre altura de la imagen, como 4:3, 4000x3000 o 1,333</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -3208,7 +3242,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
         <source>A service with several layers: choose it, then a layer. The layer is saved with your own sources.</source>
-        <translation>Un servicio de muchas capas: elegirlo y después una de ellas, que se guarda con las fuentes propias.</translation>
+        <translation>Un servicio con varias capas: elíjalo y después elija una capa, que se guarda con sus propias fuentes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -3303,12 +3337,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Click a point on the map and capture one image there</source>
-        <translation>Pulsar un punto del mapa y capturar allí una imagen</translation>
+        <translation>Haga clic en un punto del mapa y capture allí una imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Drag to give the entries or the estimates more room; double-click to reset</source>
-        <translation>Arrastrar para dar más espacio a los campos o a la estimación; doble clic para restablecer</translation>
+        <translation>Arrastre para dar más espacio a los campos o a la estimación; doble clic para restablecer</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
@@ -3360,7 +3394,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/dock.py"/>
         <source>Write the plan as a file for drones, ground stations and other programs</source>
-        <translation>Guarda el plan en un archivo para drones, estaciones de tierra y otros programas</translation>
+        <translation>Guardar el plan en un archivo para drones, estaciones de tierra y otros programas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
@@ -3485,7 +3519,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>Fix the highlighted fields.</source>
-        <translation>Corregir los campos resaltados.</translation>
+        <translation>Corrija los campos resaltados.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3642,12 +3676,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{count} requests, but the provider allows {most}: choose a smaller area, a coarser GSD or another source</source>
-        <translation>{count} peticiones, pero el proveedor permite {most}: elegir un área menor, una GSD mayor u otra fuente</translation>
+        <translation>{count} peticiones, pero el proveedor permite {most}: elija un área menor, una GSD mayor u otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{count} requests. Over {most} requests require accepting the terms: Capture asks you to.</source>
-        <translation>{count} peticiones. Más de {most} peticiones exigen aceptar las condiciones: Capturar lo pregunta.</translation>
+        <translation>{count} peticiones. Más de {most} peticiones exigen aceptar las condiciones: Capturar se lo pedirá.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3702,7 +3736,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>{text}; relief hides about {share} %</source>
-        <translation>{text}; el relieve oculta cerca del {share} %</translation>
+        <translation>{text}; el relieve oculta alrededor del {share} %</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3865,7 +3899,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>Where the images come from; type a part of its name to find it</source>
-        <translation>De dónde vienen las imágenes; teclear parte de su nombre para encontrarla</translation>
+        <translation>De dónde vienen las imágenes; teclee parte de su nombre para encontrarla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -3955,12 +3989,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Keys are stored encrypted in QGIS's authentication database, each as the password of a Basic configuration. TerrAInav saves only the configuration's id; no project, mission or layer contains a key.</source>
-        <translation>Una clave es la contraseña de una configuración de autenticación básica en la base de datos de autenticación de QGIS, que está cifrada. Aquí solo se guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/options_page.py"/>
-        <source>Look at it or clear it…</source>
-        <translation>Ver o vaciar…</translation>
+        <translation>Las claves se guardan cifradas en la base de datos de autenticación de QGIS, cada una como contraseña de una configuración básica. TerrAInav solo guarda el identificador de la configuración; ningún proyecto, misión o capa contiene una clave.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -4008,7 +4037,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Size limit of the cache in MB; beyond it, the least recently used tiles are deleted</source>
-        <translation>Al superarlo se borran las teselas usadas hace más tiempo, en MB</translation>
+        <translation>Límite de tamaño de la caché en MB; al superarlo se borran las teselas usadas hace más tiempo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -4023,12 +4052,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Tiles that providers allow to be stored; they are not requested again</source>
-        <translation>Teselas que los proveedores dejan guardar: lo que está en ella no se vuelve a pedir</translation>
+        <translation>Teselas que los proveedores permiten guardar; no se vuelven a pedir</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>Unit of heights above ground: m or ft</source>
         <translation>Unidad de las alturas sobre el terreno: m o ft</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/options_page.py"/>
+        <source>View or clear…</source>
+        <translation>Ver o vaciar…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -4049,17 +4083,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>{folder}: cannot be written to; choose another</source>
-        <translation>{folder}: no se puede escribir en ella; elegir otra</translation>
+        <translation>{folder}: no se puede escribir en ella; elija otra</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>{folder}: must be an absolute path, such as {example}</source>
-        <translation>{folder}: debe ser una ruta completa, como {example}</translation>
+        <translation>{folder}: debe ser una ruta absoluta, como {example}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
         <source>{folder}: {file} is a file; choose a folder</source>
-        <translation>{folder}: {file} es un archivo; elegir una carpeta</translation>
+        <translation>{folder}: {file} es un archivo; elija una carpeta</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/options_page.py"/>
@@ -4074,7 +4108,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>The entries changed while the plan was being computed: press the button again.</source>
-        <translation>Las entradas han cambiado antes de que estuviera su plan: pulsar el botón de nuevo.</translation>
+        <translation>Las entradas han cambiado mientras se calculaba el plan: pulse el botón de nuevo.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
@@ -4089,7 +4123,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>no area yet; draw a box or enter coordinates</source>
-        <translation>aún no hay área; dibujar un recuadro o introducir coordenadas</translation>
+        <translation>aún no hay área; dibuje un recuadro o introduzca coordenadas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
@@ -4129,6 +4163,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
+        <source>Open in the Dataset window, which cleans, splits, exports and shows it</source>
+        <translation>Abrir en la ventana Conjunto de datos, que lo limpia, divide, exporta y muestra</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Open the folder of the images</source>
         <translation>Abrir la carpeta de las imágenes</translation>
     </message>
@@ -4136,11 +4175,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/runs.py"/>
         <source>Pause this capture</source>
         <translation>Pausar esta captura</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/runs.py"/>
-        <source>Reject low-detail images of this dataset</source>
-        <translation>Rechazar las imágenes con poco detalle de este conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/runs.py"/>
@@ -4231,7 +4265,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Gusts move and turn the camera at every exposure; images show what the moved camera sees</source>
-        <translation>Las ráfagas mueven y giran la cámara en cada exposición: las imágenes son entonces como las ve realmente la cámara</translation>
+        <translation>Las ráfagas mueven y giran la cámara en cada exposición; las imágenes muestran lo que ve la cámara desplazada</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4272,7 +4306,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Settings in the mission file that the panel cannot show</source>
-        <translation>Ajustes del archivo de la misión para los que este panel no tiene campos</translation>
+        <translation>Ajustes del archivo de la misión que el panel no puede mostrar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4302,7 +4336,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>With {px} px along the image's longer side, this means flying {height} above ground. To fly higher, increase “Image's longer side” under Camera.</source>
-        <translation>Con {px} px en el lado mayor de la imagen, esto significa volar a {height} sobre el terreno. Para volar más alto, aumentar “Lado mayor de la imagen” en Cámara.</translation>
+        <translation>Con {px} px en el lado mayor de la imagen, esto significa volar a {height} sobre el terreno. Para volar más alto, aumente «Lado mayor de la imagen» en Cámara.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
@@ -4459,7 +4493,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Default value of {date} in the address</source>
-        <translation>Lo que representa {date} en la dirección cuando no se pide ninguna fecha</translation>
+        <translation>Valor predeterminado de {date} en la dirección</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -4499,7 +4533,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Leave it ticked only where the provider's terms allow storing</source>
-        <translation>Dejarlo marcado solo si las condiciones del proveedor permiten almacenarlas</translation>
+        <translation>Déjelo marcado solo si las condiciones del proveedor permiten almacenarlas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -4519,7 +4553,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Names it in missions and on the command line: lower-case letters and digits</source>
-        <translation>La identifica en las misiones y en la línea de órdenes: minúsculas y cifras</translation>
+        <translation>La identifica en las misiones y en la línea de órdenes: letras minúsculas y cifras</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -4596,7 +4630,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>What you call it</source>
-        <translation>Cómo se la quiere llamar</translation>
+        <translation>Cómo quiere llamarla</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
@@ -4646,7 +4680,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>“{name}” is taken; choose another name</source>
-        <translation>«{name}» ya está en uso; elegir otro nombre</translation>
+        <translation>«{name}» ya está en uso; elija otro nombre</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/source_list.py"/>
@@ -5058,7 +5092,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>One a line, beside the rasters: {form} If neither is given, that of the mission.</source>
+        <source>One per line, beside the rasters: {form} If neither is given, that of the mission.</source>
         <translation>Uno por línea, además de los ráster: {form} Si no se indica nada, las imágenes de la misión.</translation>
     </message>
     <message>
@@ -5368,7 +5402,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
-        <source>One raster a map type, of the images that are there; turned and tilted ones are orthorectified.</source>
+        <source>One raster for each map type, of the images that are there; turned and tilted ones are orthorectified.</source>
         <translation>Un ráster por tipo de mapa, con las imágenes que hay; las giradas e inclinadas se ortorrectifican.</translation>
     </message>
     <message>
@@ -5379,7 +5413,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
         <source>Stopped: what is finished is kept; run it again to go on.</source>
-        <translation>Detenido: lo terminado se conserva; ejecutarlo de nuevo para continuar.</translation>
+        <translation>Detenido: lo terminado se conserva; ejecútelo de nuevo para continuar.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/capture.py"/>
@@ -5703,7 +5737,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon. auto takes blocks where images overlap, and shuffles else.</source>
+        <source>shuffled follows a hash of the seed and the image's name, the same on every computer; in-order follows the table; blocks divides the ground, so that none is in images of two parts: images in between are marked “gap”, as are those that see the horizon. auto takes blocks where images overlap, and shuffles otherwise.</source>
         <translation>shuffled sigue un hash de la semilla y del nombre de la imagen, el mismo en cualquier ordenador; in-order sigue la tabla; blocks divide el terreno, de modo que ninguno está en imágenes de dos partes: las imágenes intermedias se marcan «gap», igual que las que ven el horizonte. auto toma blocks donde las imágenes se solapan, y si no shuffled.</translation>
     </message>
     <message>
@@ -5758,8 +5792,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/line.py"/>
-        <source>Flies lines at a speed, one after the other, and gives a point each so many seconds or metres. Corners become turns whose radius follows from the speed and the bank; between short legs they are tighter, and flown slower.</source>
-        <translation>Vuela líneas a una velocidad, una tras otra, y da un punto cada tantos segundos o metros. Los vértices se convierten en virajes cuyo radio resulta de la velocidad y de la inclinación lateral; entre tramos cortos son más cerrados y se vuelan más despacio.</translation>
+        <source>Flies lines at a speed, one after the other, and gives points at intervals of time or distance. Corners become turns whose radius follows from the speed and the bank; between short legs they are tighter, and flown slower.</source>
+        <translation>Vuela líneas a una velocidad, una tras otra, y da puntos a intervalos de tiempo o de distancia. Los vértices se convierten en virajes cuyo radio resulta de la velocidad y de la inclinación lateral; entre tramos cortos son más cerrados y se vuelan más despacio.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/line.py"/>
@@ -6204,12 +6238,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
         <source>QGIS connection “{name}” holds a user name and password in plain text: give it an authentication configuration in QGIS's Browser panel</source>
-        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: darle una configuración de autenticación en el panel Navegador de QGIS</translation>
+        <translation>La conexión de QGIS «{name}» contiene usuario y contraseña en texto sin cifrar: dele una configuración de autenticación en el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
         <source>QGIS connection “{name}” holds keys in its address ({keys}), which would end up in files: take them out of it, and give it an authentication configuration in QGIS's Browser panel</source>
-        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quitarlas de ella y darle una configuración de autenticación en el panel Navegador de QGIS</translation>
+        <translation>La conexión de QGIS «{name}» contiene claves en su dirección ({keys}), que acabarían en archivos: quítelas de ella y dele una configuración de autenticación en el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
@@ -6219,7 +6253,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/qgis_source/connections.py"/>
         <source>source {name}: QGIS has no such XYZ connection (any more); choose another source</source>
-        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elegir otra fuente</translation>
+        <translation>fuente {name}: QGIS no tiene (o ya no tiene) tal conexión XYZ; elija otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
@@ -6234,27 +6268,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>layer {name}: its place on the globe is not known; set its CRS</source>
-        <translation>capa {name}: no se conoce su lugar en el globo; definir su SRC</translation>
+        <translation>capa {name}: no se conoce su lugar en el globo; defina su SRC</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>layer {name}: shows nothing; repair its data source</source>
-        <translation>capa {name}: no muestra nada; reparar su fuente de datos</translation>
+        <translation>capa {name}: no muestra nada; repare su fuente de datos</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>source {name}: the project has no such layer (any more); choose another source</source>
-        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elegir otra fuente</translation>
+        <translation>fuente {name}: el proyecto no tiene (o ya no tiene) tal capa; elija otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>the map shows no layer: tick one in the Layers panel</source>
-        <translation>el mapa no muestra ninguna capa: marcar una en el panel Capas</translation>
+        <translation>el mapa no muestra ninguna capa: marque una en el panel Capas</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/qgis_source/tiles.py"/>
         <source>layer {name}: its service has tiles of {size} px; choose a layer with tiles of 256, 512 or 1024 px</source>
-        <translation>capa {name}: su servicio tiene teselas de {size} px; elegir una capa con teselas de 256, 512 o 1024 px</translation>
+        <translation>capa {name}: su servicio tiene teselas de {size} px; elija una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/compare.py"/>
@@ -6549,7 +6583,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/results/viewing.py"/>
         <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
-        <translation>Aún no hay imágenes capturadas en el mapa: capturar una misión, o abrir un conjunto de datos con «Misiones».</translation>
+        <translation>Aún no hay imágenes capturadas en el mapa: capture una misión, o abra un conjunto de datos con «Misiones».</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
@@ -6599,22 +6633,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{host} needs a key, which would be written into the project file: show another source</source>
-        <translation>{host} necesita una clave, que se escribiría en el archivo del proyecto: mostrar otra fuente</translation>
+        <translation>{host} necesita una clave, que se escribiría en el archivo del proyecto: muestre otra fuente</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} has no tiles to show as a background; show another source and come back</source>
-        <translation>{title} no tiene teselas que mostrar como fondo; mostrar otra fuente y volver</translation>
+        <translation>{title} no tiene teselas que mostrar como fondo; muestre otra fuente y vuelva</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} has tiles in {crs}, which are no background: add its layer with QGIS's Browser panel</source>
-        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añadir su capa con el Navegador de QGIS</translation>
+        <translation>{title} tiene teselas en {crs}, que no sirven de fondo: añada su capa con el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
         <source>{title} numbers its zooms differently from QGIS: add its layer with QGIS's Browser panel</source>
-        <translation>{title} nombra sus zooms de otro modo que QGIS: añadir su capa con el Navegador de QGIS</translation>
+        <translation>{title} numera sus zooms de otro modo que QGIS: añada su capa con el panel Navegador de QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/sources.py"/>
@@ -6843,7 +6877,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/runner.py"/>
         <location filename="../../core/files.py"/>
         <source>choose another folder</source>
-        <translation>elegir otra carpeta</translation>
+        <translation>elija otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
@@ -6880,7 +6914,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/making.py"/>
         <location filename="../../core/capture/folder.py"/>
         <source>resume it{0} or choose another folder</source>
-        <translation>continuarla{0} o elegir otra carpeta</translation>
+        <translation>continúela{0} o elija otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/metrics.py"/>
@@ -7011,13 +7045,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/capture/folder.py"/>
         <source>capture it first</source>
-        <translation>capturarla primero</translation>
+        <translation>captúrela primero</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>close what shows it</source>
-        <translation>cerrar lo que lo muestra</translation>
+        <translation>cierre lo que lo muestra</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
@@ -7058,7 +7092,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/georeference.py"/>
-        <source>image of {0} x {1} px: needs a pixel at least</source>
+        <source>image of {0} x {1} px: needs at least one pixel</source>
         <translation>imagen de {0} x {1} px: necesita al menos un píxel</translation>
     </message>
     <message>
@@ -7119,7 +7153,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/capture/runner.py"/>
         <source>plan is for another pixel grid than that of {0}: plan with the source's own</source>
-        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planificar con la de la fuente</translation>
+        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planifique con la de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -7149,7 +7183,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/config.py"/>
         <source>mend it, or move it away</source>
-        <translation>corregirlo o apartarlo</translation>
+        <translation>corríjalo o apártelo</translation>
     </message>
     <message>
         <location filename="../../core/config.py"/>
@@ -7194,7 +7228,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/clean.py"/>
         <source>stopped while files were moved: run it again to finish, or undo to put all back</source>
-        <translation>detenido mientras se movían archivos: ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+        <translation>detenido mientras se movían archivos: ejecútelo de nuevo para terminar, o deshaga para devolverlo todo a su sitio</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -7214,7 +7248,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <source>finish the capture{0}, or remove what does not belong to it</source>
-        <translation>terminar la captura{0} o quitar lo que no le pertenece</translation>
+        <translation>termine la captura{0} o quite lo que no le pertenece</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -7312,22 +7346,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <source>move it away</source>
-        <translation>apartarlo</translation>
+        <translation>apártelo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <source>put it back, or capture again{0}</source>
-        <translation>devolverla a su sitio o capturar de nuevo{0}</translation>
+        <translation>devuélvala a su sitio o capture de nuevo{0}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <source>put it back, or capture it again{0}</source>
-        <translation>devolverla a su sitio o capturarla de nuevo{0}</translation>
+        <translation>devuélvala a su sitio o captúrela de nuevo{0}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <source>put them back, or capture again{0}</source>
-        <translation>devolverlas a su sitio o capturar de nuevo{0}</translation>
+        <translation>devuélvalas a su sitio o capture de nuevo{0}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -7337,7 +7371,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <source>run it again to finish, or undo to put all back</source>
-        <translation>ejecutarlo de nuevo para terminar, o deshacer para devolverlo todo a su sitio</translation>
+        <translation>ejecútelo de nuevo para terminar, o deshaga para devolverlo todo a su sitio</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -7392,12 +7426,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/folder.py"/>
         <source>give that one</source>
-        <translation>dar ese</translation>
+        <translation>dé ese</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
         <source>give the folder of a capture</source>
-        <translation>dar la carpeta de una captura</translation>
+        <translation>dé la carpeta de una captura</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
@@ -7672,12 +7706,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/table.py"/>
         <source>rename or remove all but one</source>
-        <translation>renombrar o quitar todas menos una</translation>
+        <translation>renombre o quite todas menos una</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
         <source>repair the table, or remove it to have it written anew</source>
-        <translation>reparar la tabla, o quitarla para que se escriba de nuevo</translation>
+        <translation>repare la tabla, o quítela para que se escriba de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -7736,14 +7770,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/datum.py"/>
-        <source>install it, as by projsync, or take the ellipsoid and say how far heights are off it ({0})</source>
-        <translation>instálela, p. ej. con projsync, o tome el elipsoide e indique cuánto se apartan las alturas de él ({0})</translation>
+        <source>install it, for example with projsync, or take the ellipsoid and say how far heights are off it ({0})</source>
+        <translation>instálela, por ejemplo con projsync, o tome el elipsoide e indique cuánto se apartan las alturas de él ({0})</translation>
     </message>
     <message>
         <location filename="../../core/elevation/datum.py"/>
         <location filename="../../core/imagery/entry.py"/>
         <source>say which{0}</source>
-        <translation>indicar cuál{0}</translation>
+        <translation>indique cuál{0}</translation>
     </message>
     <message>
         <location filename="../../core/elevation/datum.py"/>
@@ -7782,8 +7816,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
-        <source>say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata</source>
-        <translation>dígalo en el archivo donde el valor signifique que no hay datos, p. ej. con gdal_edit.py -a_nodata</translation>
+        <source>say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata</source>
+        <translation>dígalo en el archivo si el valor significa que no hay datos, por ejemplo con gdal_edit.py -a_nodata</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -7798,7 +7832,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/exports/croissant.py"/>
         <source>give the dataset's own</source>
-        <translation>indicar la del propio conjunto de datos</translation>
+        <translation>indique la del propio conjunto de datos</translation>
     </message>
     <message>
         <location filename="../../core/exports/formats.py"/>
@@ -8008,7 +8042,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/files.py"/>
         <source>wait until it has ended or choose another folder</source>
-        <translation>esperar a que termine o elegir otra carpeta</translation>
+        <translation>espere a que termine o elija otra carpeta</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/accuracy.py"/>
@@ -8038,23 +8072,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/footprint.py"/>
         <source>tilt it down</source>
-        <translation>inclinarla hacia abajo</translation>
+        <translation>inclínela hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>choose an area that the source shows</source>
-        <translation>elegir un área que la fuente muestre</translation>
+        <translation>elija un área que la fuente muestre</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
         <source>fly lower or farther from the pole</source>
-        <translation>volar más bajo o más lejos del polo</translation>
+        <translation>vuele más bajo o más lejos del polo</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
         <source>fly lower or narrow the field of view</source>
-        <translation>volar más bajo o estrechar el campo de visión</translation>
+        <translation>vuele más bajo o estreche el campo de visión</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/frames.py"/>
@@ -8079,7 +8113,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>choose a less extreme field of view or aspect ratio</source>
-        <translation>elegir un campo de visión o una relación de aspecto menos extremos</translation>
+        <translation>elija un campo de visión o una relación de aspecto menos extremos</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -8104,7 +8138,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/lens.py"/>
         <source>give the part of the sensor that the image shows</source>
-        <translation>dar la parte del sensor que muestra la imagen</translation>
+        <translation>dé la parte del sensor que muestra la imagen</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/lens.py"/>
@@ -8144,13 +8178,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>leave room between them, or keep less distance</source>
-        <translation>dejar espacio entre ellas, o guardar menos distancia</translation>
+        <translation>deje espacio entre ellas, o guarde menos distancia</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
         <location filename="../../core/mission/flight/path.py"/>
         <source>move it outside</source>
-        <translation>moverlo fuera</translation>
+        <translation>muévalo fuera</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
@@ -8211,12 +8245,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/catalogue.py"/>
         <location filename="../../core/mission/cameras.py"/>
         <source>choose another</source>
-        <translation>elegir otro</translation>
+        <translation>elija otro</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
         <source>choose another, or `terrainav sources remove` it</source>
-        <translation>elegir otro, o eliminarla con `terrainav sources remove`</translation>
+        <translation>elija otro, o elimínela con `terrainav sources remove`</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -8281,8 +8315,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
-        <source>JPEG broken off</source>
-        <translation>JPEG interrumpido</translation>
+        <source>JPEG cut off</source>
+        <translation>JPEG incompleto</translation>
     </message>
     <message>
         <location filename="../../core/imagery/decode.py"/>
@@ -8529,7 +8563,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/http/client.py"/>
         <source>ask for less at a time, or resume later</source>
-        <translation>pedir menos de una vez, o continuar más tarde</translation>
+        <translation>pida menos de una vez, o continúe más tarde</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
@@ -8546,12 +8580,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
-        <source>redirect to something else than http or https</source>
-        <translation>redirección a algo distinto de http o https</translation>
+        <source>redirect to an address that is neither http nor https</source>
+        <translation>redirección a una dirección que no es http ni https</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
-        <source>redirect to something that is no URL</source>
+        <source>redirect to something that is not a URL</source>
         <translation>redirección a algo que no es una URL</translation>
     </message>
     <message>
@@ -8566,19 +8600,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
-        <source>{0}: not asked for, as the last {1} parts had no answer in time</source>
-        <translation>{0}: no se pidió, porque las últimas {1} partes no tuvieron respuesta a tiempo</translation>
+        <source>{0}: not requested, as the last {1} requests had no answer in time</source>
+        <translation>{0}: no se ha pedido, porque las últimas {1} peticiones no tuvieron respuesta a tiempo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/client.py"/>
         <source>{0}: {1}; it asks to come back in {2:.0f} s: resume then</source>
-        <translation>{0}: {1}; pide volver dentro de {2:.0f} s: continuar entonces</translation>
+        <translation>{0}: {1}; pide volver dentro de {2:.0f} s: continúe entonces</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
         <location filename="../../terrainav_plugin/network/answers.py"/>
-        <source>connection to {0} broke off</source>
-        <translation>se cortó la conexión con {0}</translation>
+        <source>connection to {0} was lost</source>
+        <translation>se perdió la conexión con {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/requests_transport.py"/>
@@ -8620,28 +8654,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/http/transport.py"/>
-        <source>a body packed as {0}, which was not asked for</source>
-        <translation>un cuerpo comprimido como {0}, que no se pidió</translation>
+        <source>a compressed answer that is damaged</source>
+        <translation>una respuesta comprimida que está dañada</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/transport.py"/>
-        <source>a packed body that is broken</source>
-        <translation>un cuerpo comprimido que está dañado</translation>
+        <source>an answer compressed as {0}, which was not requested</source>
+        <translation>una respuesta comprimida como {0}, que no se pidió</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>an answer cut off after {0} of {1} bytes</source>
+        <translation>una respuesta cortada tras {0} de {1} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/http/transport.py"/>
+        <source>an answer of more than {0} bytes</source>
+        <translation>una respuesta de más de {0} bytes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/http/transport.py"/>
         <source>an answer of more than {0} header lines</source>
         <translation>una respuesta de más de {0} líneas de cabecera</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/http/transport.py"/>
-        <source>body beyond {0} bytes</source>
-        <translation>cuerpo de más de {0} bytes</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/http/transport.py"/>
-        <source>body broke off after {0} of {1} bytes</source>
-        <translation>el cuerpo se cortó tras {0} de {1} bytes</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -8671,7 +8705,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
         <source>give the file an index: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</source>
-        <translation>dar al archivo un índice: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</translation>
+        <translation>dé al archivo un índice: CREATE UNIQUE INDEX tile_index ON tiles (zoom_level, tile_column, tile_row)</translation>
     </message>
     <message>
         <location filename="../../core/imagery/mbtiles.py"/>
@@ -8731,12 +8765,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/opening.py"/>
         <source>name a file, a URL template or a name of the catalogue</source>
-        <translation>nombrar un archivo, una plantilla de URL o un nombre del catálogo</translation>
+        <translation>nombre un archivo, una plantilla de URL o un nombre del catálogo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
         <source>name one of the sources that have some</source>
-        <translation>nombrar una de las fuentes que las tienen</translation>
+        <translation>nombre una de las fuentes que las tienen</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
@@ -8762,7 +8796,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/opening.py"/>
         <location filename="../../core/imagery/services/service.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
-        <translation>{0}: necesita una clave API: definir la variable de entorno {1}</translation>
+        <translation>{0}: necesita una clave API: defina la variable de entorno {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/placeholder.py"/>
@@ -8787,7 +8821,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/policy.py"/>
         <source>agree to the terms first{0}</source>
-        <translation>aceptar antes las condiciones{0}</translation>
+        <translation>acepte antes las condiciones{0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -8807,7 +8841,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/policy.py"/>
         <source>bulk_allowed {0!r} without max_tiles: say how many are no bulk</source>
-        <translation>bulk_allowed {0!r} sin max_tiles: indicar cuántas no son masivas</translation>
+        <translation>bulk_allowed {0!r} sin max_tiles: indique cuántas no son masivas</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -8832,7 +8866,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/policy.py"/>
         <source>take another source</source>
-        <translation>tomar otra fuente</translation>
+        <translation>tome otra fuente</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -8856,8 +8890,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
-        <source>{0}: {1:,} requests, and {2:,} at most pass without {3}: {4}{5}</source>
-        <translation>{0}: {1:,} peticiones, y como máximo {2:,} pasan sin {3}: {4}{5}</translation>
+        <source>{0}: {1:,} requests, but at most {2:,} are allowed without {3}: {4}{5}</source>
+        <translation>{0}: {1:,} peticiones, pero sin {3} se permiten {2:,} como máximo: {4}{5}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
@@ -8886,8 +8920,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
-        <source>values of band {0} are {1}, and JPEG and PNG have 8 bits</source>
-        <translation>los valores de la banda {0} son {1}, y JPEG y PNG tienen 8 bits</translation>
+        <source>values of band {0} are {1}, but JPEG and PNG have 8 bits</source>
+        <translation>los valores de la banda {0} son {1}, pero JPEG y PNG tienen 8 bits</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/colours.py"/>
@@ -8911,8 +8945,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
-        <source>it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632</source>
-        <translation>no indica ningún sistema de referencia de coordenadas: decir cuál, como con gdal_edit.py -a_srs EPSG:32632</translation>
+        <source>it states no coordinate reference system: say which, for example with gdal_edit.py -a_srs EPSG:32632</source>
+        <translation>no indica ningún sistema de referencia de coordenadas: diga cuál, por ejemplo con gdal_edit.py -a_srs EPSG:32632</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -8926,8 +8960,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
-        <source>its coordinate reference system, {0}, is not one of maps: say which, as by gdal_edit.py -a_srs EPSG:32632</source>
-        <translation>su sistema de referencia de coordenadas, {0}, no es de mapas: decir cuál, como con gdal_edit.py -a_srs EPSG:32632</translation>
+        <source>its coordinate reference system, {0}, is not one of maps: say which, for example with gdal_edit.py -a_srs EPSG:32632</source>
+        <translation>su sistema de referencia de coordenadas, {0}, no es de mapas: diga cuál, por ejemplo con gdal_edit.py -a_srs EPSG:32632</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
@@ -8946,8 +8980,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
-        <source>only ground control points place it: make a map of it first, by gdalwarp</source>
-        <translation>solo lo sitúan puntos de control: hacer antes un mapa con él, con gdalwarp</translation>
+        <source>only ground control points place it: make a map of it first, with gdalwarp</source>
+        <translation>solo lo sitúan puntos de control: haga antes un mapa con él, con gdalwarp</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/reading.py"/>
@@ -8987,7 +9021,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/remote.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>start anew</source>
-        <translation>empezar de nuevo</translation>
+        <translation>empiece de nuevo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/remote.py"/>
@@ -9013,8 +9047,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
-        <source>give it overviews, by gdaladdo</source>
-        <translation>darle vistas generales, con gdaladdo</translation>
+        <source>give it overviews, with gdaladdo</source>
+        <translation>dele vistas generales, con gdaladdo</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -9024,17 +9058,17 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>name a raster file</source>
-        <translation>nombrar un archivo ráster</translation>
+        <translation>nombre un archivo ráster</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>name one of those within, such as {0}</source>
-        <translation>nombrar uno de los que contiene, como {0}</translation>
+        <translation>nombre uno de los que contiene, como {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>say which date</source>
-        <translation>indicar qué fecha</translation>
+        <translation>indique qué fecha</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -9074,7 +9108,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>{0}: say which date</source>
-        <translation>{0}: indicar qué fecha</translation>
+        <translation>{0}: indique qué fecha</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -9094,7 +9128,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>name the service itself: wms:URL, wmts:URL or a URL template</source>
-        <translation>nombrar el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
+        <translation>nombre el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -9114,7 +9148,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>set {0}={1} if that is right</source>
-        <translation>definir {0}={1} si es correcto</translation>
+        <translation>defina {0}={1} si es correcto</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -9174,8 +9208,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
-        <source>it neither has tiles in this system nor draws: it offers {0}</source>
-        <translation>ni tiene teselas en este sistema ni dibuja: ofrece {0}</translation>
+        <source>it neither has tiles nor draws maps in this system: it offers {0}</source>
+        <translation>ni tiene teselas ni dibuja mapas en este sistema: ofrece {0}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
@@ -9245,7 +9279,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>the capabilities at this address are of a {0}: write {1}:URL</source>
-        <translation>las capacidades de esta dirección son de un {0}: escribir {1}:URL</translation>
+        <translation>las capacidades de esta dirección son de un {0}: escriba {1}:URL</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -9256,7 +9290,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>{0} of {1}: say which with #{2}=…: {3}; `terrainav sources show` lists them</source>
-        <translation>{0} de {1}: decir cuál con #{2}=…: {3}; `terrainav sources show` los enumera</translation>
+        <translation>{0} de {1}: diga cuál con #{2}=…: {3}; `terrainav sources show` los enumera</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/capabilities.py"/>
@@ -9407,7 +9441,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
         <source>plan with this source's grid</source>
-        <translation>planificar con la cuadrícula de esta fuente</translation>
+        <translation>planifique con la cuadrícula de esta fuente</translation>
     </message>
     <message>
         <location filename="../../core/imagery/staticmap.py"/>
@@ -9446,7 +9480,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>URL template {0}: a brace without its partner</source>
+        <source>URL template {0}: an unmatched brace</source>
         <translation>plantilla de URL {0}: una llave sin su pareja</translation>
     </message>
     <message>
@@ -9487,7 +9521,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/template.py"/>
         <source>set {0}={1} if the key is for it</source>
-        <translation>definir {0}={1} si la clave es para él</translation>
+        <translation>defina {0}={1} si la clave es para él</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -9497,7 +9531,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/template.py"/>
         <source>write {0}={{key}} and set TERRAINAV_KEY</source>
-        <translation>escribir {0}={{key}} y definir TERRAINAV_KEY</translation>
+        <translation>escriba {0}={{key}} y defina TERRAINAV_KEY</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -9521,8 +9555,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
-        <source>{0} with spaces or control characters: must be without, or have them written %20</source>
-        <translation>{0} con espacios o caracteres de control: debe ir sin ellos, o escritos %20</translation>
+        <source>{0} with spaces or control characters: must have none, or spaces written as %20</source>
+        <translation>{0} con espacios o caracteres de control: no debe tenerlos, o los espacios deben escribirse como %20</translation>
     </message>
     <message>
         <location filename="../../core/imagery/template.py"/>
@@ -9532,7 +9566,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/imagery/xyz.py"/>
         <source>say which</source>
-        <translation>indicar cuál</translation>
+        <translation>indique cuál</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>
@@ -9566,8 +9600,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>give its corners along the pole as well</source>
+        <translation>indique también sus vértices a lo largo del polo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>give the top-left corner first</source>
-        <translation>dar primero la esquina superior izquierda</translation>
+        <translation>dé primero la esquina superior izquierda</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -9586,13 +9625,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>polygon around a pole: its sides are straight in degrees</source>
+        <translation>polígono alrededor de un polo: sus lados son rectos en grados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>polygon ring of {0} corners: needs at least 3</source>
         <translation>anillo de polígono de {0} vértices: necesita al menos 3</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>polygon whose sides cross at latitude {0:.6f}, longitude {1:.6f}: its sides may only touch</source>
+        <translation>polígono cuyos lados se cruzan en la latitud {0:.6f}, longitud {1:.6f}: sus lados solo pueden tocarse</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon with hole {0:,} outside of it: holes lie inside the outer ring</source>
+        <translation>polígono con el hueco {0:,} fuera de él: los huecos están dentro del anillo exterior</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>polygon without a ring: needs at least one of three corners</source>
         <translation>polígono sin anillo: necesita al menos uno de tres vértices</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are all of it</source>
+        <translation>polígono sin terreno: sus vértices están en una línea o separados más de media Tierra, o sus huecos lo ocupan por completo</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -9642,12 +9701,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
-        <translation>obtenerlo con: pip install 'terrainav[{0}]', o dar un archivo GeoJSON</translation>
+        <translation>obténgalo con: pip install 'terrainav[{0}]', o dé un archivo GeoJSON</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>give a GeoJSON, KML or KMZ file with one or more</source>
-        <translation>dar un archivo GeoJSON, KML o KMZ con uno o más</translation>
+        <translation>dé un archivo GeoJSON, KML o KMZ con uno o más</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -9696,8 +9755,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
-        <source>{0}: is packed in another way than KMZ is</source>
-        <translation>{0}: está comprimido de otra manera que un KMZ</translation>
+        <source>{0}: is compressed in a way that KMZ does not use</source>
+        <translation>{0}: está comprimido de una forma que KMZ no usa</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -9772,7 +9831,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/cameras.py"/>
         <source>size_px and {0}: give one of the two</source>
-        <translation>size_px y {0}: dar uno de los dos</translation>
+        <translation>size_px y {0}: dé uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -9802,7 +9861,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/cameras.py"/>
         <source>{0}: give one of {1}</source>
-        <translation>{0}: dar uno de {1}</translation>
+        <translation>{0}: dé uno de {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -9878,7 +9937,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/coords.py"/>
         <source>{0} {1!r} has {2} numbers and the lines before {3}: give every point its yaw, or none</source>
-        <translation>{0} {1!r} tiene {2} números y las líneas anteriores {3}: dar una guiñada a cada punto, o a ninguno</translation>
+        <translation>{0} {1!r} tiene {2} números y las líneas anteriores {3}: dé una guiñada a cada punto, o a ninguno</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -9989,7 +10048,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>from {0:,.1f} to {1:,.1f} m over the ellipsoid, captures at least {2:,.1f} m clear</source>
+        <source>from {0:,.1f} to {1:,.1f} m above the ellipsoid, captures at least {2:,.1f} m clear</source>
         <translation>de {0:,.1f} a {1:,.1f} m sobre el elipsoide, capturas con al menos {2:,.1f} m libres</translation>
     </message>
     <message>
@@ -10053,7 +10112,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>of {0:,} images {1:,} lie outside the source's imagery, and {2:,} reach beyond it; choose an area that it has imagery of, or another source</source>
-        <translation>de {0:,} imágenes, {1:,} quedan fuera de lo que tiene la fuente y {2:,} lo sobrepasan; elegir un área de la que tenga imágenes, u otra fuente</translation>
+        <translation>de {0:,} imágenes, {1:,} quedan fuera de lo que tiene la fuente y {2:,} lo sobrepasan; elija un área de la que tenga imágenes, u otra fuente</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10068,7 +10127,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>requested {0}, but the source has {1} here (zoom {2}): upsampled {3:.3g} times, images show no more detail; ask for {4}</source>
-        <translation>se piden {0}, pero la fuente tiene aquí {1} (zoom {2}): sobremuestreadas {3:.3g} veces, las imágenes no muestran más detalle; pedir {4}</translation>
+        <translation>se piden {0}, pero la fuente tiene aquí {1} (zoom {2}): sobremuestreadas {3:.3g} veces, las imágenes no muestran más detalle; pida {4}</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10133,7 +10192,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0:,} of {1:,} heights about the area ({2}), from the next source</source>
+        <source>{0:,} of {1:,} heights around the area ({2}), from the next source</source>
         <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
     </message>
     <message>
@@ -10153,13 +10212,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0} a pixel at the highest, {1} at the lowest</source>
-        <translation>{0} por píxel en lo más alto, {1} en lo más bajo</translation>
+        <source>{0} of the area outside no-fly areas</source>
+        <translation>{0} del área fuera de las zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
-        <source>{0} of the area outside no-fly areas</source>
-        <translation>{0} del área fuera de las zonas de exclusión</translation>
+        <source>{0} per pixel at the highest point, {1} at the lowest</source>
+        <translation>{0} por píxel en lo más alto, {1} en lo más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -10214,7 +10273,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/export/geopackage.py"/>
         <source>install it, or choose .geojson</source>
-        <translation>instalarlo, o elegir .geojson</translation>
+        <translation>instálelo, o elija .geojson</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/geopackage.py"/>
@@ -10270,23 +10329,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/litchi.py"/>
         <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a list or an area</source>
-        <translation>planificar una lista o un área</translation>
+        <translation>planifique una lista o un área</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
         <location filename="../../core/mission/export/wpml.py"/>
         <source>plan a smaller area, a greater height or less overlap</source>
-        <translation>planificar un área menor, una altura mayor o menos solape</translation>
+        <translation>planifique un área menor, una altura mayor o menos solape</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
-        <source>sorties begin with the parts {0}</source>
-        <translation>las salidas empiezan con las partes {0}</translation>
+        <source>sorties begin at the parts {0}</source>
+        <translation>las salidas empiezan en las partes {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
-        <source>the speed of {0:g} m/s is cut to Litchi's {1:g} m/s</source>
+        <source>the speed of {0:g} m/s is reduced to Litchi's {1:g} m/s</source>
         <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de Litchi</translation>
     </message>
     <message>
@@ -10296,19 +10355,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
-        <source>heights are over the place of take-off: as high above the ground only where the ground is level with it</source>
-        <translation>las alturas son sobre el lugar de despegue: igual sobre el terreno solo donde este está a su nivel</translation>
+        <location filename="../../core/mission/export/wpml.py"/>
+        <source>heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there</source>
+        <translation>las alturas son sobre el punto de despegue, calculadas para un terreno que está allí a {0:.1f} m sobre el elipsoide</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
-        <location filename="../../core/mission/export/wpml.py"/>
-        <source>heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there</source>
-        <translation>las alturas son sobre el despegue, calculadas para un terreno a {0:.1f} m sobre el elipsoide en ese lugar</translation>
+        <source>heights are above the take-off point: they are heights above ground only where the ground is level with it</source>
+        <translation>las alturas son sobre el punto de despegue: solo son alturas sobre el terreno donde este está a su mismo nivel</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/rows.py"/>
         <source>start earlier</source>
-        <translation>empezar antes</translation>
+        <translation>empiece antes</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/rows.py"/>
@@ -10407,8 +10466,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
-        <source>the drone stops at each waypoint, which times and sorties count with the trigger hover alone</source>
-        <translation>el dron se detiene en cada punto de ruta, lo que los tiempos y las salidas solo cuentan con el disparo hover</translation>
+        <source>the drone stops at each waypoint; times and sorties count these stops with the trigger hover alone</source>
+        <translation>el dron se detiene en cada punto de ruta; los tiempos y las salidas cuentan esas paradas solo con el disparo hover</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
@@ -10417,7 +10476,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
-        <source>the speed of {0:g} m/s is cut to DJI's {1:g} m/s</source>
+        <source>the speed of {0:g} m/s is reduced to DJI's {1:g} m/s</source>
         <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de DJI</translation>
     </message>
     <message>
@@ -10476,7 +10535,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rotated.py"/>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>use {0} {1}</source>
-        <translation>usar {0} {1}</translation>
+        <translation>use {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
@@ -10716,58 +10775,58 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>ask for that or more, or allow upsampling ({0})</source>
-        <translation>pedir ese o más, o permitir el sobremuestreo ({0})</translation>
+        <translation>pida ese o más, o permita el sobremuestreo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>ask for that, or allow upsampling ({0})</source>
-        <translation>pedir ese, o permitir el sobremuestreo ({0})</translation>
+        <translation>pida ese, o permita el sobremuestreo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a larger ground sample distance</source>
-        <translation>elegir una distancia de muestreo del terreno mayor</translation>
+        <translation>elija una distancia de muestreo del terreno mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a less extreme aspect ratio or a larger image ({0})</source>
-        <translation>elegir una relación de aspecto menos extrema o una imagen mayor ({0})</translation>
+        <translation>elija una relación de aspecto menos extrema o una imagen mayor ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a less extreme aspect ratio or larger images ({0})</source>
-        <translation>elegir una relación de aspecto menos extrema o permitir imágenes mayores ({0})</translation>
+        <translation>elija una relación de aspecto menos extrema o permita imágenes mayores ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>choose a lower zoom</source>
-        <translation>elegir un zoom menor</translation>
+        <translation>elija un zoom menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>fly higher or choose a higher zoom</source>
-        <translation>volar más alto o elegir un zoom mayor</translation>
+        <translation>vuele más alto o elija un zoom mayor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>fly higher or choose a smaller ground sample distance</source>
-        <translation>volar más alto o elegir una distancia de muestreo del terreno menor</translation>
+        <translation>vuele más alto o elija una distancia de muestreo del terreno menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>fly higher or nearer to the equator, or choose imagery in a polar CRS</source>
-        <translation>volar más alto o más cerca del ecuador, o elegir imágenes en un SRC polar</translation>
+        <translation>vuele más alto o más cerca del ecuador, o elija imágenes en un SRC polar</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>fly lower</source>
-        <translation>volar más bajo</translation>
+        <translation>vuele más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>fly lower or nearer to the equator, or choose imagery in a polar CRS</source>
-        <translation>volar más bajo o más cerca del ecuador, o elegir imágenes en un SRC polar</translation>
+        <translation>vuele más bajo o más cerca del ecuador, o elija imágenes en un SRC polar</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -10868,7 +10927,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>fly lower or fly north-up rows</source>
-        <translation>volar más bajo o volar pasadas con el norte arriba</translation>
+        <translation>vuele más bajo o vuele pasadas con el norte arriba</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -10898,18 +10957,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>take a smaller area or north-up rows</source>
-        <translation>tomar un área menor o pasadas con el norte arriba</translation>
+        <translation>tome un área menor o pasadas con el norte arriba</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>tilt it less or fly lower</source>
-        <translation>inclinarla menos o volar más bajo</translation>
+        <translation>inclínela menos o vuele más bajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>tilt it less, fly lower or fly north-up rows</source>
-        <translation>inclinarla menos, volar más bajo o volar pasadas con el norte arriba</translation>
+        <translation>inclínela menos, vuele más bajo o vuele pasadas con el norte arriba</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rotated.py"/>
@@ -10934,22 +10993,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>choose imagery in a polar CRS, such as the synthetic world with {0} {1}</source>
-        <translation>elegir imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
+        <translation>elija imágenes en un SRC polar, como el mundo sintético con {0} {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>fly higher, draw a smaller area, or raise it ({0})</source>
-        <translation>volar más alto, dibujar un área menor, o subirlo ({0})</translation>
+        <translation>vuele más alto, dibuje un área menor, o súbalo ({0})</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>fly lower or farther from it</source>
-        <translation>volar más bajo o más lejos de él</translation>
+        <translation>vuele más bajo o más lejos de él</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>fly lower or take a smaller area</source>
-        <translation>volar más bajo o tomar un área menor</translation>
+        <translation>vuele más bajo o tome un área menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
@@ -10999,7 +11058,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/layout/rows.py"/>
         <source>tilt the camera less, fly lower or take a smaller area</source>
-        <translation>inclinar menos la cámara, volar más bajo o tomar un área menor</translation>
+        <translation>incline menos la cámara, vuele más bajo o tome un área menor</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -11014,7 +11073,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/methods.py"/>
         <source>choose a source of tiles</source>
-        <translation>elegir una fuente de teselas</translation>
+        <translation>elija una fuente de teselas</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -11034,7 +11093,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/methods.py"/>
         <source>fly higher or widen the field of view</source>
-        <translation>volar más alto o ampliar el campo de visión</translation>
+        <translation>vuele más alto o amplíe el campo de visión</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -11099,7 +11158,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/methods.py"/>
         <source>raise {0}, or go on with {1}</source>
-        <translation>subir {0}, o seguir con {1}</translation>
+        <translation>suba {0}, o siga con {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -11239,7 +11298,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/no_fly.py"/>
         <source>choose another area, or smaller no-fly areas</source>
-        <translation>elegir otra área, o zonas de exclusión más pequeñas</translation>
+        <translation>elija otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -11438,7 +11497,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>One ray a pixel</source>
+        <source>One ray per pixel</source>
         <translation>Un rayo por píxel</translation>
     </message>
     <message>
@@ -11503,7 +11562,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>The takeoff</source>
+        <source>The take-off</source>
         <translation>El despegue</translation>
     </message>
     <message>
@@ -11545,6 +11604,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>bands</source>
         <translation>bandas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>bands of a raster file, by name or by number from 1, in the order to write them in: 4 1 2 is infrared, red and green of a file with red, green, blue and infrared; left out, GeoTIFF has all of them, and JPEG and PNG the colours</source>
+        <translation>bandas de un archivo ráster, por nombre o por número desde 1, en el orden en que se han de escribir: 4 1 2 son infrarrojo, rojo y verde de un archivo con rojo, verde, azul e infrarrojo; si se omite, GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11608,8 +11672,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>cover: rows that leave nothing out; paper: the grid in UTM as published</source>
-        <translation>cubrir: pasadas que no dejan nada fuera; artículo: la cuadrícula en UTM tal como se publicó</translation>
+        <source>cover: rows without gaps; paper: the UTM grid of the published paper</source>
+        <translation>cubrir: pasadas sin huecos; artículo: la cuadrícula UTM del artículo publicado</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11628,8 +11692,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>direction of the image's top edge, clockwise from north; counted from across the rows where these are turned from east, from grid north where the source has its own CRS, and replaced by the points' own yaws</source>
-        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; se cuenta desde la perpendicular a las pasadas donde estas se apartan del este, desde el norte de la cuadrícula donde la fuente tiene SRC propio, y la sustituyen las guiñadas propias de los puntos</translation>
+        <source>direction of the image's top edge, clockwise from north; where the rows are turned from east it turns with them, where the source has its own CRS it counts from grid north, and points may have yaws of their own</source>
+        <translation>dirección del borde superior de la imagen, en sentido horario desde el norte; si las pasadas se apartan del este, gira con ellas; si la fuente tiene SRC propio, se cuenta desde el norte de la cuadrícula; los puntos pueden tener guiñadas propias</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11638,8 +11702,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>drone that a file for DJI's programs (.kmz) is for: of DJI Pilot 2 and FlightHub 2, M300 and M350 with the camera P1; dji-fly: those of DJI Fly, such as Mini 4 Pro, Air 3 and Mavic 3</source>
-        <translation>dron para el que es un archivo de los programas de DJI (.kmz): de DJI Pilot 2 y FlightHub 2, M300 y M350 con la cámara P1; dji-fly: los de DJI Fly, como Mini 4 Pro, Air 3 y Mavic 3</translation>
+        <source>drone that a file for DJI's programs (.kmz) is for; M300 and M350 are those with the camera P1, and dji-fly stands for the drones that DJI Fly flies, such as Mini 4 Pro, Air 3 and Mavic 3</source>
+        <translation>dron al que se destina un archivo de los programas de DJI (.kmz); M300 y M350 son los que llevan la cámara P1, y dji-fly representa los drones que vuela DJI Fly, como Mini 4 Pro, Air 3 y Mavic 3</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11663,7 +11727,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>flight time of a battery, with the reserve left out: the flight is split into sorties that begin and end at the take-off</source>
+        <source>files with a value for every pixel, written beside the images: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
+        <translation>archivos con un valor para cada píxel, que se escriben junto a las imágenes: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>flight time of one battery, without the reserve: the flight is split into sorties that begin and end at the take-off</source>
         <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
     </message>
     <message>
@@ -11694,8 +11763,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays one ray a pixel</source>
-        <translation>terreno bajo un encuadre de cámara: auto es una malla tan gruesa como permite el error admisible; rays, un rayo por píxel</translation>
+        <source>ground under a camera frame: auto is a mesh as coarse as the error budget allows, rays traces one ray per pixel</source>
+        <translation>terreno bajo un encuadre de cámara: auto es una malla tan gruesa como permite el error admisible; rays traza un rayo por píxel</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11765,8 +11834,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>how the values of a raster file become 8 bits: none leaves them as they are, which JPEG and PNG need to be of 8 bits then; percentile shows those from the 2nd to the 98th percentile of the file, two numbers those from one to the other</source>
-        <translation>cómo pasan a 8 bits los valores de un archivo ráster: none los deja como están, y entonces JPEG y PNG necesitan que sean de 8 bits; percentile muestra los que van del percentil 2 al 98 del archivo, y dos números, los que van de uno a otro</translation>
+        <source>how the values of a raster file become 8 bits: none leaves them as they are, so that JPEG and PNG need values of 8 bits; percentile stretches from the 2nd to the 98th percentile of the file; two numbers stretch from the first to the second</source>
+        <translation>cómo pasan a 8 bits los valores de un archivo ráster: none los deja como están, de modo que JPEG y PNG necesitan valores de 8 bits; percentile realza del percentil 2 al 98 del archivo; dos números realzan del primero al segundo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11850,11 +11919,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>least interval of images</source>
-        <translation>intervalo mínimo de imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>limit of every image's longer side, in pixels of 256 px tiles: where an image would exceed it, all take a lower zoom; without it there is no limit, or 640 in the layout paper</source>
         <translation>límite del lado mayor de cada imagen, en píxeles de teselas de 256 px: si una imagen lo superara, todas toman un zoom menor; sin él no hay límite, o es 640 en la disposición paper</translation>
     </message>
@@ -11870,8 +11934,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>map: a window of the source's own pixels, turned by quarter turns alone, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
-        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en cuartos de vuelta, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
+        <source>map: a window of the source's own pixels, turned by multiples of 90° only, for cameras that look straight down; camera: the image as the camera sees it; auto: a map frame where its error fits the budget</source>
+        <translation>map: una ventana de los píxeles propios de la fuente, girada solo en múltiplos de 90°, para cámaras que miran en vertical; camera: la imagen tal como la ve la cámara; auto: un encuadre de mapa donde su error cabe en el presupuesto</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11900,6 +11964,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>minimum image interval</source>
+        <translation>intervalo mínimo de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>missing heights</source>
         <translation>alturas que faltan</translation>
     </message>
@@ -11916,27 +11985,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>no map type: give one or more of {0}</source>
-        <translation>ningún tipo de mapa: dar uno o más de {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>of a raster file, by name or by number from 1, in the order they are written in: 4 1 2 is infrared, red and green where those are so numbered; without it GeoTIFF has all of them, and JPEG and PNG those of colours</source>
-        <translation>de un archivo ráster, por nombre o por número desde 1, en el orden en que se escriben: 4 1 2 es infrarrojo, rojo y verde donde tienen esos números; sin ello GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the Web-Mercator map; left out, the source's own, or the map's where a service has both</source>
-        <translation>de las imágenes, como EPSG:2056: uno en el que la fuente tenga píxeles, o EPSG:3857 para los del mapa Web Mercator; si se omite, el de la fuente, o el del mapa si un servicio tiene ambos</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>of the sources of heights; left out, what they say, and metres where they say nothing</source>
-        <translation>de las fuentes de alturas; si falta, lo que ellas digan, y metros donde no digan nada</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>of whatever is random, such as the synthetic landscape and gusts of wind</source>
-        <translation>de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
+        <translation>ningún tipo de mapa: dé uno o más de {0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -11955,7 +12004,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>over relief, what the heights of captures are above: the ground below each one; the ground at the takeoff (an area's north-western corner, or the first point), one height for all; or the ellipsoid</source>
+        <source>over relief, what the heights of captures are above: the ground below each one; the ground at the take-off (an area's north-western corner, or the first point), one height for all; or the ellipsoid</source>
         <translation>sobre relieve, respecto a qué son las alturas de las capturas: el terreno debajo de cada una; el terreno en el despegue (la esquina noroeste de un área, o el primer punto), una altura para todas; o el elipsoide</translation>
     </message>
     <message>
@@ -12010,8 +12059,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>several beside each other, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own</source>
-        <translation>varias a la vez, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia</translation>
+        <source>several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own</source>
+        <translation>varias imágenes de origen en paralelo, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12025,8 +12074,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>so much ground beyond an area is covered as well, on all sides; points have none</source>
-        <translation>se cubre además este terreno alrededor del área, por todos los lados; los puntos no tienen</translation>
+        <source>shortest time between two images that the camera can keep up</source>
+        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12036,7 +12085,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>source is empty: name one, or give a URL template or a file</source>
-        <translation>la fuente está vacía: nombrar una, o dar una plantilla de URL o un archivo</translation>
+        <translation>la fuente está vacía: nombre una, o dé una plantilla de URL o un archivo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12047,6 +12096,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>start</source>
         <translation>inicio</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>start of all that is random, such as the synthetic landscape and gusts of wind</source>
+        <translation>inicio de todo lo que es aleatorio, como el paisaje sintético y las ráfagas de viento</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12080,6 +12134,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>system of the images, such as EPSG:2056: one in which the source has pixels, or EPSG:3857 for those of the Web-Mercator map; left out, the source's own, or the map's where a service has both</source>
+        <translation>sistema de las imágenes, como EPSG:2056: uno en el que la fuente tenga píxeles, o EPSG:3857 para los del mapa Web Mercator; si se omite, el de la fuente, o el del mapa si un servicio tiene ambos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>take-off</source>
         <translation>despegue</translation>
     </message>
@@ -12087,11 +12146,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>take-off {0}: must be a latitude from -90 to 90 and a longitude from -360 to 360 degrees</source>
         <translation>despegue {0}: debe ser una latitud de -90 a 90 y una longitud de -360 a 360 grados</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>the shortest time between two images that the camera can keep up</source>
-        <translation>el tiempo más corto entre dos imágenes que la cámara puede mantener</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12108,6 +12162,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>turnaround</source>
         <translation>prolongación para el giro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
+        <source>unit of the sources of heights; left out, the one that they state, and metres where they state none</source>
+        <translation>unidad de las fuentes de alturas; si se omite, la que ellas indiquen, y metros donde no indiquen ninguna</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12131,8 +12190,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; left out, what the source says, and the ellipsoid where it says nothing</source>
-        <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si falta, lo que diga la fuente, y el elipsoide donde no diga nada</translation>
+        <source>what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; left out, what the source states, and the ellipsoid where it states nothing</source>
+        <translation>desde dónde cuentan las alturas: ellipsoid, EGM96, EGM2008 o el código de un sistema vertical como EPSG:5773; si se omite, lo que indique la fuente, y el elipsoide donde no indique nada</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12141,8 +12200,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>where heights of what cameras see come from, buildings and trees with it, where that is other than what the flight follows; named as those of the elevation, which fills what it leaves open</source>
-        <translation>de dónde vienen las alturas de lo que ven las cámaras, con edificios y árboles, si es otra cosa que lo que sigue el vuelo; se nombran como las de la elevación, que completa lo que dejan abierto</translation>
+        <source>where the heights of what cameras see come from, with buildings and trees, if that is not what the flight follows; named like the elevation, which fills its gaps</source>
+        <translation>de dónde vienen las alturas de lo que ven las cámaras, con edificios y árboles, si no es lo que sigue el vuelo; se nombra como la elevación, que completa sus huecos</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12156,8 +12215,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>written beside the images, of every pixel: depth along the optical axis, ground points, normals of the ground, and the mask of faces that no map shows; of all map types together</source>
-        <translation>se escriben junto a las imágenes, de cada píxel: profundidad a lo largo del eje óptico, puntos del terreno, normales del terreno y la máscara de las caras que ningún mapa muestra; de todos los tipos de mapa juntos</translation>
+        <source>width of the ground around an area that is covered as well; points have none</source>
+        <translation>anchura del terreno alrededor de un área que también se cubre; los puntos no tienen</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12177,7 +12236,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/parts.py"/>
         <source>zoom {0} and ground sample distance {1} m: give one of the two</source>
-        <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dar uno de los dos</translation>
+        <translation>zoom {0} y distancia de muestreo del terreno de {1} m: dé uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -12192,7 +12251,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/plan.py"/>
         <source>fly higher or in less turbulence</source>
-        <translation>volar más alto o con menos turbulencia</translation>
+        <translation>vuele más alto o con menos turbulencia</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -12286,12 +12345,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>
-        <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: the surface there rises to {3:.1f} m, and {4:g} m of clearance are to be kept</source>
+        <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: the surface there rises to {3:.1f} m, and {4:g} m of clearance are to be kept</source>
         <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: la superficie sube allí hasta {3:.1f} m, y hay que mantener {4:g} m de distancia de seguridad</translation>
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>
-        <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m over the ellipsoid: what its image may see there rises to {3:.1f} m</source>
+        <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: what its image may see there rises to {3:.1f} m</source>
         <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: lo que su imagen puede ver allí sube hasta {3:.1f} m</translation>
     </message>
     <message>
@@ -12326,7 +12385,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>
-        <source>relief of {0} from {1:.1f} to {2:.1f} m over the ellipsoid</source>
+        <source>relief of {0} from {1:.1f} to {2:.1f} m above the ellipsoid</source>
         <translation>relieve de {0} de {1:.1f} a {2:.1f} m sobre el elipsoide</translation>
     </message>
     <message>
@@ -12337,7 +12396,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/settings.py"/>
         <source>area {0!r} and coords {1!r}: give one of the two</source>
-        <translation>área {0!r} y coords {1!r}: dar uno de los dos</translation>
+        <translation>área {0!r} y coords {1!r}: dé uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
@@ -12367,12 +12426,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/settings.py"/>
         <source>no coordinates: give --coords, such as --coords "35.16_-89.90_35.115_-89.823_120"</source>
-        <translation>sin coordenadas: dar --coords, como --coords "35.16_-89.90_35.115_-89.823_120"</translation>
+        <translation>sin coordenadas: dé --coords, como --coords "35.16_-89.90_35.115_-89.823_120"</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
         <source>{0} and {1}: give one of the two</source>
-        <translation>{0} y {1}: dar uno de los dos</translation>
+        <translation>{0} y {1}: dé uno de los dos</translation>
     </message>
     <message>
         <location filename="../../core/mission/settings.py"/>
@@ -12559,8 +12618,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/patterns.py"/>
-        <source>distance {0:g} m: leaves no place that is so far from every wall</source>
-        <translation>distancia {0:g} m: no deja ningún lugar tan alejado de todos los muros</translation>
+        <source>distance {0:g} m: no place is so far from every wall</source>
+        <translation>distancia {0:g} m: ningún lugar está tan alejado de todos los muros</translation>
     </message>
     <message>
         <location filename="../../core/poses/patterns.py"/>
@@ -12610,8 +12669,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
-        <source>area: takes hardly any of the box around it</source>
-        <translation>área: apenas ocupa el rectángulo que la rodea</translation>
+        <source>area: fills hardly any of the box around it</source>
+        <translation>área: apenas ocupa el recuadro que la rodea</translation>
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
@@ -12650,7 +12709,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
-        <source>{0} {1}: hardly any of its numbers is {2}</source>
+        <source>{0} {1}: hardly any of its numbers are {2}</source>
         <translation>{0} {1}: casi ninguno de sus números es {2}</translation>
     </message>
     <message>
@@ -12720,7 +12779,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>&amp;Images a circle</source>
+        <source>&amp;Images per circle</source>
         <translation>&amp;Imágenes por círculo</translation>
     </message>
     <message>
@@ -12875,13 +12934,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>circles from the lowest height to the highest, as far from each other</source>
-        <translation>círculos desde la altura mínima hasta la máxima, a igual distancia entre ellos</translation>
+        <source>distance</source>
+        <translation>distancia</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>distance</source>
-        <translation>distancia</translation>
+        <source>distance flown from one exposure to the next</source>
+        <translation>distancia volada de una exposición a la siguiente</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12925,28 +12984,28 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>height above ground of the highest circle; left out, there is one</source>
-        <translation>altura sobre el suelo del círculo más alto; si no se indica, hay uno solo</translation>
+        <source>height above ground of the highest circle; left out, there is only one circle</source>
+        <translation>altura sobre el terreno del círculo más alto; si se omite, hay un solo círculo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>height above ground of the highest flight; left out, there is one</source>
-        <translation>altura sobre el suelo del vuelo más alto; si no se indica, hay uno solo</translation>
+        <source>height above ground of the highest flight; left out, there is only one flight</source>
+        <translation>altura sobre el terreno del vuelo más alto; si se omite, hay un solo vuelo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
         <source>height above ground of the lowest circle</source>
-        <translation>altura sobre el suelo del círculo más bajo</translation>
+        <translation>altura sobre el terreno del círculo más bajo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
         <source>height above ground of the lowest flight</source>
-        <translation>altura sobre el suelo del vuelo más bajo</translation>
+        <translation>altura sobre el terreno del vuelo más bajo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>height above ground, at the centre, of what the middle of the images shows</source>
-        <translation>altura sobre el suelo, en el centro, de lo que muestra el medio de las imágenes</translation>
+        <source>height above ground, at the centre, that the camera looks at</source>
+        <translation>altura sobre el terreno, en el centro, a la que mira la cámara</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -12975,13 +13034,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
-        <source>images a circle</source>
+        <source>images per circle</source>
         <translation>imágenes por círculo</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
-        <source>images of each circle</source>
-        <translation>imágenes de cada círculo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13017,6 +13071,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>north, east, down</source>
         <translation>norte, este, abajo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>number of circles, evenly spaced from the lowest height to the highest</source>
+        <translation>número de círculos, a igual distancia entre ellos, de la altura mínima a la máxima</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>number of images on each circle</source>
+        <translation>número de imágenes en cada círculo</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13077,11 +13141,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>time interval</source>
         <translation>intervalo de tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/settings.py"/>
-        <source>way flown from one exposure to the next</source>
-        <translation>camino volado de una exposición a la siguiente</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13270,8 +13329,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>
-        <source>elements within each other, more than {0} deep</source>
-        <translation>elementos unos dentro de otros, a más de {0} niveles</translation>
+        <source>elements nested more than {0} deep</source>
+        <translation>elementos anidados a más de {0} niveles</translation>
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>
@@ -13375,8 +13434,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/world/source.py"/>
-        <source>choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or none elsewhere</source>
-        <translation>elegir EPSG:3413 en torno al polo norte, EPSG:3031 en torno al polo sur, o ninguno en otra parte</translation>
+        <source>choose EPSG:3413 around the North Pole, EPSG:3031 around the South Pole, or none elsewhere</source>
+        <translation>elija EPSG:3413 en torno al polo norte, EPSG:3031 en torno al polo sur, o ninguno en otra parte</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>
@@ -13457,7 +13516,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/network/worker.py"/>
         <source>QGIS's authentication database is locked: enter its master password, then try again</source>
-        <translation>La base de datos de autenticación de QGIS está bloqueada: introducir su contraseña maestra e intentarlo de nuevo</translation>
+        <translation>La base de datos de autenticación de QGIS está bloqueada: introduzca su contraseña maestra e inténtelo de nuevo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/background.py"/>

@@ -68,6 +68,8 @@ class AreaControl(QObject):
     editing : AreaEditing
     messages : Messages
     box_tool : BoxTool
+    draw : callable
+        Has something that begins drawing done, as soon as the map shows something to draw on.
 
     Attributes
     ----------
@@ -93,6 +95,7 @@ class AreaControl(QObject):
         editing: AreaEditing,
         messages: Messages,
         box_tool: BoxTool,
+        draw: Callable[[Callable[[], None]], None],
     ) -> None:
         super().__init__()
         self._iface, self._panel, self._messages = iface, panel, messages
@@ -118,7 +121,7 @@ class AreaControl(QObject):
         panel.installEventFilter(keys)
         self.tool.setButton(entries.edit)
         entries.edit.clicked.connect(self._switch_tool)
-        entries.draw_polygon.clicked.connect(self.polygon_tool.start)
+        entries.draw_polygon.clicked.connect(partial(draw, self.polygon_tool.start))
         for menu in (entries.area_from, entries.no_fly_from):
             menu.chosen.connect(self._take)
         self._editing.noted.connect(self._follow)
@@ -130,11 +133,11 @@ class AreaControl(QObject):
         panel.visibilityChanged.connect(self._show_mark)
         self._join_tools()
         self._ways: dict[str, Callable[[], None]] = {
-            Way.DRAW: box_tool.start,
-            Way.DRAW_POLYGON: self.polygon_tool.start,
+            Way.DRAW: partial(draw, box_tool.start),
+            Way.DRAW_POLYGON: partial(draw, self.polygon_tool.start),
             Way.CANVAS: self.take_canvas,
-            Way.SINGLE: self.single_tool.start,
-            Way.ORBIT: self.orbit_tool.start,
+            Way.SINGLE: partial(draw, self.single_tool.start),
+            Way.ORBIT: partial(draw, self.orbit_tool.start),
             Way.LAYER: self._ask_for_layer,
             Way.POLYGON: self._take_polygon,
             Way.POINTS: self._ask_for_points,
@@ -147,7 +150,7 @@ class AreaControl(QObject):
             Way.ADD_POLYGON: self.part_tool.start,
             Way.ADD_HOLE: self.hole_tool.start,
             Way.TO_BOX: self._editing.make_box,
-            NoFlyWay.DRAW: self.no_fly_tool.start,
+            NoFlyWay.DRAW: partial(draw, self.no_fly_tool.start),
             NoFlyWay.LAYER: self._ask_for_no_fly_layer,
             NoFlyWay.FILE: self._ask_for_no_fly_file,
         }
@@ -182,7 +185,7 @@ class AreaControl(QObject):
         tool.hole_wanted.connect(self.hole_tool.start)
         tool.polygon_wanted.connect(self.part_tool.start)
         tool.takeoff_set.connect(self._take_takeoff)
-        tool.refused.connect(lambda reason: self._messages.refused(reason, tr("The area is as it was.")))
+        tool.refused.connect(lambda reason: self._messages.refused(reason, tr("The area is unchanged.")))
         self._box_tool.drawn.connect(self._take_drawn)
         self.polygon_tool.drawn.connect(self._take_drawn_polygon)
         self.hole_tool.accept = lambda hole: with_hole(self._polygons(), hole)
@@ -489,7 +492,7 @@ class AreaControl(QObject):
         self._messages.refused(reason, tr("No area was taken."))
 
     def _refuse_drawn(self, reason: str) -> None:
-        self._messages.refused(reason, tr("Go on drawing; Backspace takes the last corner back."))
+        self._messages.refused(reason, tr("Go on drawing; Backspace removes the last corner."))
 
     # --- on the map
 

@@ -245,7 +245,8 @@ class PointsDialog(LayerDialog):
             "time_field",
             tr(
                 "Dates with their times, text such as 2024-06-21T10:30:00Z, or seconds after 1970, in UTC where no "
-                "zone is stated; empty: the mission's start and airspeed tell. Images are in the order of times."
+                "zone is stated; empty: they follow from the mission's start and airspeed. Images are in the order of "
+                "times."
             ),
             QgsFieldProxyModel.Filter.DateTime,
         )
@@ -315,7 +316,9 @@ class LineDialog(LayerDialog):
             tr("From image to image, the first at the beginning"),
         )
         self.interval_in = combo(
-            "interval_in", (("every_s", tr("seconds")), ("every_m", tr("metres"))), tr("Time, or way flown")
+            "interval_in",
+            (("every_s", tr("seconds")), ("every_m", tr("metres"))),
+            tr("Time, or distance flown"),
         )
         self.agl: NumberBox = spin(
             "agl", 0.0, _MOST, 4, "", tr("Height above the ground (AGL) of the whole flight")
@@ -349,7 +352,7 @@ class LineDialog(LayerDialog):
             which = tr("Nothing is selected: all {n} lines will be flown one after the other.").format(
                 n=number_text(count)
             )
-        turns = tr("Corners become turns of a radius of {radius} m.").format(
+        turns = tr("Corners become turns with a radius of {radius} m.").format(
             radius=number_text(turn_radius_m(self.flight()), ",.1f")
         )
         return f"{which} {turns}"

@@ -21,7 +21,7 @@ from ..form.state import BOX_FIELDS, FormState
 from ..form.text import short_degrees
 from ..i18n import number_text, tr
 from ..paths import icon
-from ..widgets import FieldMarks, ShortLine, named, row, tool_button
+from ..widgets import FieldMarks, ShortLine, contents_of, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
 from .no_fly import NoFlyMenu
@@ -66,11 +66,11 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
             tr("Press, drag and release on the map"),
         )
         self.draw_polygon = named(
-            QPushButton(icon("draw_polygon"), tr("Polygon")),
+            QPushButton(icon("draw_polygon"), tr("Draw polygon")),
             "draw_polygon",
             tr(
                 "Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, "
-                "Backspace takes the last corner back, Esc gives up"
+                "Backspace removes the last corner, Esc cancels"
             ),
         )
         self.area_from = AreaMenu()
@@ -172,7 +172,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     def _lay_out(self, marks: FieldMarks) -> None:
         letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}
-        grid = QGridLayout(self)
+        grid = QGridLayout(contents_of(self))
         grid.setHorizontalSpacing(6)
         # As on a map: north above, south below, west left, east right.
         places = {"north": (0, 1), "west": (1, 0), "east": (1, 2), "south": (2, 1)}

@@ -68,7 +68,7 @@ class AreaMenu(MenuButton):
         super().__init__(
             tr("Area &from"),
             "area",
-            tr("Other ways to an area: the map, a layer, a file, the clipboard, a click"),
+            tr("Other ways to set the area: the map, a layer, a file, the clipboard, a click"),
             self._entries(),
         )
 
@@ -133,7 +133,7 @@ class AreaMenu(MenuButton):
                     Way.LINE,
                     "/mIconLineLayer.svg",
                     tr("L&ine of a layer…"),
-                    tr("A line flown at a speed, with an image each so many seconds or metres"),
+                    tr("A line flown at a speed, with images at intervals of time or distance"),
                 ),
             ),
             (

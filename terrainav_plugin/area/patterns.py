@@ -230,7 +230,8 @@ class RandomDialog(QDialog):
         words.setWordWrap(True)
         words.setText(
             tr(
-                "Places evenly inside the area, in any direction, at heights and tilts evenly between two values."
+                "Places spread evenly over the area, in any direction, with heights and tilts spread evenly between "
+                "two values."
             )
         )
         form.addRow(words)
@@ -240,7 +241,7 @@ class RandomDialog(QDialog):
         agl, tilt = field_named(Flight, "agl_m"), field_named(Attitude, "tilt_deg")
         self.low, self.high = (number_entry(agl, name) for name in ("lowest", "highest"))
         self.tilt = spin(
-            "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Greatest tilt; the least is 0")
+            "most_tilt", 0.0, 90.0, tilt.unit.decimals, tilt.unit.suffix, tr("Maximum tilt; the minimum is 0")
         )
         for box, value in ((self.low, _RANDOM_LOW_M), (self.high, _RANDOM_HIGH_M), (self.tilt, 0.0)):
             box.setValue(value)

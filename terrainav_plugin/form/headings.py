@@ -30,12 +30,13 @@ def headings(state: FormState, source: str) -> dict[str, str]:
         "imagery_group": _joined(source, state.date),
         "output": _joined(Path(state.folder).name, _choice(state, "image_format").partition(" (")[0]),
         "attitude": _attitude(state),
+        "route": _route(state),
         "relief": ", ".join(state.elevation) or tr("level ground"),
         "pixels": _pixels(state),
         "wind": _wind(state),
         "accuracy": _joined(
             tr("{budget} px").format(budget=_number(state.error_budget_px)),
-            "" if state.frame == DECLARED["frame"].default else _choice(state, "frame").partition(" (")[0],
+            _changed_choice(state, "frame").partition(" (")[0],
         ),
     }
 
@@ -76,6 +77,20 @@ def _attitude(state: FormState) -> str:
     )
 
 
+def _route(state: FormState) -> str:
+    battery = tr("sorties of {minutes} min")
+    lengths = (
+        (tr("lead-in {length}"), state.lead_in_m),
+        (tr("turnaround {length}"), state.turnaround_m),
+    )
+    return _joined(
+        tr("from the take-off point") if state.takeoff.strip() else tr("first to last capture"),
+        *(_changed_choice(state, name) for name in ("entry", "trigger")),
+        *(text.format(length=length_text(value, state.agl_unit)) for text, value in lengths if value),
+        battery.format(minutes=_number(state.battery_min)) if state.battery_min else "",
+    )
+
+
 def _pixels(state: FormState) -> str:
     ways = {
         "zoom": tr("zoom {zoom}").format(zoom=state.zoom),
@@ -97,6 +112,11 @@ def _wind(state: FormState) -> str:
 
 def _choice(state: FormState, name: str) -> str:
     return translate(DECLARED[name].choices.get(getattr(state, name), ""))
+
+
+def _changed_choice(state: FormState, name: str) -> str:
+    """What is chosen; empty where that is the default."""
+    return "" if getattr(state, name) == DECLARED[name].default else _choice(state, name)
 
 
 def _number(value: float) -> str:

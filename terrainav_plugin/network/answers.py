@@ -124,4 +124,4 @@ def problem(error: Any, host: str, *, answered: bool, proxy: bool) -> TransportE
         return TransportError("the proxy does not answer", away=True)
     if error in _AWAY and not answered:
         return TransportError("no connection to {0}", host, away=True, late=error == _Error.TimeoutError)
-    return TransportError("connection to {0} broke off", host)
+    return TransportError("connection to {0} was lost", host)

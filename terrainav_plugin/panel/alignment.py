@@ -1,8 +1,7 @@
-"""Rows turned so that they suit the area, beside the main thread, and what that gains."""
+"""Rows turned so that they suit the area, in a task of QGIS's, and what that gains."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING
 from qgis.PyQt.QtCore import QObject
 
 from ..i18n import tr, translate
-from ..tasks import LatestWorker, reason_of
+from ..tasks import Task
 from ..units import length_text
 
 if TYPE_CHECKING:
@@ -30,35 +29,47 @@ class RowAlignment(QObject):
     form : DockForm
     planning : Planning
     messages : Messages
+
+    Attributes
+    ----------
+    task : AlignTask or None
+        While an azimuth is being looked for.
     """
 
     def __init__(self, form: DockForm, planning: Planning, messages: Messages) -> None:
         super().__init__()
         self._form, self._planning, self._messages = form, planning, messages
-        self._worker = LatestWorker("align", self)
-        self._worker.failed.connect(self._failed)
+        self.task: AlignTask | None = None
         form.flight.align_clicked.connect(self.align)
 
-    @property
-    def busy(self) -> bool:
-        """Whether an azimuth is being looked for."""
-        return bool(self._worker.busy)
-
     def close(self) -> None:
-        """End the thread; no answer comes any more."""
-        self._worker.close()
+        """End for good."""
+        if self.task is not None:
+            self.task.abandon()
+            self.task = None
 
     def align(self, way: str) -> None:
         """Align the rows of what is entered, in one of `parts.ALIGNMENTS`."""
         self._planning.with_plan(partial(self._look, way), tr("The rows stay as they are."))
 
     def _look(self, way: str, planned: Planned) -> None:
+        if self.task is not None:
+            return
         self._form.flight.align.setEnabled(False)
-        state = self._form.state()
-        self._worker.ask(partial(_found, planned, way), partial(self._enter, state))
+        self.task = AlignTask(planned, way)
+        self.task.begin(partial(self._take, self._form.state()))
+
+    def _take(self, state: FormState, task: AlignTask) -> None:
+        self.task = None
+        self._form.flight.align.setEnabled(True)
+        if task.trace:
+            self._messages.error(f"{translate(task.error)}. {tr('The rows stay as they are.')}", task.trace)
+        elif task.error:
+            self._messages.refused(translate(task.error), tr("The rows stay as they are."))
+        elif task.found is not None:
+            self._enter(state, task.found)
 
     def _enter(self, state: FormState, found: Alignment) -> None:
-        self._form.flight.align.setEnabled(True)
         if self._form.state() != state:
             self._messages.info(
                 tr("The entries changed while the rows were being aligned: press the button again.")
@@ -69,15 +80,25 @@ class RowAlignment(QObject):
         text = translate(found.text(partial(length_text, unit=state.agl_unit)))
         self._messages.success(text[:1].upper() + text[1:])
 
-    def _failed(self, error: Exception) -> None:
-        self._form.flight.align.setEnabled(True)
-        self._messages.refused(translate(reason_of(error)), tr("The rows stay as they are."))
 
+class AlignTask(Task):
+    """Looks for an azimuth; QGIS's status bar shows how far it is, and can cancel it.
 
-def _found(planned: Planned, way: str, overtaken: Callable[[], bool]) -> Alignment:
-    """Look for an azimuth. Runs on a thread of its own."""
-    from ...core.mission.flight.alignment import aligned
-    from ..sources import heights_for
+    Attributes
+    ----------
+    found : Alignment or None
+        Once it has ended; None where it was cancelled.
+    """
 
-    mission = planned.mission
-    return aligned(mission, planned.plan.grid, heights_for(mission), way, lambda _share: not overtaken())
+    def __init__(self, planned: Planned, way: str) -> None:
+        super().__init__(tr("Aligning the rows"))
+        self._planned, self._way = planned, way
+        self.found: Alignment | None = None
+
+    def work(self) -> None:
+        """Look for it."""
+        from ...core.mission.flight.alignment import aligned
+        from ..sources import heights_for
+
+        mission = self._planned.mission
+        self.found = aligned(mission, self._planned.plan.grid, heights_for(mission), self._way, self.go_on)

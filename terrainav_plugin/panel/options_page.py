@@ -175,7 +175,7 @@ class OptionsPage(QgsOptionsPageWidget):
         self.cache_limit.setSuffix(" MB")
         self.cache_limit.setSingleStep(500)
         self.cache_button = named(
-            QPushButton(tr("Look at it or clear it…")),
+            QPushButton(tr("View or clear…")),
             "cache",
             tr("Shows what is in the cache, and clears some or all of it"),
         )

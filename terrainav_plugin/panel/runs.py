@@ -294,7 +294,10 @@ class RunRow(QFrame):
             self.CANCEL: (of_qgis("/mTaskCancel.svg"), tr("Cancel (finished images are kept)")),
             self.FAILED: (icon("capture_failed"), tr("Capture only the failed images again")),
             self.ZOOM: (of_qgis("/mActionZoomToLayer.svg"), tr("Zoom the map to this mission")),
-            self.CLEAN: (icon("clean_dataset"), tr("Reject low-detail images of this dataset")),
+            self.CLEAN: (
+                icon("clean_dataset"),
+                tr("Open in the Dataset window, which cleans, splits, exports and shows it"),
+            ),
             self.OPEN: (of_qgis("/mActionFileOpen.svg"), tr("Open the folder of the images")),
             self.DISMISS: (of_qgis("/mIconClose.svg"), tr("Remove from list (files are kept)")),
         }

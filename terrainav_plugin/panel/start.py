@@ -84,7 +84,8 @@ class StartEntry(QWidget):
             except InvalidInput:
                 time = None
             if time is None:
-                self.edit.clear()
+                # `clear` alone shows the present time until the entry is left or shown anew.
+                self.edit.setDateTime(QDateTime())
             else:
                 at = QTime(time.hour, time.minute, time.second, time.microsecond // _US_PER_MS)
                 self.edit.setDateTime(QDateTime(QDate(time.year, time.month, time.day), at, Qt.TimeSpec.UTC))

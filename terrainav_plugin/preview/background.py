@@ -92,14 +92,15 @@ class SourceOnMap(QObject):
         self._coarse: Callable[[], None] = lambda: None
 
     def show(self, then: Callable[[], None] | None = None) -> None:
-        """Show what is entered, and zoom to the area; ``then`` is called once it is there."""
+        """Show what is entered, and zoom to the area; ``then`` is called once it is there, or cannot be shown."""
         state = self._read()
         area, seen = mission_form.box(state), self._background.looked_at()
         map_type = state.map_types[0] if state.map_types else "satellite"
+        self._then = then or self._then
         try:
             stay = area is None and seen is not None
             if state.source == WORLD:
-                self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay, then)
+                self._show_world(area or seen or _FIRST_PLACE, map_type, state.seed, stay)
                 return
             title = self._title()
             if kind_of(state.source).is_file:
@@ -108,10 +109,9 @@ class SourceOnMap(QObject):
                 self._background.show_tiles(state.source_name, map_type, title, state.date)
             if not stay:
                 self._background.zoom_to(area)
-            if then is not None:
-                then()
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
+        self._go_on()
 
     def close(self) -> None:
         """End for good."""
@@ -119,9 +119,7 @@ class SourceOnMap(QObject):
             self._task.abandon()
             self._task = None
 
-    def _show_world(
-        self, box: Box, map_type: str, seed: int, stay: bool, then: Callable[[], None] | None
-    ) -> None:
+    def _show_world(self, box: Box, map_type: str, seed: int, stay: bool) -> None:
         """Draw and show the embedded world around a box, and zoom there unless the map is to stay where it is."""
         if self._task is not None:
             return
@@ -130,7 +128,6 @@ class SourceOnMap(QObject):
         title = self._title()
         # The map goes there with the first image that there is, and stays where the user moves it then.
         self._begin = None if stay else lambda: self._background.zoom_to(box)
-        self._then = then
 
         def show(task: WorldTask | None) -> None:
             self._task = None
@@ -141,6 +138,7 @@ class SourceOnMap(QObject):
                 self._show_image(choose_picture(box, map_type, seed), folder, title)
                 if task is not None:
                     task.remove_coarse()
+            self._go_on()
 
         if task is None:
             show(None)
@@ -158,16 +156,20 @@ class SourceOnMap(QObject):
 
     def _show_image(self, picture: WorldPicture, folder: Path, title: str) -> None:
         """Show an image of the embedded world; the first one moves the map, and begins what comes after it."""
-        begin, then = self._begin, self._then
-        self._begin = self._then = None
+        begin, self._begin = self._begin, None
         try:
             self._background.show_picture(picture, folder, title)
             if begin is not None:
                 begin()
-            if then is not None:
-                then()
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Do what was to be done once the map shows something."""
+        then, self._then = self._then, None
+        if then is not None:
+            then()
 
 
 class WorldTask(Task):

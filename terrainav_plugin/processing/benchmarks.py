@@ -147,7 +147,7 @@ class MakeBenchmark(WithImagery):
             QgsProcessingParameterString(
                 "QUERIES", tr("Queries: imagery by name"), multiLine=True, optional=True
             ),
-            tr("One a line, beside the rasters: {form} If neither is given, that of the mission.").format(
+            tr("One per line, beside the rasters: {form} If neither is given, that of the mission.").format(
                 form=by_name
             ),
         )

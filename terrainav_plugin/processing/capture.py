@@ -49,7 +49,7 @@ class _Capturing(WithImagery):
         self.add(
             QgsProcessingParameterBoolean("MAKE_MOSAIC", tr("Make a mosaic"), True),
             tr(
-                "One raster a map type, of the images that are there; turned and tilted ones are orthorectified."
+                "One raster for each map type, of the images that are there; turned and tilted ones are orthorectified."
             ),
             advanced=True,
         )

@@ -220,7 +220,7 @@ class Split(_OfDataset):
                     "shuffled follows a hash of the seed and the image's name, the same on every computer; in-order "
                     "follows the table; blocks divides the ground, so that none is in images of two parts: images in "
                     "between are marked “gap”, as are those that see the horizon. auto takes blocks where images "
-                    "overlap, and shuffles else."
+                    "overlap, and shuffles otherwise."
                 ),
                 tr(
                     "labels.json has the frame and the scaler of the images' positions, fitted on the training part: "

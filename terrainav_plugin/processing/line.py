@@ -48,7 +48,7 @@ class PosesAlongLine(Algorithm):
             tr("uav,drone,line,trajectory,flight,speed,turn,bank,yaw,points,poses"),
             (
                 tr(
-                    "Flies lines at a speed, one after the other, and gives a point each so many seconds or metres. "
+                    "Flies lines at a speed, one after the other, and gives points at intervals of time or distance. "
                     "Corners become turns whose radius follows from the speed and the bank; between short legs they "
                     "are tighter, and flown slower."
                 ),

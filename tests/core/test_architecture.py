@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -106,12 +107,19 @@ def room(name: str) -> str:
     return "core"
 
 
+@cache
+def nodes_of(path: Path) -> list[ast.Import | ast.ImportFrom]:
+    """Return what a file imports with, at any depth."""
+    found = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    return [node for node in found if isinstance(node, (ast.Import, ast.ImportFrom))]
+
+
 def imported(path: Path) -> Iterator[tuple[int, str]]:
     """Yield line and absolute name of everything that a file imports, lazy imports included."""
     package = module_name(path).split(".")
     if path.name != "__init__.py":
         package.pop()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -171,7 +179,7 @@ def test_arrows_point_one_way(path):
 def test_inside_the_package_imports_are_relative(path):
     absolute = [
         node.lineno
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in nodes_of(path)
         if (
             isinstance(node, ast.ImportFrom)
             and not node.level

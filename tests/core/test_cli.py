@@ -230,7 +230,7 @@ def test_an_interrupt_stops_and_resume_goes_on(tmp_path):
         "terrainav.core.cli",
         "capture",
         "--coords",
-        "35.16_-89.90_35.15_-89.88_120",
+        "35.16_-89.90_35.154_-89.885_120",
     ]
     arguments += ["--data-dir", "out", "--quiet"]
     process = subprocess.Popen(

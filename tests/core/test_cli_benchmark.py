@@ -111,6 +111,7 @@ def test_bad_input_is_one_line(terrainav, arguments, said):
         (("--queries", "a=world", "A=world"), "imagery 'A': is named twice"),
         (("--tiles", "-5"), "tiles of -5.0 m: must be wider than 0"),
         (("--data-dir", ""), "data folder ''"),
+        (("--tile-overlap", "120%"), "'120%': must be a share from 0 to below 1"),
     ],
 )
 def test_bad_benchmarks_are_one_line(terrainav, tmp_path, more, said):

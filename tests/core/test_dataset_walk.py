@@ -111,6 +111,7 @@ def test_the_documented_line_goes_from_capture_to_training(shell):
         r"^test, on ground not seen before: (\d+) of (\d+) at first rank", done.stdout, re.MULTILINE
     )
     assert int(said[1]) == (parts == "test").sum()
+    assert int(said[0]) > int(said[1]) / 5
     assert done.stdout.splitlines()[-1].endswith(": better than chance")
 
 

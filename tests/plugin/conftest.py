@@ -173,6 +173,17 @@ def screenshot(iface: QgisInterface, qtbot: QtBot) -> Callable[..., None]:
 
 
 @pytest.fixture
+def ground(clean_project: QgsProject, canvas: QgsMapCanvas, qtbot: QtBot) -> None:
+    """A layer, so that the map is not empty: nobody draws on what shows nothing."""
+    from qgis.core import QgsVectorLayer
+
+    layer = QgsVectorLayer("Point?crs=EPSG:4326", "ground", "memory")
+    clean_project.addMapLayer(layer)
+    # QGIS takes the CRS of a project's first layer a while later.
+    qtbot.waitUntil(lambda: layer in canvas.layers())
+
+
+@pytest.fixture
 def desk(
     plugin: TerrAInavPlugin,
     iface: QgisInterface,

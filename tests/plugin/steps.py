@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from qgis.PyQt.QtWidgets import QPushButton
 
 # Waits end when the thing waited for happens; this only ends a test that would hang. Slow machines take long.
 PATIENCE_MS = 60_000
+# What has not changed for so long, with the event loop running, is taken to have come to rest.
+STEADY_S = 0.3
 # Nine by nine images of 646 x 487 px.
 SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.131", "east": "-89.856"}
 # Half the camera's resolution, and so a quarter of the work, for tests of what becomes of the images.
@@ -106,6 +109,19 @@ class Desk:
 
     def wait(self, condition):
         self.qtbot.waitUntil(condition, timeout=PATIENCE_MS)
+
+    def wait_steady(self, value):
+        """Wait until ``value()`` has come to rest; returns it."""
+        last, since_s = value(), time.monotonic()
+
+        def steady():
+            nonlocal last, since_s
+            if (now := value()) != last:
+                last, since_s = now, time.monotonic()
+            return time.monotonic() - since_s > STEADY_S
+
+        self.wait(steady)
+        return last
 
     def wait_planned(self):
         """Wait until the figures are those of what is entered."""

@@ -195,6 +195,8 @@ def test_wind_moves_and_turns_the_captures(desk):
     assert planned.mission.wind == Wind(5.0, 270.0, 0.2)
     assert planned.size_px == (640, 480)
     assert planned.nominal is not None
+    # The preview holds the images in view, and the map may be anywhere.
+    desk.zoom_to(planned.mission.area)
     desk.click(desk.dock.preview)
     desk.wait_previewed()
     features = list(desk.layer("Planned images").getFeatures())
@@ -291,6 +293,7 @@ def test_another_box_takes_the_place_of_a_polygon():
 def test_points_are_planned_and_previewed_from_the_panel(desk):
     there = Mission(area=Points(((35.1, -90.0, 100.0), (35.11, -90.0, 200.0))), agl_m=100.0)
     desk.form.set_state(state_of(there, str(desk.folder)))
+    desk.zoom_to(Box(35.12, -90.02, 35.09, -89.98))
     desk.click(desk.dock.preview)
     desk.wait_previewed()
     assert desk.session.planned.mission == there

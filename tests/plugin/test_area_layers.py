@@ -623,7 +623,7 @@ def test_line_is_flown_at_a_speed(desk, screenshot):
     dialog.interval_in.setCurrentIndex(dialog.interval_in.findData("every_m"))
     dialog.interval.setValue(20.0)
     dialog.fixed_camera.setChecked(True)
-    assert dialog.words.text() == "1 line is selected. Corners become turns of a radius of 21.9 m."
+    assert dialog.words.text() == "1 line is selected. Corners become turns with a radius of 21.9 m."
     screenshot("line-dialog", dialog)
     accept(desk, dialog)
     desk.wait(lambda: "150 m AGL, each with its yaw, roll, time" in desk.form.area.words.text())

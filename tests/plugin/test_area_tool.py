@@ -14,6 +14,8 @@ from terrainav.core.geodesy.mercator import MAX_LAT_DEG
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.terrainav_plugin.area.outline import moved, stretched
 
+pytestmark = pytest.mark.usefixtures("ground")
+
 NONE, SHIFT = Qt.KeyboardModifier.NoModifier, Qt.KeyboardModifier.ShiftModifier
 LEFT = Qt.MouseButton.LeftButton
 # Of a degree, as the fields show it; two fields' roundings.

@@ -84,6 +84,44 @@ def test_link_of_the_hint_leads_to_a_first_place_and_to_drawing(desk):
     assert desk.session.state().has_box
 
 
+@pytest.mark.parametrize("way", ["draw_box", "draw_polygon", "toolbar", "draw", "single"])
+@pytest.mark.parametrize("crs", ["EPSG:4326", "EPSG:3857"])
+def test_drawing_on_an_empty_map_begins_with_the_imagery(desk, crs, way, screenshot):
+    # Where QGIS leaves an empty map of a project in degrees that was in metres before.
+    desk.look_at(crs, (-2e7, -2e7, 2e7, 2e7))
+    before = desk.canvas.mapTool()
+    if way == "toolbar":
+        desk.plugin.actions["draw_box"].trigger()
+        assert not desk.plugin.actions["draw_box"].isChecked()
+    elif way in ("draw", "single"):
+        desk.form.area.area_from.actions_by_name[way].trigger()
+    else:
+        desk.click(getattr(desk.form.area, way))
+    desk.wait(lambda: desk.canvas.mapTool() is not before)
+    desk.wait_for_tasks()
+    box = desk.session.background.rectangle(Box(35.16, -89.90, 35.115, -89.823))
+    desk.wait(lambda: fits(desk.canvas.extent(), box))
+    screenshot(f"empty-map-{way}")
+    if way == "draw_polygon":
+        assert desk.canvas.mapTool() is desk.session.areas.polygon_tool
+    elif way == "single":
+        desk.click_map(desk.at(0.5, 0.5))
+    else:
+        desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
+    assert desk.session.state().has_box or way == "draw_polygon"
+    assert desk.messages() == []
+
+
+def test_drawing_begins_also_where_the_imagery_cannot_be_shown(desk, monkeypatch):
+    def fail(*_):
+        raise InvalidInput("no such imagery")
+
+    monkeypatch.setattr(desk.session.background, "world_task", fail)
+    desk.click(desk.form.draw_box)
+    assert desk.canvas.mapTool() is desk.session.box_tool
+    assert any("o such imagery" in text for text in desk.messages())
+
+
 def test_map_goes_there_though_it_still_has_layers_of_another_project(desk, iface):
     """QGIS takes CRS and place of a project's first layer when that comes to the map, whatever the map had before."""
     stale = QgsVectorLayer("Point?crs=EPSG:4326", "of the project before", "memory")

@@ -12,6 +12,8 @@ from qgis.PyQt.QtWidgets import QLabel
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.map.canvas import box_of, box_of_outline, canvas_rectangle
 
+pytestmark = pytest.mark.usefixtures("ground")
+
 # Of a degree, as the fields show it.
 LAST_DECIMAL_DEG = 1e-7
 

@@ -145,14 +145,16 @@ def test_wind_gives_every_capture_an_outline_of_its_own():
 @pytest.fixture
 def tilted(desk):
     desk.enter_small_mission()
-    desk.form.set_state(replace(desk.session.state(), tilt_deg=60.0, yaw_deg=30.0, agl=300.0))
+    # Small images: what is laid on the map has 16 times fewer pixels.
+    state = replace(desk.session.state(), tilt_deg=60.0, yaw_deg=30.0, agl=300.0, image_px=160)
+    desk.form.set_state(state)
     desk.wait_planned()
     return desk
 
 
 def test_tilted_mission_from_preview_to_mosaic(tilted, screenshot):
     planned = tilted.session.planned.plan
-    assert planned.size_px == (640, 480)
+    assert planned.size_px == (160, 120)
     tilted.click(tilted.dock.preview)
     tilted.wait_previewed()
     features = list(tilted.layer("Planned images").getFeatures())
@@ -218,7 +220,7 @@ def test_second_capture_of_what_is_there_keeps_the_layer(tilted):
 
 def test_wind_mission_is_captured_with_its_poses(desk):
     desk.enter_small_mission()
-    desk.form.agl.setValue(300.0)
+    desk.form.set_state(replace(desk.session.state(), agl=300.0, image_px=160))
     desk.form.wind.setChecked(True)
     planned = desk.wait_planned().plan
     capture(desk)
@@ -282,7 +284,7 @@ def test_test_shot_of_a_camera_turned_by_a_quarter_lies_on_its_ground(desk, scre
 )
 def test_picture_on_the_map_is_the_picture_of_the_camera(tmp_path, place, changes):
     """Ground that the exact camera sees at a pixel has that pixel's colour on the map."""
-    there = Mission(area=Points((place,)), agl_m=place[2], **changes)
+    there = Mission(area=Points((place,)), agl_m=place[2], image_px=320, **changes)
     source = open_source("world", seed=there.imagery.seed)
     planned = plan(there, source.grid)
     run_capture(planned, source, tmp_path / "shot")

@@ -27,7 +27,12 @@ def captured(tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("captured") / "fields"
     assert (
-        main(["capture", "--coords", AREA, "--map-type", "satellite", "roadmap", "--data-dir", str(folder)])
+        main(
+            [
+                *("capture", "--coords", AREA, "--map-type", "satellite", "roadmap"),
+                *("--image-px", "160", "--data-dir", str(folder)),
+            ]
+        )
         == 0
     )
     return folder

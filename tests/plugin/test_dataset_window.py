@@ -327,8 +327,8 @@ def test_large_type_fits_in_700_px(desk, window, dataset, screenshot):
         for name in ("clean", "split", "benchmark", "export", "labels"):
             go_to(desk, window, dataset, name)
             window.window.resize(700, 660)
-            QTest.qWait(50)
             shown = window.window.tabs.currentWidget()
+            desk.wait_steady(lambda shown=shown: (window.window.width(), shown.viewport().width()))
             screenshot(f"dataset-large-{name}", window.window)
             assert window.window.width() == 700
             assert shown.widget().minimumSizeHint().width() <= shown.viewport().width(), name

@@ -10,6 +10,8 @@ from qgis.PyQt.QtGui import QDesktopServices, QImage, QTextFormat
 from terrainav.terrainav_plugin import help as help_module
 from terrainav.terrainav_plugin.help import _OPEN
 
+from tests.plugin.steps import PATIENCE_MS
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -41,8 +43,10 @@ def pictures(window):
 def test_pictures_are_as_wide_as_the_window_lets_them(window, qtbot, screenshot):
     for width in (600, 1000):
         window.resize(width, 700)
-        qtbot.waitUntil(lambda: window._fitted_px == window.viewport().width())
-        qtbot.waitUntil(lambda: not window._fit_soon.isActive())
+        qtbot.waitUntil(
+            lambda: window._fitted_px == window.viewport().width() and not window._fit_soon.isActive(),
+            timeout=PATIENCE_MS,
+        )
         shown = pictures(window)
         assert len(shown) > 10
         for name, found in shown.items():

@@ -22,6 +22,11 @@ TEXTS = (
 )
 
 
+def widths(window):
+    """Widths of the window and of its panels."""
+    return [window.width(), *(panel.width() for panel in window.findChildren(QDockWidget))]
+
+
 @pytest.fixture(params=[SMALL_PX, WIDE_PX], ids=["small", "wide"])
 def window(desk, iface, request):
     """QGIS's window in a size, with the panel and that of the layers."""
@@ -29,12 +34,12 @@ def window(desk, iface, request):
     was_maximized = window.isMaximized()
     window.showNormal()
     window.resize(*request.param)
-    QTest.qWait(300)
+    desk.wait_steady(lambda: widths(window))
     yield window
     window.setGeometry(before)
     if was_maximized:
         window.showMaximized()
-    QTest.qWait(100)
+    desk.wait_steady(lambda: widths(window))
 
 
 @pytest.mark.parametrize("text", TEXTS)
@@ -44,9 +49,9 @@ def test_message_is_whole_and_takes_no_room_from_the_panels(desk, window, iface,
     before = [panel.width() for panel in panels]
     action = ("Capture only the failed ones", lambda: None) if buttons else None
     desk.plugin.messages.warning(text, "the details" if buttons == 2 else "", action)
-    QTest.qWait(200)
     (item,) = (item for item in iface.messageBar().items() if item.title() == "TerrAInav")
     shown = item.findChild(QTextBrowser)
+    desk.wait_steady(lambda: (shown.viewport().height(), *(panel.width() for panel in panels)))
     assert shown.viewport().height() >= shown.document().size().height()
     assert shown.document().size().width() <= shown.viewport().width()
     for button in item.findChildren(QPushButton):
@@ -77,7 +82,7 @@ def test_what_the_core_logs_stands_in_the_log_panel_until_the_plugin_goes(plugin
         thread.start()
         qtbot.waitUntil(lambda: bool(heard), timeout=PATIENCE_MS)
         thread.join()
-        QTest.qWait(50)
+        QTest.qWait(50)  # for what should not come
         ((text, tag, level),) = heard
         assert "Traceback" in text
         assert "ZeroDivisionError: of a tile" in text

@@ -66,7 +66,7 @@ def kml(path, *rings):
 # --- no-fly areas
 
 
-def test_no_fly_areas_are_drawn_listed_undone_and_cleared(desk, screenshot):
+def test_no_fly_areas_are_drawn_listed_undone_and_cleared(ground, desk, screenshot):
     crs, extent = MERCATOR
     desk.look_at(crs, extent)
     draw(desk, KITE)
@@ -195,7 +195,7 @@ def test_a_test_shot_is_taken_anywhere(desk):
 # --- take-off
 
 
-def test_take_off_point_is_clicked_shown_and_cleared(desk, screenshot):
+def test_take_off_point_is_clicked_shown_and_cleared(ground, desk, screenshot):
     crs, extent = MERCATOR
     desk.look_at(crs, extent)
     draw(desk, KITE)

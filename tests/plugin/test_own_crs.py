@@ -63,7 +63,8 @@ def set_source(desk, source):
 def draw(desk, place, half_m):
     """Draw a square about a place by the mouse; the map shows half as much again."""
     desk.look_at(f"EPSG:{place[0]}", rectangle(place, 1.5 * half_m))
-    desk.click(desk.form.draw_box)
+    # As the button does on a map with layers.
+    desk.session.box_tool.start()
     to_px = desk.canvas.getCoordinateTransform().transform
     west, south, east, north = rectangle(place, half_m)
     start, end = (to_px(x, y) for x, y in ((west, north), (east, south)))

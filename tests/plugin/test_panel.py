@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from qgis.PyQt.QtCore import QDate, QDateTime, QLocale, Qt, QTime
+from qgis.PyQt.QtCore import QDate, QDateTime, QEvent, QLocale, Qt, QTime
+from qgis.PyQt.QtGui import QFocusEvent
 from qgis.PyQt.QtTest import QTest
-from qgis.PyQt.QtWidgets import QGroupBox
+from qgis.PyQt.QtWidgets import QApplication, QGroupBox, QScrollArea
 from terrainav.core.mission.parts import Flight
 from terrainav.core.mission.presets import PRESETS
 from terrainav.core.mission.settings import mission_from, resolve
@@ -68,7 +69,7 @@ def test_a_source_of_one_map_type_is_asked_for_no_other(desk):
     assert desk.form.presets.choice.currentData() == "learning"
 
 
-def test_a_folded_group_says_what_it_holds(desk):
+def test_a_folded_group_says_what_it_holds(desk, screenshot):
     desk.enter_small_mission()
     form = desk.form
     form.set_state(replace(form.state(), fov_deg=65.0, overlap_along=0.75, overlap_across=0.65, aspect="3:2"))
@@ -87,6 +88,15 @@ def test_a_folded_group_says_what_it_holds(desk):
     assert QGroupBox.title(form.imagery) == "Imagery: Synthetic (offline)"
     assert form.flight.toolTip() == "Flight: 120 m, overlap 75/65 %"
     assert "Gusts" in form.wind.toolTip()
+    assert QGroupBox.title(form.route) == "Flight path: first to last capture"
+    # Every group says something.
+    assert [box.objectName() for box in form.boxes if ": " not in QGroupBox.title(box)] == []
+    screenshot("headings", desk.dock)
+    route = {"takeoff": "35.13, -89.86", "turnaround_m": 20.0, "battery_min": 25.0, "trigger": "hover"}
+    form.set_state(replace(form.state(), **route))
+    form.route.setCollapsed(True)
+    whole = "Flight path: from the take-off point, Hover and capture, turnaround 20 m, sorties of 25 min"
+    assert form.route.toolTip() == whole
     # Where there is no room the title is cut, and the tooltip is not.
     form.set_state(replace(form.state(), folder="/somewhere/" + "long-" * 40, start="2024-06-21T10:30:00Z"))
     title = QGroupBox.title(form.output)
@@ -110,6 +120,8 @@ def test_the_panel_fits_a_small_screen_without_a_horizontal_bar(desk, iface, scr
             box.setCollapsed(False)
         QTest.qWait(50)
         screenshot("small-screen", window)
+        # Unfolding shows nothing that is to be hidden.
+        assert not desk.form.area.no_fly_words.isVisible()
         assert (window.width(), window.height()) == SMALL_PX
         form = desk.form
         for box in form.boxes:
@@ -122,6 +134,46 @@ def test_the_panel_fits_a_small_screen_without_a_horizontal_bar(desk, iface, scr
         window.resize(before)
         for box in desk.form.boxes:
             box.setCollapsed(box in desk.form.sections)
+
+
+def test_edges_that_are_cut_are_whole_in_their_tooltips(desk, screenshot):
+    whole = {"north": "35.1454915269515", "west": "-123.4567891", "south": "35.1", "east": "-123.4"}
+    desk.enter_box(**whole)
+    QTest.qWait(50)
+    screenshot("edges", desk.dock)
+    edges = desk.form.area.edges
+    # It is shown to a centimetre.
+    assert edges["north"].toolTip().startswith(f"{whole['north']}\n")
+    assert edges["south"].toolTip().startswith("Southern edge")
+    # Who leaves it sees its first digits.
+    for edge in edges.values():
+        QApplication.sendEvent(edge, QFocusEvent(QEvent.Type.FocusOut))
+    assert [edge.cursorPosition() for edge in edges.values()] == [0] * 4
+    # What is cut depends on the room there is.
+    least = edges["west"].minimumWidth()
+    edges["west"].setFixedWidth(least)
+    desk.wait(lambda: edges["west"].toolTip().startswith(f"{whole['west']}\n"))
+    screenshot("edges-narrow", desk.dock)
+    edges["west"].setFixedWidth(3 * least)
+    desk.wait(lambda: edges["west"].toolTip().startswith("Western edge"))
+    edges["west"].setMaximumWidth(16_777_215)
+    edges["west"].setMinimumWidth(least)
+
+
+def test_a_start_that_is_taken_back_is_not_set(desk, screenshot):
+    form = desk.form
+    form.attitude.setCollapsed(False)
+    entry = form.attitude.entries["start"]
+    assert entry.edit.lineEdit().text() == "not set"
+    form.set_state(replace(form.state(), start="2024-06-21T10:30:00Z"))
+    assert entry.edit.lineEdit().text() == "2024-06-21 10:30:00 UTC"
+    form.set_state(replace(form.state(), start=Flight.start))
+    # And not the present time, which QGIS's entry has when it is cleared.
+    assert entry.edit.lineEdit().text() == "not set"
+    assert entry.text() == Flight.start
+    QTest.qWait(50)
+    desk.dock.findChild(QScrollArea).ensureWidgetVisible(entry)
+    screenshot("start-not-set", desk.dock)
 
 
 def test_a_border_that_is_moved_stays_until_it_is_freed(desk):

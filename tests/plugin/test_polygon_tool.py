@@ -14,6 +14,8 @@ from terrainav.terrainav_plugin.form.area import entered_area
 
 from tests.plugin.test_area_tool import bands, degrees, pixel
 
+pytestmark = pytest.mark.usefixtures("ground")
+
 NONE = Qt.KeyboardModifier.NoModifier
 LEFT, RIGHT = Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton
 #: Places that are pointed at are kept to seven decimals, twice where they are moved.
@@ -184,7 +186,7 @@ def test_outline_that_crosses_itself_is_refused_and_drawing_goes_on(desk, tool, 
     click(desk, *KITE[:3], (0.5, 0.1))
     assert readout(desk) == "The outline would cross itself"
     assert [text for text in desk.messages() if "would cross itself" in text] == [
-        "The outline would cross itself. Go on drawing; Backspace takes the last corner back."
+        "The outline would cross itself. Go on drawing; Backspace removes the last corner."
     ]
     screenshot("polygon-crossing")
     # Of these four corners it is the way back to the first that crosses.
@@ -329,7 +331,7 @@ def test_a_corner_that_makes_outlines_cross_goes_back(desk):
     desk.drag(desk.at(*KITE[1]), desk.at(0.1, 0.6))
     assert area_of(desk) == before
     assert desk.form.area_editing.history.stack.count() == count
-    assert "The outline would cross itself. The area is as it was." in desk.messages()
+    assert "The outline would cross itself. The area is unchanged." in desk.messages()
     # What the entries showed while it was dragged has gone back, too.
     assert float(desk.form.edges["west"].text()) == before.bounds.west_deg
 

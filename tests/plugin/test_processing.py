@@ -47,6 +47,7 @@ from terrainav.terrainav_plugin import packages
 from terrainav.terrainav_plugin.processing import imagery
 from terrainav.terrainav_plugin.processing.provider import Provider
 
+from tests.plugin.steps import PATIENCE_MS
 from tests.plugin.transports import MASTER_PASSWORD
 from tests.support.tileserver import TileServer
 
@@ -699,7 +700,7 @@ def test_the_project_s_map_as_a_source(tmp_path, qtbot, beside):
         result = run("capture", **parameters)
     assert result["WRITTEN"] == 1
     # Copies of the project's layers are let go of, and by the main thread.
-    qtbot.waitUntil(lambda: not imagery._keeper()._kept)
+    qtbot.waitUntil(lambda: not imagery._keeper()._kept, timeout=PATIENCE_MS)
 
 
 def test_failed_ones_are_named_and_captured_again(server, tmp_path, qtbot):

@@ -194,7 +194,7 @@ def test_tiles_are_exact_at_every_zoom(server, zoom):
 
 @pytest.mark.parametrize(
     ("fault", "reason"),
-    [("404", "no imagery at"), ("503", "503 Service Unavailable"), ("reset", "body broke off")],
+    [("404", "no imagery at"), ("503", "503 Service Unavailable"), ("reset", "cut off after")],
 )
 def test_hole_of_a_service_fails_the_pictures_that_show_it(server, fault, reason):
     missing = (ZOOM, LEFT // 256 + 1, TOP // 256)

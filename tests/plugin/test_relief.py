@@ -73,7 +73,7 @@ def set_up(desk, **values):
 
 
 def test_a_layer_of_heights_is_flown_over(desk, dem):
-    set_up(desk, tilt_deg=25.0, image_px=160, products=("depth",))
+    set_up(desk, tilt_deg=25.0, image_px=80, products=("depth",))
     choose(desk, "Ridge")
     assert desk.session.state().elevation == (dem.source(),)
     planned = draw(desk, UTM, 100.0)
@@ -142,7 +142,7 @@ def test_missions_over_relief_come_back_from_their_files(desk, dem, tmp_path):
 
 
 def test_the_viewer_shows_the_depth_beside_the_picture(desk, dem, screenshot):
-    set_up(desk, tilt_deg=70.0, image_px=160, products=("depth",), elevation=(dem.source(),))
+    set_up(desk, tilt_deg=70.0, image_px=80, products=("depth",), elevation=(dem.source(),))
     draw(desk, UTM, 100.0)
     capture(desk)
     viewing = desk.session.viewing
@@ -235,7 +235,7 @@ def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
     source = open_source("world")
     _, lat, lon = UTM
     mission = Mission(
-        Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=160, source="world"
+        Points(((lat, lon, 90.0),)), 90.0, tilt_deg=40.0, yaw_deg=90.0, image_px=80, source="world"
     ).with_(elevation=(dem.source(),), products=("points",))
     made = plan(mission, source.grid, heights_of(mission))
     width, height = made.size_px

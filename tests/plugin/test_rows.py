@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import json
+import time
 from dataclasses import replace
 
 import pytest
+from qgis.core import QgsApplication
+from terrainav.core.errors import Cancelled
+from terrainav.core.mission.flight import alignment
 from terrainav.core.mission.parts import LONGEST_SIDE, SHORTEST
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.compat import QAction
@@ -35,8 +39,8 @@ def enter_field(desk):
 
 def press(desk, way):
     desk.form.flight.align.menu().findChild(QAction, way).trigger()
-    desk.wait(lambda: not desk.form.flight.align.isEnabled() or desk.session.alignment.busy)
-    desk.wait(lambda: desk.form.flight.align.isEnabled() and not desk.session.alignment.busy)
+    desk.wait(lambda: not desk.form.flight.align.isEnabled())
+    desk.wait(desk.form.flight.align.isEnabled)
 
 
 @pytest.mark.parametrize("way", [LONGEST_SIDE, SHORTEST])
@@ -62,6 +66,31 @@ def test_entries_that_change_meanwhile_are_kept(desk):
     desk.wait(desk.form.flight.align.isEnabled)
     assert desk.session.state().row_azimuth_deg == 12.0
     assert "entries changed" in desk.messages()[-1]
+
+
+def test_alignment_shows_how_far_it_is_and_can_be_cancelled(desk, monkeypatch, screenshot):
+    enter_field(desk)
+    align, before = desk.form.flight.align, desk.session.state()
+
+    def search(*arguments):
+        go_on = arguments[-1]
+        while go_on(0.4):
+            time.sleep(0.01)
+        raise Cancelled("alignment: stopped")
+
+    monkeypatch.setattr(alignment, "aligned", search)
+    align.menu().findChild(QAction, SHORTEST).trigger()
+    desk.wait(lambda: desk.session.alignment.task is not None)
+    task = desk.session.alignment.task
+    desk.wait(lambda: task.progress() == 40.0)
+    assert task in QgsApplication.taskManager().activeTasks()
+    assert task.canCancel()
+    assert not align.isEnabled()
+    screenshot("aligning")
+    task.cancel()
+    desk.wait(align.isEnabled)
+    assert desk.session.state() == before
+    assert desk.messages() == []
 
 
 def test_points_have_no_rows_to_align(desk):

@@ -117,10 +117,11 @@ def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server)
     press(prepared, run, "pause")
     prepared.wait(lambda: run.progress.paused)
     # What was under way may end.
-    prepared.qtbot.wait(int(SLOW_S * 2000))
-    asked, made, shown = sum(server.requests.values()), len(pictures(run.folder)), task.progress()
+    asked, made, shown = prepared.wait_steady(
+        lambda: (sum(server.requests.values()), len(pictures(run.folder)), task.progress())
+    )
     active_s = run.progress.active_s
-    prepared.qtbot.wait(1000)
+    prepared.qtbot.wait(500)
     assert sum(server.requests.values()) == asked
     assert len(pictures(run.folder)) == made
     assert run.progress.active_s == pytest.approx(active_s)
@@ -254,9 +255,8 @@ def test_list_leaves_room_for_the_entries(prepared, server):
     assert len(prepared.dock.run_list.rows) == 6
     assert prepared.dock.widget().minimumSizeHint().height() < 600
     row = prepared.dock.run_list.rows[-1]
-    prepared.qtbot.wait(50)
-    top = row.mapTo(prepared.dock.run_list.listed.viewport(), QPoint(0, 0)).y()
-    assert 0 <= top < prepared.dock.run_list.listed.viewport().height()
+    shown = prepared.dock.run_list.listed.viewport()
+    prepared.wait(lambda: 0 <= row.mapTo(shown, QPoint(0, 0)).y() < shown.height())
 
 
 @pytest.fixture

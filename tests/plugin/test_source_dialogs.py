@@ -18,6 +18,7 @@ from terrainav.core.imagery.catalogue import user_sources
 from terrainav.terrainav_plugin.panel.options_page import CacheDialog
 from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 
+from tests.plugin.steps import PATIENCE_MS
 from tests.support.json_services import answer_of, map_service
 from tests.support.patterns import decode_position, positions, to_bytes
 from tests.support.services import ServiceServer, wms_document
@@ -147,7 +148,7 @@ def find(dialog, qtbot, text):
     dialog.url.setText(text)
     assert not dialog.buttons.button(OK).isEnabled()
     dialog.find_layers.click()
-    qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+    qtbot.waitUntil(lambda: dialog._task is None, timeout=PATIENCE_MS)
 
 
 def test_arcgis_service_by_its_address_shows_a_tile_and_is_kept(dialog, qtbot, screenshot):
@@ -166,7 +167,7 @@ def test_arcgis_service_by_its_address_shows_a_tile_and_is_kept(dialog, qtbot, s
         assert dialog.title.placeholderText() == "Orthophotos 2023"
         assert not dialog.max_zoom.isVisible()
         dialog.test.click()
-        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=PATIENCE_MS)
         for words in ("256 x 256 px, PNG", "Zoom 0 to 19", "Survey of Somewhere", " s."):
             assert words in dialog.about_tile.text()
         assert re.search(r"/tile/16/\d+/\d+$", server.asked[-1])
@@ -200,11 +201,11 @@ def test_layers_of_a_wms_are_listed_with_their_systems_and_one_is_kept(dialog, q
         assert listed == ["Ortho · EPSG:3857, EPSG:25832", "Plan · EPSG:3857, EPSG:25832"]
         assert not dialog.buttons.button(OK).isEnabled()
         dialog.layers.setCurrentRow(1)
-        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=PATIENCE_MS)
         screenshot("add-wms", dialog)
         assert "EPSG:3857" in dialog._entry.urls[""]
         dialog.system.setCurrentIndex(dialog.system.findData("EPSG:25832"))
-        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=PATIENCE_MS)
         dialog.accept()
     kept = next(entry for entry in user_sources() if entry.name == dialog.added)
     assert kept.plane.crs == "EPSG:25832"
@@ -221,7 +222,7 @@ def test_what_a_server_answers_amiss_is_one_line(dialog, qtbot):
         dialog.url.setText(template)
         assert dialog.told.text() == ""
         dialog.test.click()
-        qtbot.waitUntil(lambda: dialog._task is None, timeout=20_000)
+        qtbot.waitUntil(lambda: dialog._task is None, timeout=PATIENCE_MS)
         assert "tile" in dialog.told.text()
         assert not dialog.tile.isVisible()
     # A source is kept whether or not its server answers today.
@@ -238,7 +239,7 @@ def test_dialog_that_is_closed_asks_no_more(dialog, qtbot):
     with ServiceServer(answer) as server:
         dialog.url.setText(f"{server.url}/wms")
         dialog.find_layers.click()
-        qtbot.waitUntil(lambda: bool(server.asked), timeout=20_000)
+        qtbot.waitUntil(lambda: bool(server.asked), timeout=PATIENCE_MS)
         dialog.reject()
         assert dialog._task is None
         gate.set()

@@ -59,7 +59,7 @@ def test_dock_button_shows_and_hides_the_panel(desk):
     desk.wait(lambda: desk.dock.isVisible() and action.isChecked())
 
 
-def test_every_button_brings_the_panel(desk):
+def test_every_button_brings_the_panel(ground, desk):
     desk.enter_small_mission()
     for name in ("draw_box", "preview", "test_shot"):
         desk.dock.setUserVisible(False)
@@ -68,7 +68,7 @@ def test_every_button_brings_the_panel(desk):
     desk.wait_previewed()
 
 
-def test_tool_buttons_put_their_tool_away_again(desk):
+def test_tool_buttons_put_their_tool_away_again(ground, desk):
     before = desk.canvas.mapTool()
     for name in ("draw_box", "test_shot"):
         action = desk.plugin.actions[name]

@@ -218,7 +218,7 @@ def test_advice_names_the_panels_own_entries(spanish_desk):
     desk.form.set_state(replace(desk.form.state(), error_budget_px=1e-9))
     desk.wait(lambda: bool(desk.message("error_budget_px")))
     message = desk.message("error_budget_px")
-    assert "subir «Error admisible», o seguir con «Permitir superar el error admisible»" in message
+    assert "suba «Error admisible», o siga con «Permitir superar el error admisible»" in message
     assert "--" not in message
 
 
@@ -226,7 +226,7 @@ def test_the_message_bar_is_spanish(spanish_desk):
     desk = spanish_desk
     desk.click(desk.dock.capture)
     assert desk.messages() == [
-        "Aún no hay área; dibujar un recuadro o introducir coordenadas. Aún no hay nada que capturar."
+        "Aún no hay área; dibuje un recuadro o introduzca coordenadas. Aún no hay nada que capturar."
     ]
 
 
@@ -295,7 +295,7 @@ BROKEN = PartError("broken image ({0})", "image file is truncated")
         ),
         (
             InvalidInput("{0}: is a folder", "a.tif", remedy="name a raster file"),
-            "a.tif: es una carpeta; nombrar un archivo ráster",
+            "a.tif: es una carpeta; nombre un archivo ráster",
         ),
         ("nobody said this: {0} or that", "nobody said this: {0} or that"),
         ("wind.tif", "wind.tif"),
@@ -316,14 +316,14 @@ def test_an_error_is_told_by_its_message(spanish):
     wrapped = InvalidInput(
         "{0}: {1}", "f.json", InvalidInput("{0}: is a folder", "g", remedy="name a raster file")
     )
-    assert translate(wrapped) == "f.json: g: es una carpeta; nombrar un archivo ráster"
+    assert translate(wrapped) == "f.json: g: es una carpeta; nombre un archivo ráster"
 
 
 def test_options_are_called_what_the_panel_calls_them(spanish):
     remedy = Message("raise {0}, or go on with {1}", OptionName("error_budget"), OptionName("accept_error"))
     error = InvalidInput("{0}: is a folder", "g", remedy=remedy)
     assert translate(error) == (
-        "g: es una carpeta; subir «Error admisible», o seguir con «Permitir superar el error admisible»"
+        "g: es una carpeta; suba «Error admisible», o siga con «Permitir superar el error admisible»"
     )
     assert str(error).endswith("; raise --error-budget, or go on with --accept-error")
 
@@ -340,7 +340,7 @@ def test_advice_that_the_panel_has_no_entry_for_is_left_out(spanish):
         "x",
         remedy=Message("resume it{0} or choose another folder", resume.in_brackets),
     )
-    assert translate(refused) == "carpeta x: contiene otra misión; continuarla o elegir otra carpeta"
+    assert translate(refused) == "carpeta x: contiene otra misión; continúela o elija otra carpeta"
     assert str(refused) == "folder x: holds another mission; resume it (--resume) or choose another folder"
 
 
@@ -351,7 +351,7 @@ def test_processing_fails_in_spanish(spanish):
     assert algorithm.displayName() == "Planificar una misión"
     assert "sin pedir imágenes" in algorithm.shortHelpString()
     parameters = {"COORDS": "35.16_-89.90_35.155_-89.89_120", "OVERLAP_ALONG": 0.0, "MAX_IMAGES": 3}
-    with pytest.raises(QgsProcessingException, match="el límite es 3; volar más alto"):
+    with pytest.raises(QgsProcessingException, match="el límite es 3; vuele más alto"):
         algorithm.run(parameters, QgsProcessingContext(), QgsProcessingFeedback(), {}, False)
 
 

@@ -97,7 +97,11 @@ def _main():
     import resource  # noqa: F401
 
     import PIL.Image  # noqa: F401
-    import terrainav.core.cli
+    import terrainav.core.cli.datasets
+    import terrainav.core.cli.flying
+    import terrainav.core.cli.options
+    import terrainav.core.cli.stopping
+    import terrainav.core.dataset.clean
     import terrainav.core.imagery.xyz
     import terrainav.core.world
     from terrainav.core.capture import runner  # noqa: F401

@@ -65,7 +65,7 @@ NO_ADVICE = frozenset(
         ),
         (
             "Draw a polygon: click each corner on the map; a double click, a right click or Enter finishes, Backspace "
-            "takes the last corner back, Esc gives up"
+            "removes the last corner, Esc cancels"
         ),
         (
             "Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the "

@@ -22,7 +22,7 @@ from terrainav.core.world import WorldSource
 
 from tests.support.libraries import inexact
 
-BOX = Box(35.1425, -89.866, 35.1385, -89.860)
+BOX = Box(35.1425, -89.866, 35.1405, -89.8625)
 TURNED = {"yaw_deg": 33.0, "tilt_deg": 24.0, "roll_deg": -7.0}
 MISSIONS = {
     "map": Mission(BOX, 120.0, overlap_along=0.25),

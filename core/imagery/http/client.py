@@ -184,7 +184,7 @@ class Client:
         """
         if self._left_alone():
             raise OutOfReach(
-                "{0}: not asked for, as the last {1} parts had no answer in time",
+                "{0}: not requested, as the last {1} requests had no answer in time",
                 what,
                 MAX_LATE_PARTS,
                 remedy="resume later",
@@ -445,7 +445,7 @@ def joined(url: str, target: str) -> str:
         led_to = urljoin(url, target)
         scheme = urlsplit(led_to).scheme
     except ValueError:
-        raise TransportError("redirect to something that is no URL", again=False) from None
+        raise TransportError("redirect to something that is not a URL", again=False) from None
     if scheme not in ("http", "https"):
-        raise TransportError("redirect to something else than http or https", again=False)
+        raise TransportError("redirect to an address that is neither http nor https", again=False)
     return led_to

@@ -207,7 +207,7 @@ class RequestsTransport:
             return TransportError("no answer from {0} for {1:g} s", host, self._timeouts.read_s, late=True)
         if isinstance(failure, (requests.exceptions.InvalidURL, urllib3.exceptions.LocationValueError)):
             return TransportError("the URL is not valid", again=False)
-        return TransportError("connection to {0} broke off", host)
+        return TransportError("connection to {0} was lost", host)
 
 
 def _free(session: requests.Session, undo: Callable[[], None]) -> None:

@@ -99,7 +99,7 @@ class Timeouts(NamedTuple):
 
 def too_long(max_body_bytes: int) -> TransportError:
     """Error of a body beyond its limit."""
-    return TransportError("body beyond {0} bytes", max_body_bytes, again=False)
+    return TransportError("an answer of more than {0} bytes", max_body_bytes, again=False)
 
 
 def too_many_headers() -> TransportError:
@@ -111,7 +111,7 @@ def check_length(received_bytes: int, headers: Mapping[str, str]) -> None:
     """Raise TransportError for a body that is shorter than its Content-Length says; names in lower case."""
     length = whole_number(headers.get("content-length", ""))
     if length is not None and "transfer-encoding" not in headers and received_bytes < length:
-        raise TransportError("body broke off after {0} of {1} bytes", received_bytes, length)
+        raise TransportError("an answer cut off after {0} of {1} bytes", received_bytes, length)
 
 
 def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> bytes:
@@ -134,7 +134,9 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
         return body
     if coding not in _ZLIB:
         raise TransportError(
-            "a body packed as {0}, which was not asked for", one_line(coding, _LONGEST_CODING), again=False
+            "an answer compressed as {0}, which was not requested",
+            one_line(coding, _LONGEST_CODING),
+            again=False,
         )
     # 32: zlib or gzip by its header. Some servers leave the header of zlib out.
     for window_bits in (32 + zlib.MAX_WBITS, -zlib.MAX_WBITS):
@@ -147,7 +149,7 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
             raise too_long(max_body_bytes)
         if unpacking.eof and not unpacking.unused_data:
             return plain
-    raise TransportError("a packed body that is broken")
+    raise TransportError("a compressed answer that is damaged")
 
 
 def user_agent() -> str:

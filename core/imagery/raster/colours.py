@@ -148,7 +148,7 @@ def colours_of(
     data_type = _data_type([(index, facts.bands[index - 1]) for index in bands])
     if data_type != "uint8" and not as_stored and not stretched:
         raise InvalidInput(
-            "values of band {0} are {1}, and JPEG and PNG have 8 bits",
+            "values of band {0} are {1}, but JPEG and PNG have 8 bits",
             bands[0],
             data_type,
             field="stretch",

@@ -49,13 +49,15 @@ class Place:
     def __init__(self, facts: Facts) -> None:
         if facts.geotransform is None:
             if facts.by_points:
-                raise InvalidInput("only ground control points place it: make a map of it first, by gdalwarp")
+                raise InvalidInput(
+                    "only ground control points place it: make a map of it first, with gdalwarp"
+                )
             raise InvalidInput(
                 "it does not say where its pixels lie: it has no geotransform and no world file"
             )
         if not facts.crs_wkt:
             raise InvalidInput(
-                "it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632"
+                "it states no coordinate reference system: say which, for example with gdal_edit.py -a_srs EPSG:32632"
             )
         x, x_column, x_row, y, y_column, y_row = facts.geotransform
         self._origin = np.array([x, y])
@@ -72,8 +74,8 @@ class Place:
         self._crs = _horizontal(facts.crs_wkt)
         if self._crs.is_geocentric or self._crs.is_engineering:
             raise InvalidInput(
-                "its coordinate reference system, {0}, is not one of maps: say which, as by "
-                "gdal_edit.py -a_srs EPSG:32632",
+                "its coordinate reference system, {0}, is not one of maps: say which, for example "
+                "with gdal_edit.py -a_srs EPSG:32632",
                 self._crs.name,
             )
         try:

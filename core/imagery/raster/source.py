@@ -371,7 +371,7 @@ class RasterSource:
                 part.zoom,
                 box.width,
                 box.height,
-                remedy="give it overviews, by gdaladdo",
+                remedy="give it overviews, with gdaladdo",
             )
         over = over.scaled(box.left, box.top, x, y)
         return means(self._read(level, box, x, y), over, x * y, self._colours.kind.data_type)

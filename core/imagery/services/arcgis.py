@@ -104,7 +104,9 @@ class ArcGISService(JSONService):
         stated = text_of(info.get("capabilities"))
         if stated and capability not in stated.split(","):
             raise document.wrong(
-                Message("it neither has tiles in this system nor draws: it offers {0}", stated or "nothing")
+                Message(
+                    "it neither has tiles nor draws maps in this system: it offers {0}", stated or "nothing"
+                )
             )
         return self._drawn(document, operation)
 

@@ -121,7 +121,7 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
     if plan.mission.flight.airspeed_m_per_s > FASTEST_M_PER_S:
         notes.append(
             Message(
-                "the speed of {0:g} m/s is cut to Litchi's {1:g} m/s",
+                "the speed of {0:g} m/s is reduced to Litchi's {1:g} m/s",
                 plan.mission.flight.airspeed_m_per_s,
                 FASTEST_M_PER_S,
             )
@@ -129,7 +129,7 @@ def litchi_notes(plan: Plan) -> tuple[str, ...]:
     files = [_files(sum(1 for _ in _shots(plan, sortie))) for sortie in range(plan.path.sorties)]
     if sum(files) > len(files) > 1:
         first = (str(1 + sum(files[:number])) for number in range(len(files)))
-        notes.append(Message("sorties begin with the parts {0}", ", ".join(first)))
+        notes.append(Message("sorties begin at the parts {0}", ", ".join(first)))
     return (*not_flown(plan), *notes)
 
 

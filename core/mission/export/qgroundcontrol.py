@@ -90,11 +90,11 @@ def text_of(whole: dict[str, Any], items: Iterable[dict[str, Any]]) -> Iterator[
 def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
     """What the plan cannot say, one line each."""
     heights = Message(
-        "heights are over the place of take-off: as high above the ground only where the ground is level with it"
+        "heights are above the take-off point: they are heights above ground only where the ground is level with it"
     )
     if plan.relief is not None:
         heights = Message(
-            "heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there",
+            "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
             plan.path.base_m,
         )
     return *not_flown(plan), heights

@@ -138,14 +138,16 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
             "not flown yet: files for DJI's programs were checked by their structure and by reading them back"
         ),
         Message(
-            "heights are over the take-off, worked out for ground at {0:.1f} m over the ellipsoid there",
+            "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
             plan.path.base_m,
         ),
     ]
     if flight.airspeed_m_per_s > FASTEST_M_PER_S:
         notes.append(
             Message(
-                "the speed of {0:g} m/s is cut to DJI's {1:g} m/s", flight.airspeed_m_per_s, FASTEST_M_PER_S
+                "the speed of {0:g} m/s is reduced to DJI's {1:g} m/s",
+                flight.airspeed_m_per_s,
+                FASTEST_M_PER_S,
             )
         )
     if drone.of_dji_fly:
@@ -159,7 +161,7 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
         if plan.mission.trigger != HOVER:
             notes.append(
                 Message(
-                    "the drone stops at each waypoint, which times and sorties count with the trigger hover alone"
+                    "the drone stops at each waypoint; times and sorties count these stops with the trigger hover alone"
                 )
             )
     return (*not_flown(plan), *notes)

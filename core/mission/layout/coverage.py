@@ -41,6 +41,8 @@ _NO_GROUND_M2 = 1e-6
 _ROUNDED_PX = 0.5
 #: Share of the area below which nothing is missing: the noise of areas worked out along two ways.
 _NOTHING_MISSING = 1e-9
+#: Share of the area outside no-fly areas below which there is none.
+_NOTHING_LEFT = 1e-8
 
 
 @dataclass(frozen=True)
@@ -69,8 +71,10 @@ class Coverage:
             return self
         inside = summed(held)
         area_m2 = max(self.area_m2 - inside.area_m2, 0.0)
-        uncovered_m2 = self.uncovered_m2 - inside.uncovered_m2
+        uncovered_m2 = min(self.uncovered_m2 - inside.uncovered_m2, area_m2)
         complete = self.complete or uncovered_m2 <= _NOTHING_MISSING * self.area_m2
+        # Sides of what no-fly areas hold are bent on a plane otherwise than those of the whole.
+        complete |= area_m2 <= _NOTHING_LEFT * self.area_m2
         return Coverage(area_m2, 0.0 if complete else uncovered_m2, complete, inside.area_m2)
 
     @property

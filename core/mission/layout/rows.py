@@ -240,6 +240,11 @@ def _cover(
     rows_v, edges = _row_centres(mission, box, frames, pixel, refuse_early=along is None)
     rounding = _ROUNDING_PX * pixel
     top_v, bottom_v, beside_deg = _with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
+    if along is None and len(rows_v) > _MANY_ROWS:
+        # Following a polygon through many rows takes a while: images show the whole of it at least.
+        one_m2 = WGS84.zone_area_m2_per_deg(v_to_lat(edges.bottom_v), v_to_lat(edges.top_v))
+        most_m2 = float(np.max(one_m2 * 360.0 * edges.size[0]))
+        refuse_too_many(_SURELY * area.area_m2() / most_m2, mission.output.max_images)
     spans = row_spans(area, top_v, bottom_v)
     if mission.flight.margin_m:
         spans = spans + beside_deg[:, np.newaxis] * np.array([-1.0, 1.0])

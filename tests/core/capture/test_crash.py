@@ -30,11 +30,17 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system kil
 
 AREA = Box(35.16, -89.90, 35.1555, -89.895)
 # Kills of each of the two ways to run a capture, and runs within which there are so many.
-KILLS, MOST_RUNS = 16, 200
+KILLS = pytest.mark.parametrize("most", [8, pytest.param(64, marks=pytest.mark.thorough)])
+MOST_RUNS = 400
 SEED = 20240229
 # No run is left alone for longer, lest a busy machine makes the test long.
 LONGEST_S = 0.5
+# Captures whose every change to the folder a run is killed before: one has two images, of two map types.
+ONE = Points(((35.0, -90.0, 60.0),))
 TWO = Points(((35.0, -90.0, 60.0), (-33.0, 151.0, 60.0)))
+PLACES = pytest.mark.parametrize(
+    ("places", "images"), [(ONE, 2), pytest.param(TWO, 4, marks=pytest.mark.thorough)], ids=["one", "two"]
+)
 MISSIONS = {
     "tif": Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18),
     "jpg": Mission(
@@ -108,10 +114,11 @@ def killed_until_complete(run, folder, whole, kills, chance, longest_s):
     raise AssertionError(f"not complete after {MOST_RUNS} runs")
 
 
-def test_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path):
+@KILLS
+def test_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path, most):
     chance, kills, turn = random.Random(SEED), 0, 0
     wholes = {}
-    while kills < KILLS:
+    while kills < most:
         name = list(MISSIONS)[turn % len(MISSIONS)]
         mission = MISSIONS[name].to_json()
         if name not in wholes:
@@ -125,12 +132,13 @@ def test_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path):
         def run(after_s, folder=folder, mission=mission):
             return driver.run(mission=mission, folder=str(folder), wait_s=0.002, kill_after_s=after_s)
 
-        kills += killed_until_complete(run, folder, whole, KILLS - kills, chance, seconds)
+        kills += killed_until_complete(run, folder, whole, most - kills, chance, seconds)
         turn += 1
         assert turn < MOST_RUNS
 
 
-def test_the_command_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path):
+@KILLS
+def test_the_command_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_path, most):
     chance, kills, turn = random.Random(SEED + 1), 0, 0
     with TileServer(latency_s=0.002) as server:
 
@@ -152,13 +160,13 @@ def test_the_command_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_pa
         outcome = run_into(tmp_path / "whole")
         assert outcome["code"] == 0, (tmp_path / "printed").read_text()
         whole = contents(tmp_path / "whole")
-        while kills < KILLS:
+        while kills < most:
             folder = tmp_path / f"killed {turn}"
             kills += killed_until_complete(
                 lambda after_s, folder=folder: run_into(folder, after_s),
                 folder,
                 whole,
-                KILLS - kills,
+                most - kills,
                 chance,
                 outcome["seconds"],
             )
@@ -169,14 +177,15 @@ def test_the_command_killed_at_random_and_resumed_is_as_in_one_go(driver, tmp_pa
     assert "Traceback" not in (tmp_path / "printed").read_text()
 
 
-def test_killed_before_each_change_to_the_folder(driver, tmp_path):
-    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg").to_json()
+@PLACES
+def test_killed_before_each_change_to_the_folder(driver, tmp_path, places, images):
+    mission = Mission(places, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg").to_json()
     options = {"mission": mission, "connections": 1, "workers": 1}
     outcome = driver.run(folder=str(tmp_path / "whole"), **options)
     whole, events = contents(tmp_path / "whole"), outcome["events"]
-    # Of four pictures three files each are opened and renamed.
-    assert (outcome["code"], outcome["written"]) == (0, 4)
-    assert events > 24
+    # Of each image three files are opened and renamed.
+    assert (outcome["code"], outcome["written"]) == (0, images)
+    assert events > 6 * images
     for at in range(events):
         folder = tmp_path / f"killed {at}"
         assert driver.run(folder=str(folder), kill_at_event=at, **options)["code"] == KILLED
@@ -186,8 +195,11 @@ def test_killed_before_each_change_to_the_folder(driver, tmp_path):
         assert contents(folder) == whole
 
 
+@PLACES
 @pytest.mark.parametrize("back", [False, True], ids=["clean", "undo"])
-def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(driver, tmp_path, back):
+def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(
+    driver, tmp_path, back, places, images
+):
     def files(folder):
         return {
             str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()
@@ -201,16 +213,16 @@ def test_cleaning_killed_before_each_change_can_be_finished_or_taken_back(driver
 
     cleaning, undoing = ["--entropy", "8", "--move"], ["--undo"]
     there, cleaned = tmp_path / "there", tmp_path / "cleaned"
-    mission = Mission(TWO, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg")
+    mission = Mission(places, 60.0, map_types=("satellite", "roadmap"), zoom=18, image_format="jpg")
     capture(plan(mission, PatternSource().grid), PatternSource(), there)
     shutil.copytree(there, cleaned)
     ran(cleaned, cleaning)
     before, after = files(there), files(cleaned)
-    assert len(list(cleaned.glob("*/rejected/*"))) == 12
+    assert len(list(cleaned.glob("*/rejected/*"))) == 3 * images
     start, arguments = (cleaned, undoing) if back else (there, cleaning)
     events = ran(shutil.copytree(start, tmp_path / "counted"), arguments)
-    # Two tables are opened and renamed, and twelve files moved.
-    assert events >= 16
+    # Two tables are opened and renamed, and three files of each image moved.
+    assert events >= 4 + 3 * images
     for at in range(events):
         finished = shutil.copytree(start, tmp_path / f"finished {at}")
         ran(finished, arguments, KILLED, kill_at_event=at)

@@ -35,7 +35,7 @@ from tests.support.sources import CentredSource, FailingSource, PatternSource, m
 
 # Far longer than anything here takes.
 NEVER_S = 30.0
-AREA = Box(35.16, -89.90, 35.1525, -89.8915)
+AREA = Box(35.16, -89.90, 35.1555, -89.892)
 MISSION = Mission(AREA, 120.0, map_types=("satellite", "roadmap"), overlap_along=0.1, zoom=18)
 FIJI = Box(-16.5, 179.9905, -16.505, -179.993)
 

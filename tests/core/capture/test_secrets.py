@@ -18,6 +18,7 @@ from PIL import Image
 
 from tests.support.faults import FAULTS
 from tests.support.forks import ROOT, Driver
+from tests.support.thinning import named, thinned
 from tests.support.tileserver import TileServer
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="this system forks no processes")
@@ -177,7 +178,26 @@ def test_a_report_tells_no_key(driver, server, tmp_path):
     assert (tmp_path / "report").is_dir()
 
 
-@pytest.mark.parametrize("kind", sorted(FAULTS))
+# Of each kind of answer one; that errors of the source hold no key is tried with all of them (test_faults).
+@pytest.mark.parametrize(
+    "kind",
+    thinned(
+        named(sorted(FAULTS)),
+        (
+            "401",
+            "404",
+            "500",
+            "bad-copy",
+            "bomb",
+            "deep-json",
+            "flat",
+            "quota",
+            "redirects",
+            "reset",
+            "stall",
+        ),
+    ),
+)
 def test_a_capture_that_fails_tells_no_key(driver, server, tmp_path, kind):
     server.fail(kind)
     argv = arguments("capture", server, tmp_path, "--no-cache", *(["--json"] if len(kind) % 2 else []))
@@ -211,7 +231,22 @@ ECHOES = {
 }
 
 
-@pytest.mark.parametrize("kind", ECHOES)
+@pytest.mark.parametrize(
+    "kind",
+    thinned(
+        named(ECHOES),
+        (
+            "403 raw",
+            "403 html",
+            "400 json",
+            "503 text",
+            "200 html",
+            "403 cut 135",
+            "404 cut 145",
+            "200 cut 145",
+        ),
+    ),
+)
 def test_a_server_that_quotes_the_key_is_not_quoted(driver, server, tmp_path, monkeypatch, kind):
     monkeypatch.setitem(FAULTS, "404", lambda handler, _body: echo(handler, *ECHOES[kind]))
     server.fail("404")

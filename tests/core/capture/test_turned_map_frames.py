@@ -194,7 +194,7 @@ def test_rows_to_and_fro_are_map_frames_of_one_dataset(tmp_path):
     assert (table.image_width_px > table.image_height_px).all()
 
 
-@pytest.mark.parametrize("ending", ["tif", "jpg", "png"])
+@pytest.mark.parametrize("ending", ["tif", "jpg", pytest.param("png", marks=pytest.mark.thorough)])
 def test_images_of_rows_along_meridians_are_read_as_the_map_frames_that_they_are(tmp_path, ending):
     """Their cameras are turned from the map by what meridians converge: as little as the budget lets pass."""
     mission = Mission(

@@ -25,6 +25,7 @@ from terrainav.core.picture.heights import heights_of
 from tests.core.mission.qgc_survey import checked, photos
 from tests.core.mission.wpml_reader import Wpml
 from tests.support import rasters
+from tests.support.thinning import thinned
 
 WEST, NORTH, SIDE = 320_000.0, 4_298_000.0, 500
 UTM = (WEST, 2.0, 0.0, NORTH, 0.0, -2.0)
@@ -250,31 +251,29 @@ def seen_by(made, lat, lon, height_m, margin=0.0, only=None):
     return count
 
 
-@pytest.mark.parametrize("kind", ["hills", "tower"])
+FLIGHTS = {
+    "ground": {},
+    "takeoff": {"height_above": "takeoff"},
+    "ellipsoid": {"height_above": "ellipsoid"},
+    "turned": {"row_azimuth_deg": 120.0},
+    "slow": {"climb_m_per_s": 2.0},
+    "track": {"facing": "track"},
+    "track, tilted": {"facing": "track", "tilt_deg": 12.0},
+    "margin": {"margin_m": 40.0},
+    "margin, turned": {"margin_m": 40.0, "row_azimuth_deg": 30.0},
+}
+
+
 @pytest.mark.parametrize(
-    "values",
-    [
-        {},
-        {"height_above": "takeoff"},
-        {"height_above": "ellipsoid"},
-        {"row_azimuth_deg": 120.0},
-        {"climb_m_per_s": 2.0},
-        {"facing": "track"},
-        {"facing": "track", "tilt_deg": 12.0},
-        {"margin_m": 40.0},
-        {"margin_m": 40.0, "row_azimuth_deg": 30.0},
-    ],
-    ids=[
-        "ground",
-        "takeoff",
-        "ellipsoid",
-        "turned",
-        "slow",
-        "track",
-        "track, tilted",
-        "margin",
-        "margin, turned",
-    ],
+    ("kind", "values"),
+    thinned(
+        {
+            f"{kind}, {name}": (kind, values)
+            for kind in ("hills", "tower")
+            for name, values in FLIGHTS.items()
+        },
+        [*(f"tower, {name}" for name in FLIGHTS), "hills, ground", "hills, turned"],
+    ),
 )
 def test_nothing_of_an_area_is_left_out_and_the_least_overlap_is_kept(dem, kind, values):
     agl = 190.0 if values.get("height_above") == "ellipsoid" else 90.0
@@ -318,10 +317,11 @@ def test_along_a_row_images_are_only_as_near_as_what_they_show_needs(dem):
     assert (apart[same & (near < 30.0)] < 0.4 * plain_m).all()
 
 
-def test_rows_over_any_relief_leave_nothing_out(tmp_path):
+@pytest.mark.parametrize("trials", [5, pytest.param(40, marks=pytest.mark.thorough)])
+def test_rows_over_any_relief_leave_nothing_out(tmp_path, trials):
     """Cliffs, spikes and noise; boxes and polygons, narrower than an image or of several; any overlap and tilt."""
     rng = np.random.default_rng(7)
-    for trial in range(10):
+    for trial in range(trials):
         rough = rng.choice([2.0, 15.0, 40.0])
         values = rng.normal(0.0, rough / 8.0, (SIDE, SIDE))
         for _ in range(rng.integers(1, 12)):
@@ -357,7 +357,7 @@ def test_rows_over_any_relief_leave_nothing_out(tmp_path):
             assert least is None or least >= asked - rounding
 
 
-@pytest.mark.parametrize("tilt_deg", [80.0, 85.0])
+@pytest.mark.parametrize("tilt_deg", [80.0, pytest.param(85.0, marks=pytest.mark.thorough)])
 def test_cameras_that_look_far_ahead_stand_over_the_relief_there(tmp_path, tilt_deg):
     """Their images show the area from beyond what images straight down would see of its surroundings."""
     x, y = np.meshgrid(np.arange(SIDE), np.arange(SIDE))

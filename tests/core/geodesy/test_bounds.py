@@ -15,6 +15,7 @@ from terrainav.core.geodesy.view import ImageRays, mesh, view
 
 from tests.core.geodesy import bounds, longdouble
 from tests.core.geodesy.reference import look, see
+from tests.support.thinning import named, thinned
 
 pytestmark = pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_NOT)
 
@@ -65,7 +66,7 @@ def test_camera_frames_whose_every_pixel_is_traced_stay_within_their_bound():
     assert points.worst > 0.1
 
 
-@pytest.mark.parametrize("tolerance", [0.3, 0.03, 0.003])
+@pytest.mark.parametrize("tolerance", thinned(named([0.3, 0.03, 0.003]), ["0.03"]))
 def test_cells_of_meshes_stay_within_their_bounds(tolerance):
     points, meshes = bounds.meshes(9, 60, tolerance)
     assert points.count > 10_000
@@ -75,9 +76,11 @@ def test_cells_of_meshes_stay_within_their_bounds(tolerance):
     assert meshes.count > 10
 
 
-def test_rectangles_lie_inside_what_cameras_see(library):
+@pytest.mark.parametrize("draws", [80, pytest.param(250, marks=pytest.mark.thorough)])
+def test_rectangles_lie_inside_what_cameras_see(library, draws):
     # The shapes are tried with the machine's library; a far worse one takes ten times as long.
-    draws = 250 if library == "own" else 80
+    if library != "own":
+        draws = 80
     found = bounds.rectangles_inside(seed=11, draws=draws, each=6)
     # They give way by half a pixel of the source; what an edge does between the points looked at is far less.
     assert found.worst_px <= 0.05
@@ -123,7 +126,7 @@ def test_a_rectangle_stays_inside_what_the_horizon_leaves(pose):
     "pose",
     [{}, {"tilt": 60.0, "yaw": 30.0}, {"tilt": 85.0, "roll": 5.0}, {"lat": 40.1, "agl": 8e6}, {"agl": 3.6e7}],
 )
-@pytest.mark.parametrize("tolerance", [0.1, 0.003])
+@pytest.mark.parametrize("tolerance", thinned(named([0.1, 0.003]), ["0.1"]))
 def test_every_pixel_is_a_cell_or_a_ray_or_sky(pose, tolerance):
     here = scene(**pose)
     rays = ImageRays.of(here)

@@ -62,12 +62,12 @@ BROKEN = {
     "flat": "no imagery here: the provider's placeholder image",
     "transparent": "no imagery (a transparent image)",
     "redirects": "more than 5 redirects",
-    "redirect-to-file": "redirect to something else than http or https",
-    "200MB": "body beyond 33554432 bytes",
+    "redirect-to-file": "redirect to an address that is neither http nor https",
+    "200MB": "an answer of more than 33554432 bytes",
     "bomb": "an image of 40000x40000 px instead of 256x256",
-    "packed-bomb": "body beyond 33554432 bytes",
-    "brotli": "a body packed as br, which was not asked for",
-    "redirect-to-nowhere": "redirect to something that is no URL",
+    "packed-bomb": "an answer of more than 33554432 bytes",
+    "brotli": "an answer compressed as br, which was not requested",
+    "redirect-to-nowhere": "redirect to something that is not a URL",
     "many-headers": "an answer of more than 100 header lines",
     "deep-json": f"400 Bad Request: {'[' * 199}…",
 }
@@ -237,7 +237,7 @@ def test_a_packed_body_that_is_not_whole_is_no_picture(server, source_of, monkey
 
     monkeypatch.setitem(FAULTS, "brotli", packed)
     server.fail("brotli")
-    with pytest.raises(PartError, match="a packed body that is broken"):
+    with pytest.raises(PartError, match="a compressed answer that is damaged"):
         source_of(server).fetch("satellite", TILE)
 
 

@@ -343,7 +343,9 @@ def test_terms_that_nothing_overrides_hold_for_the_host_that_is_asked_in_the_end
     limit = entry_named("osm").policy.max_tiles
     for x in range(limit):
         source.fetch("", Window(12, x * 256, 0, 256, 256))
-    with pytest.raises(SourceError, match=f"^OpenStreetMap: {limit + 1} requests, and {limit} at most pass"):
+    with pytest.raises(
+        SourceError, match=f"^OpenStreetMap: {limit + 1} requests, but at most {limit} are allowed"
+    ):
         source.fetch("", Window(12, limit * 256, 0, 256, 256))
     assert sum(times for host, times in transport.asked.items() if "openstreetmap" in host) == limit
     source.close()
@@ -355,7 +357,7 @@ def test_a_redirect_within_a_provider_is_no_further_tile():
     source = XYZSource("https://tile.osm.org/{z}/{x}/{y}.png", transport=transport, policy=policy)
     for x in range(policy.max_tiles):
         source.fetch("", Window(12, x * 256, 0, 256, 256))
-    with pytest.raises(SourceError, match="at most pass"):
+    with pytest.raises(SourceError, match="are allowed without"):
         source.fetch("", Window(12, 0, 256, 256, 256))
     source.close()
 

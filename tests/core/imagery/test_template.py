@@ -68,7 +68,7 @@ def test_other_programs_spelling_is_read():
         ("http://h/{z}/{x}.png", r"without \{y\}"),
         ("http://h/tiles", r"without \{z\} \{x\} \{y\}"),
         ("http://h/{z}/{x}/{y}/{style}", r"\{style\} is unknown; known are \{z\} \{x\}"),
-        ("http://h/{z}/{x}/{y", "a brace without its partner"),
+        ("http://h/{z}/{x}/{y", "an unmatched brace"),
         ("file:///tiles/{z}/{x}/{y}.png", "of file scheme: must start with http:// or https://"),
         ("ftp://h/{z}/{x}/{y}.png", "must start with http"),
         ("tiles/{z}/{x}/{y}.png", "of no scheme"),

@@ -10,9 +10,13 @@ import numpy as np
 import pytest
 from terrainav.core import safe_xml
 from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission import area_files
 from terrainav.core.mission.area import Polygon, Polygons
 from terrainav.core.mission.area_files import load_area, load_no_fly
+from terrainav.core.mission.layout import rows
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
 
 RING = [[-89.9, 35.16], [-89.82, 35.16], [-89.86, 35.11], [-89.9, 35.16]]
 
@@ -253,7 +257,7 @@ def test_an_archive_that_is_packed_in_another_way_is_refused(tmp_path):
     path = tmp_path / "area.kmz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_BZIP2) as archive:
         archive.writestr("doc.kml", kml(kml_polygon(SQUARES[0])))
-    with pytest.raises(InvalidInput, match="is packed in another way than KMZ is"):
+    with pytest.raises(InvalidInput, match="is compressed in a way that KMZ does not use"):
         load_area(path)
 
 
@@ -306,3 +310,96 @@ def test_without_lxml_it_is_said_how_to_get_it(tmp_path, monkeypatch):
 def test_a_file_that_is_not_there_is_named(tmp_path):
     with pytest.raises(InvalidInput, match=r"no-fly file .*missing\.kml: cannot be read"):
         load_no_fly(tmp_path / "missing.kml")
+
+
+# --- rings that tell no ground
+
+
+def ring(west, south, size):
+    east, north = west + size, south + size
+    return [[west, south], [east, south], [east, north], [west, north], [west, south]]
+
+
+SQUARE = ring(-89.9, 35.1, 0.01)
+
+
+@pytest.mark.parametrize("load", [load_area, load_no_fly])
+@pytest.mark.parametrize(
+    ("rings", "says"),
+    [
+        (
+            [[[-89.9, 35.1], [-89.89, 35.11], [-89.89, 35.1], [-89.9, 35.11]]],
+            r"sides cross at latitude 35\.105000, longitude -89\.895000: its sides may only touch$",
+        ),
+        (
+            [SQUARE, ring(-89.893, 35.103, 0.006)],
+            r"sides cross at latitude 35\.103000, longitude -89\.890000",
+        ),
+        ([[[179.99, 10], [-179.99, 10.02], [-179.99, 10], [179.99, 10.02]]], r"longitude -180\.000000"),
+        ([SQUARE, ring(-89.8, 35.103, 0.003)], "hole 1 outside of it: holes lie inside the outer ring$"),
+        ([SQUARE, ring(-89.898, 35.102, 0.003), ring(-89.95, 35.05, 0.1)], "hole 2 outside of it"),
+        ([SQUARE, SQUARE], "polygon without ground: "),
+        ([[[-89.9, 35.1], [-89.89, 35.1], [-89.88, 35.1]]], "polygon without ground: "),
+        ([[[-180, -85], [180, -85], [180, 85], [-180, 85]]], "more than half the Earth apart"),
+        (
+            [[[0, 89.9], [90, 89.9], [180, 89.9], [-90, 89.9]]],
+            "around a pole: its sides are straight in degrees",
+        ),
+    ],
+)
+def test_rings_that_tell_no_ground_are_refused_in_one_line(tmp_path, load, rings, says):
+    path = tmp_path / "wrong.geojson"
+    path.write_text(json.dumps({"type": "MultiPolygon", "coordinates": [[RING], rings]}))
+    with pytest.raises(InvalidInput, match=says) as refused:
+        load(path)
+    assert "wrong.geojson: polygon 2: polygon" in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_rings_may_touch_each_other_and_themselves(tmp_path):
+    """Corners on sides and on other corners, and a side that is gone twice, as editors leave them."""
+    touching = [[-89.9, 35.1], [-89.897, 35.103], [-89.894, 35.1]]
+    twice = [[0, 0], [1, 0], [1, 1], [2, 1], [1, 1], [0, 1]]
+    on_corner = [
+        [-89.8, 35.1],
+        [-89.79, 35.1],
+        [-89.795, 35.105],
+        [-89.79, 35.11],
+        [-89.8, 35.11],
+        [-89.795, 35.105],
+    ]
+    path = tmp_path / "touching.geojson"
+    path.write_text(
+        json.dumps({"type": "MultiPolygon", "coordinates": [[SQUARE, touching], [twice], [on_corner]]})
+    )
+    area = load_area(path)
+    assert len(area.parts) == 3
+    assert area.parts[1].area_m2() == pytest.approx(Polygon((((0, 0), (1, 0), (1, 1), (0, 1)),)).area_m2())
+
+
+def test_a_ring_through_a_pole_holds_the_ground_around_it(tmp_path):
+    """As RFC 7946 asks for: the meridian of 180 is cut, and a side leads along the pole."""
+    around = [[lon, 89.9] for lon in range(-180, 181, 60)]
+    path = tmp_path / "cap.geojson"
+    path.write_text(
+        json.dumps({"type": "Polygon", "coordinates": [[*around, [180, 90], [-180, 90], around[0]]]})
+    )
+    cap = load_area(path)
+    # On a sphere of the Earth's radius at the pole.
+    assert cap.area_m2() == pytest.approx(np.pi * (6_399_594.0 * np.radians(0.1)) ** 2, rel=1e-3)
+    again = Polygon(cap.rings)
+    assert again == cap
+
+
+def test_a_polygon_of_far_too_many_rows_is_refused_before_they_are_followed(monkeypatch):
+    band = Polygon(
+        (
+            tuple((lon, -85) for lon in range(-180, 181, 60))
+            + tuple((lon, 85) for lon in range(180, -181, -60)),
+        )
+    )
+    monkeypatch.setattr(rows, "row_spans", lambda *_: pytest.fail("rows are followed"))
+    with pytest.raises(
+        InvalidInput, match=r"mission of 2\d,\d{3},\d{3},\d{3} images: the limit is 10,000,000"
+    ):
+        plan(Mission(band, 120.0), PixelGrid())

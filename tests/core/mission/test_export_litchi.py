@@ -129,7 +129,7 @@ def test_what_the_file_cannot_say_is_told(tmp_path):
     notes = " | ".join(write_plan(worked_out(mission), tmp_path / "n.litchi.csv").notes)
     assert "the roll of 4 deg is left out" in notes
     assert "wind is left out" in notes
-    assert "speed of 22 m/s is cut to Litchi's 15 m/s" in notes
+    assert "speed of 22 m/s is reduced to Litchi's 15 m/s" in notes
     assert {row["speed(m/s)"] for row in rows(tmp_path / "n.litchi.csv")} == {"15.00"}
 
 

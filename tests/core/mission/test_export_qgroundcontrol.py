@@ -64,15 +64,19 @@ def test_waypoints_are_the_nominal_captures(tmp_path):
     assert mount == [-70.0, 0, 0, 0, 0, 0, 2]  # targeted by MAVLink
     assert {tuple(item["params"][:3]) for item in items if item["command"] == PICTURE} == {(0, 0, 1)}
     assert "wind is left out" in exported.notes[0]
-    assert "place of take-off" in exported.notes[-1]
+    assert "heights above ground only" in exported.notes[-1]
 
 
 def test_over_relief_it_is_said_what_ground_heights_are_worked_out_for(tmp_path):
-    mission = HERE.with_(elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0)
+    area = Box(35.1555, -89.896, 35.154, -89.894)
+    mission = HERE.with_(
+        area=area, agl_m=60.0, elevation=("world",), takeoff=(35.1545, -89.895), tilt_deg=0.0
+    )
     flown = plan(mission, PixelGrid(), heights_of(mission, SourceOptions()))
     (note,) = write_plan(flown, tmp_path / "field.plan").notes
     assert note == (
-        f"heights are over the take-off, worked out for ground at {flown.path.base_m:.1f} m over the ellipsoid there"
+        f"heights are above the take-off point, computed for ground at {flown.path.base_m:.1f} m above the ellipsoid "
+        "there"
     )
 
 

@@ -146,7 +146,7 @@ def test_a_long_sortie_is_cut_further(tmp_path):
     assert max(sizes) <= 99
     assert sum(sizes) == sum(len(in_air(flown.path, sortie)) for sortie in range(flown.path.sorties))
     assert len(sizes) > flown.path.sorties > 1
-    (note,) = (note for note in exported.notes if note.startswith("sorties begin with the parts "))
+    (note,) = (note for note in exported.notes if note.startswith("sorties begin at the parts "))
     begins = [int(number) - 1 for number in note.rpartition(" parts ")[2].split(", ")]
     assert len(begins) == flown.path.sorties
     for number, table in enumerate(tables(exported)):

@@ -131,9 +131,9 @@ def test_files_are_as_the_reference_says(tmp_path, survey, drone, trigger):
         trigger == "distance" and read.of_fly
     )
     # What the file has the drone do, and no figure counts.
-    assert ("stops at each waypoint, which times and sorties count with the trigger hover alone" in said) is (
-        trigger != "hover" and read.of_fly
-    )
+    assert (
+        "stops at each waypoint; times and sorties count these stops with the trigger hover alone" in said
+    ) is (trigger != "hover" and read.of_fly)
 
 
 @pytest.mark.parametrize("name", [TEMPLATE, WAYLINES])
@@ -339,5 +339,5 @@ def test_what_drones_do_not_take_is_refused(tmp_path, mission, said):
 
 def test_a_faster_flight_is_cut_and_said(tmp_path):
     exported = written(worked_out(SURVEY.with_(airspeed_m_per_s=20.0)), tmp_path)
-    assert any("cut to DJI's 15 m/s" in str(note) for note in exported.notes)
+    assert any("reduced to DJI's 15 m/s" in str(note) for note in exported.notes)
     assert Wpml(exported.files[0]).text(Wpml(exported.files[0]).folder, "autoFlightSpeed") == "15.00"

@@ -195,9 +195,9 @@ def test_a_polygon_is_covered_and_nothing_else_is_flown(layout):
         assert grown[rows, x_from - 1 + margin : x_to + 1 + margin].any()
 
 
-def test_hundreds_of_thousands_of_rows_settle():
-    worked_out = plan(Mission(Box(35.6, -89.90, 35, -89.9), 0.3), PixelGrid(max_zoom=30, native_zoom=30))
-    assert worked_out.rows > 200_000
+def test_a_hundred_thousand_rows_settle():
+    worked_out = plan(Mission(Box(35.3, -89.90, 35, -89.9), 0.3), PixelGrid(max_zoom=30, native_zoom=30))
+    assert worked_out.rows > 100_000
     assert worked_out.coverage.complete
 
 

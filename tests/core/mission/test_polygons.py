@@ -455,8 +455,8 @@ def test_polygons_in_a_crs_of_the_source_s_own_are_covered_each_by_itself(layout
 
 
 def test_polygons_over_relief_share_what_was_asked_for():
-    area = Polygons((square(-89.9, 35.1), square(-89.896, 35.101)))
-    mission = Mission(area, 120.0, overlap_along=0.5, overlap_across=0.4, elevation=("world",))
+    area = Polygons((square(-89.9, 35.1, 0.001), square(-89.8985, 35.1005, 0.001)))
+    mission = Mission(area, 60.0, overlap_along=0.5, overlap_across=0.4, elevation=("world",))
     found = plan(mission, GRID, heights_of(mission, SourceOptions()))
     assert found.coverage.complete
     assert found.overlap.least_along > 0.49

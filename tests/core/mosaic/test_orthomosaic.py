@@ -404,6 +404,12 @@ def test_a_ground_sample_distance_that_is_none_is_refused(tmp_path, gsd_m):
         make_orthomosaic(tmp_path, gsd_m=gsd_m)
 
 
+def test_a_mosaic_may_be_a_single_pixel(tmp_path):
+    captured(tmp_path / "set", yaw_deg=33.0)
+    made = make_orthomosaic(tmp_path / "set", gsd_m=1e9)
+    assert (made.width_px, made.height_px) == (1, 1)
+
+
 def test_a_mosaic_beyond_measure_is_refused(tmp_path):
     captured(tmp_path / "set", yaw_deg=33.0)
     with pytest.raises(InvalidInput, match="give a larger ground sample distance"):

@@ -158,13 +158,13 @@ def test_the_command_writes_what_missions_are_flown_from(run, tmp_path):
         (("--agl", "uniform", "9", "2"), "the lower end comes first"),
         (("--agl", "normal", "9", "-2"), "the standard deviation must be 0 or more"),
         (("--agl", "nan"), "its numbers must be finite"),
-        (("--agl", "0"), "agl 0: hardly any of its numbers is above 0 m"),
-        (("--agl", "normal", "-90", "2"), "hardly any of its numbers is above 0 m"),
+        (("--agl", "0"), "agl 0: hardly any of its numbers are above 0 m"),
+        (("--agl", "normal", "-90", "2"), "hardly any of its numbers are above 0 m"),
         (("--agl", "1e12"), "height above ground"),
         (("--agl", "normal", "0", "1e308"), "height above ground inf m: must be at most 1e+09"),
-        (("--agl", "9", "--yaw", "normal", "0", "1e308"), "hardly any of its numbers is within 180 degrees"),
-        (("--agl", "9", "--yaw", "uniform", "-1e308", "1e308"), "hardly any of its numbers is within"),
-        (("--agl", "9", "--tilt", "200"), "tilt 200: hardly any of its numbers is within 180 degrees"),
+        (("--agl", "9", "--yaw", "normal", "0", "1e308"), "hardly any of its numbers are within 180 degrees"),
+        (("--agl", "9", "--yaw", "uniform", "-1e308", "1e308"), "hardly any of its numbers are within"),
+        (("--agl", "9", "--tilt", "200"), "tilt 200: hardly any of its numbers are within 180 degrees"),
         (("--agl", "9", "--count", "0"), "0 poses: must be from 1"),
         (("--agl", "9", "--seed", "-1"), "seed -1: must be 0 or more"),
         (
@@ -186,5 +186,5 @@ def test_narrow_polygons_have_poses_and_needles_are_refused():
     lat, lon, _ = columns(random_poses(corridor, 3000, HOW, 1))
     assert ((lat >= lon) & (lat <= lon + 0.1)).all()
     needle = Polygon((((0.0, 0.0), (10.0, 10.0), (10.0, 10.000000001)),))
-    with pytest.raises(InvalidInput, match=r"takes hardly any of the box around it.*less narrow"):
+    with pytest.raises(InvalidInput, match=r"fills hardly any of the box around it.*less narrow"):
         random_poses(needle, 5, HOW, 1)

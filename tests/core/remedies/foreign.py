@@ -40,7 +40,7 @@ class Late:
 
 
 @remedy(
-    "imagery/http/client.py", "{}: not asked for, as the last {} parts had no answer in time; resume later"
+    "imagery/http/client.py", "{}: not requested, as the last {} requests had no answer in time; resume later"
 )
 def _kept_waiting(case: Case) -> None:
     server = Late()

@@ -227,7 +227,7 @@ def read(path, **options):
 
 @remedy(
     "imagery/raster/colours.py",
-    "values of band {} are {}, and JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch), such as "
+    "values of band {} are {}, but JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch), such as "
     "percentile, or write GeoTIFF (--format)",
 )
 def _deep(case: Case) -> None:
@@ -284,7 +284,7 @@ def _no_rasterio(case: Case) -> None:
 
 @remedy(
     "imagery/raster/place.py",
-    "it states no coordinate reference system: say which, as by gdal_edit.py -a_srs EPSG:32632",
+    "it states no coordinate reference system: say which, for example with gdal_edit.py -a_srs EPSG:32632",
 )
 def _no_crs(case: Case) -> None:
     _place_by_crs(case, None)
@@ -292,7 +292,8 @@ def _no_crs(case: Case) -> None:
 
 @remedy(
     "imagery/raster/place.py",
-    "its coordinate reference system, {}, is not one of maps: say which, as by gdal_edit.py -a_srs EPSG:32632",
+    "its coordinate reference system, {}, is not one of maps: say which, for example with gdal_edit.py -a_srs "
+    "EPSG:32632",
 )
 def _no_map(case: Case) -> None:
     _place_by_crs(case, 4978)
@@ -308,10 +309,12 @@ def _place_by_crs(case: Case, epsg: int | None) -> None:
         gdal.Translate(str(case.tmp_path / "placed.tif"), str(path), options="-a_srs EPSG:32632").FlushCache()
         read(case.tmp_path / "placed.tif")
 
-    case.follow("say which, as by gdal_edit.py -a_srs EPSG:32632", edited)
+    case.follow("say which, for example with gdal_edit.py -a_srs EPSG:32632", edited)
 
 
-@remedy("imagery/raster/place.py", "only ground control points place it: make a map of it first, by gdalwarp")
+@remedy(
+    "imagery/raster/place.py", "only ground control points place it: make a map of it first, with gdalwarp"
+)
 def _by_points(case: Case) -> None:
     path = raster(case, "points.tif", geotransform=None, epsg=None)
     from osgeo import gdal, osr
@@ -328,7 +331,7 @@ def _by_points(case: Case) -> None:
         gdal.Warp(str(case.tmp_path / "map.tif"), str(path)).FlushCache()
         read(case.tmp_path / "map.tif")
 
-    case.follow("make a map of it first, by gdalwarp", warped)
+    case.follow("make a map of it first, with gdalwarp", warped)
 
 
 @remedy("imagery/raster/source.py", "name one of those within, such as {}")
@@ -348,7 +351,7 @@ def _within(case: Case) -> None:
 
 @remedy(
     "imagery/raster/source.py",
-    "{}: a part of zoom {} covers {}x{} px of it, which are too many; give it overviews, by gdaladdo",
+    "{}: a part of zoom {} covers {}x{} px of it, which are too many; give it overviews, with gdaladdo",
 )
 def _no_overviews(case: Case) -> None:
     from osgeo import gdal
@@ -369,7 +372,7 @@ def _no_overviews(case: Case) -> None:
         del opened
         fetched()
 
-    case.follow("give it overviews, by gdaladdo", with_overviews)
+    case.follow("give it overviews, with gdaladdo", with_overviews)
 
 
 @remedy("imagery/raster/source.py", "{}: is a folder; name a raster file")
@@ -499,13 +502,13 @@ def _date_of_url(case: Case) -> None:
 
 @remedy(
     "world/source.py",
-    "CRS {}: the synthetic world has {}; choose EPSG:3413 about the North Pole, EPSG:3031 about the South Pole, or "
+    "CRS {}: the synthetic world has {}; choose EPSG:3413 around the North Pole, EPSG:3031 around the South Pole, or "
     "none elsewhere",
 )
 def _no_such_chart(case: Case) -> None:
     case.refused(lambda: opened("world", crs="EPSG:32661"))
-    case.follow("choose EPSG:3413 about the North Pole", lambda: opened("world", crs="EPSG:3413"))
-    case.follow("EPSG:3031 about the South Pole", lambda: opened("world", crs="EPSG:3031"))
+    case.follow("choose EPSG:3413 around the North Pole", lambda: opened("world", crs="EPSG:3413"))
+    case.follow("EPSG:3031 around the South Pole", lambda: opened("world", crs="EPSG:3031"))
     case.follow("none elsewhere", lambda: opened("world", crs=""))
 
 

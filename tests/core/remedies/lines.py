@@ -58,7 +58,7 @@ def _long(case: Case) -> None:
 
 @remedy(
     "poses/patterns.py",
-    "distance {} m: leaves no place that is so far from every wall; take a shorter distance",
+    "distance {} m: no place is so far from every wall; take a shorter distance",
 )
 def _narrow(case: Case) -> None:
     yard = np.append(WALL, WALL[:1], axis=0)

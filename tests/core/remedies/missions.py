@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import sys
 from functools import partial
@@ -87,6 +88,22 @@ def _no_polygon(case: Case) -> None:
     case.refused(lambda: area_files.load_area(path))
     path.write_text(_POLYGON)
     case.follow("give a GeoJSON, KML or KMZ file with one or more", lambda: area_files.load_area(path))
+
+
+@remedy(
+    "mission/area.py",
+    "polygon around a pole: its sides are straight in degrees; give its corners along the pole as well",
+)
+def _around_a_pole(case: Case) -> None:
+    path = case.tmp_path / "area.geojson"
+    ring = [[-180, 80], [-60, 80], [60, 80], [180, 80]]
+
+    def load(corners: list[list[int]]) -> object:
+        path.write_text(json.dumps({"type": "Polygon", "coordinates": [[*corners, corners[0]]]}))
+        return area_files.load_area(path)
+
+    case.refused(lambda: load(ring))
+    case.follow("give its corners along the pole as well", lambda: load([*ring, [180, 90], [-180, 90]]))
 
 
 @remedy(

@@ -98,7 +98,7 @@ def _no_reader(case: Case) -> None:
 
 @remedy(
     "poses/random_poses.py",
-    "area: takes hardly any of the box around it; give a polygon that is less narrow",
+    "area: fills hardly any of the box around it; give a polygon that is less narrow",
 )
 def _needle(case: Case) -> None:
     def drawn(width: float):

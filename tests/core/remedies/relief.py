@@ -66,14 +66,14 @@ def _unknown_unit(case: Case) -> None:
 
 @remedy(
     "elevation/datum.py",
-    "heights over {}: PROJ has no way to the ellipsoid here{}; install it, as by projsync, or take the ellipsoid and "
-    "say how far heights are off it (--height-offset)",
+    "heights over {}: PROJ has no way to the ellipsoid here{}; install it, for example with projsync, or take the "
+    "ellipsoid and say how far heights are off it (--height-offset)",
 )
 def _no_grid(case: Case) -> None:
     # No PROJ has a grid for the heights of this system.
     case.refused(lambda: Datum.named("EPSG:5711"))
     # Its own command brings grids over the network.
-    case.follow("install it, as by projsync", lambda: Datum.named("EGM96"))
+    case.follow("install it, for example with projsync", lambda: Datum.named("EGM96"))
     options = HeightOptions("ellipsoid", offset_m=-3.0)
     path = str(written(case, "heights.tif"))
     case.follow(
@@ -102,7 +102,7 @@ def _pictures(case: Case) -> None:
 @remedy(
     "elevation/heights.py",
     "{}: height {} m at latitude {}, longitude {}: must be from {} to {}, and not {}, which stands for no data "
-    "elsewhere; say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata",
+    "elsewhere; say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata",
 )
 def _no_data(case: Case) -> None:
     holed = HEIGHTS.copy()
@@ -114,7 +114,7 @@ def _no_data(case: Case) -> None:
     dataset.GetRasterBand(1).SetNoDataValue(-32768.0)
     dataset = None
     case.follow(
-        "say so in the file where the value stands for no data, as by gdal_edit.py -a_nodata",
+        "say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata",
         lambda: flown(mission),
     )
 
@@ -148,7 +148,7 @@ def _refused_hole(case: Case) -> None:
 
 @remedy(
     "mission/relief.py",
-    "capture at latitude {}, longitude {}, {} m over the ellipsoid: the surface there rises to {} m, and {} m of "
+    "capture at latitude {}, longitude {}, {} m above the ellipsoid: the surface there rises to {} m, and {} m of "
     "clearance are to be kept; fly {} m higher, or above the ground below",
 )
 def _into_the_tower(case: Case) -> None:
@@ -164,7 +164,7 @@ def _into_the_tower(case: Case) -> None:
 
 @remedy(
     "mission/relief.py",
-    "capture at latitude {}, longitude {}, {} m over the ellipsoid: what its image may see there rises to {} m; fly "
+    "capture at latitude {}, longitude {}, {} m above the ellipsoid: what its image may see there rises to {} m; fly "
     "higher, or keep a clearance (--clearance)",
 )
 def _beside_the_tower(case: Case) -> None:

@@ -287,7 +287,9 @@ def test_a_budget_that_was_exceeded_and_a_bound_that_was_broken_are_said():
     assert any("above its bound" in row[3] for row in methods_table(wrong).rows)
 
 
-@pytest.mark.parametrize("scene", ["-47.33_149.15_80", "35.14_-89.86_20", "84.9_10_30"])
+@pytest.mark.parametrize(
+    "scene", ["-47.33_149.15_80", pytest.param("35.14_-89.86_20", marks=pytest.mark.thorough), "84.9_10_30"]
+)
 def test_traced_pixels_are_within_their_bound_which_counts_their_place_on_the_map(scene):
     lat, lon, agl = map(float, scene.split("_"))
     turned = Mission(Points(((lat, lon, agl),)), agl, yaw_deg=30.0)

@@ -168,10 +168,10 @@ def test_coverage_and_overlap_are_the_figures_of_the_two_plans():
 
 def test_the_page_says_what_the_wind_does_in_figures(tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib, which draws the diagrams, is not installed")
-    pages = {}
+    pages, gusty = {}, GUSTY.with_(image_px=160)
     for name, wind in (("gusts", GUSTY.wind), ("calm", None), ("steady", STEADY.wind)):
         folder = tmp_path / name
-        write_report(plan(GUSTY.with_(wind=wind), WORLD.grid), WORLD, folder, quick=True)
+        write_report(plan(gusty.with_(wind=wind), WORLD.grid), WORLD, folder, quick=True)
         pages[name] = (folder / PAGE).read_text(encoding="utf-8").replace("\u00a0", " ")
     titles = {name: text.partition("<h1>")[2].partition("</h1>")[0] for name, text in pages.items()}
     assert len(set(titles.values())) == 3
@@ -183,7 +183,7 @@ def test_the_page_says_what_the_wind_does_in_figures(tmp_path):
         assert ("Gusts move the camera by" in text) == (name == "gusts")
         assert ("neither moves nor turns the camera" in text) == (name == "steady")
         assert ("in still air" in text) == (name != "calm")
-    effect = wind_effect(plan(GUSTY, WORLD.grid))
+    effect = wind_effect(plan(gusty, WORLD.grid))
     for row in displacement_table(effect).rows:
         for cell in row:
             assert cell.replace("\u00a0", " ") in pages["gusts"]

@@ -60,7 +60,9 @@ def steps(pixels):
 @pytest.mark.parametrize("place", PLACES)
 def test_tiles_have_no_seams_also_at_the_pole(place, style):
     crs, *at = PLACES[place]
-    for zoom in (4, 9, 13, 15, 17, 20):
+    zooms = (4, 9, 13, 15, 17, 20)
+    # All of them at the poles, and a half at each other place.
+    for zoom in zooms if "pole" in place else zooms[list(PLACES).index(place) % 2 :: 2]:
         x, y = tile_at(zoom, *at)
         four = [[CAPS[crs].tile(style, zoom, x - 1 + i, y - 1 + j) for i in (0, 1)] for j in (0, 1)]
         block = np.concatenate([np.concatenate(row, axis=1) for row in four])
@@ -75,7 +77,7 @@ def test_tiles_have_no_seams_also_at_the_pole(place, style):
 def test_a_zoom_is_the_next_one_averaged(place, style):
     crs, *at = PLACES[place]
     # All zooms, shared out among the places.
-    for zoom in range(list(PLACES).index(place) % 3, 22, 3):
+    for zoom in range(list(PLACES).index(place), 22, len(PLACES)):
         x, y = tile_at(zoom, *at)
         below = [[CAPS[crs].tile(style, zoom + 1, 2 * x + i, 2 * y + j) for i in (0, 1)] for j in (0, 1)]
         block = np.concatenate([np.concatenate(row, axis=1) for row in below])

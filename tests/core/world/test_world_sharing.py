@@ -41,10 +41,11 @@ def places():
                 yield style, SEED if n % 3 else 7, zoom, int(u % 1 * 2**zoom), int(v * 2**zoom)
 
 
-def test_the_landscape_is_the_one_it_was():
+@pytest.mark.parametrize("step", [2, pytest.param(1, marks=pytest.mark.thorough)])
+def test_the_landscape_is_the_one_it_was(step):
     known = np.loadtxt(SUMS, dtype=np.int64, delimiter=",")
     assert {tuple(row) for row in known[:, 2:3].tolist()} == {(zoom,) for zoom in range(3, 22)}
-    for style, seed, zoom, x, y, *wanted in known.tolist():
+    for style, seed, zoom, x, y, *wanted in known[::step].tolist():
         moved = np.abs(sums(STYLES[style], seed, zoom, x, y) - wanted)
         assert moved.max() <= OTHER_SINES, f"{STYLES[style]} {zoom}/{x}/{y}: {moved}"
 

@@ -298,17 +298,24 @@ def _no_camera_for_rows(case: Case) -> None:
     case.follow("fix its fields in the panel first", fix)
 
 
-def drawn(desk):
-    """Draw a box on a map that shows a place."""
+def look_at_ground(desk):
+    """Have the map show a place, and a layer there."""
+    layer_of("Point", "EPSG:4326", ["Point (0 0)"])
+    QTest.qWait(50)
     desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
+
+
+def drawn(desk):
+    """Draw a box on the map."""
+    look_at_ground(desk)
     desk.click(desk.form.area.draw_box)
     desk.drag(desk.at(0.4, 0.4), desk.at(0.6, 0.6))
     return desk.session.state().has_box
 
 
 def drawn_polygon(desk):
-    """Draw a triangle on a map that shows a place."""
-    desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
+    """Draw a triangle on the map."""
+    look_at_ground(desk)
     desk.click(desk.form.area.draw_polygon)
     return clicked_triangle(desk)
 
@@ -320,16 +327,16 @@ def clicked_triangle(desk):
     return bool(desk.session.state().shape)
 
 
-@remedy("area/control.py", "Go on drawing; Backspace takes the last corner back.")
+@remedy("area/control.py", "Go on drawing; Backspace removes the last corner.")
 def _outline_refused(case: Case) -> None:
     desk = case.fixture("desk")
-    desk.look_at("EPSG:4326", (-0.5, -1.0, 3.5, 2.0))
+    look_at_ground(desk)
     desk.click(desk.form.area.draw_polygon)
     for place in ((0.2, 0.2), (0.6, 0.2), (0.6, 0.6), (0.4, 0.1)):
         desk.click_map(desk.at(*place))
     case.says("\n".join(desk.messages()))
     case.follow("Go on drawing", lambda: clicked_more(desk))
-    case.follow("Backspace takes the last corner back.", lambda: desk.session.state().shape)
+    case.follow("Backspace removes the last corner.", lambda: desk.session.state().shape)
 
 
 def clicked_more(desk):

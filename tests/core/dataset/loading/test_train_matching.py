@@ -1,4 +1,4 @@
-"""The example: what it learns on one part of the ground holds on another, and what noise teaches does not."""
+"""The example: noise teaches it nothing. That what it learns of one part of the ground holds on another: the walk."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def captured(tmp_path_factory):
     """A town of the embedded world, split by blocks."""
     folder = tmp_path_factory.mktemp("captured") / "OUT"
     source = open_source("world")
-    box = Box(35.150, -89.866, 35.134, -89.846)
+    box = Box(35.145, -89.866, 35.134, -89.852)
     mission = Mission(box, 120.0, image_format="jpg", map_types=("satellite", "roadmap"), zoom=17)
     capture(plan(mission, source.grid), source, folder)
     # Of open land one roadmap is like the other.
@@ -53,19 +53,11 @@ def judged(out):
     return int(found[1]), int(found[2])
 
 
-def test_what_it_learns_holds_on_ground_that_it_has_not_seen(captured, example):
-    code, out = example(captured)
-    hits, count = judged(out)
-    assert code == 0
-    assert count > 20
-    assert hits > count / 5
-    assert out.splitlines()[-1].endswith(": better than chance")
-
-
 def test_noise_teaches_nothing(captured, example):
     code, out = example(captured, "--noise")
     hits, count = judged(out)
     assert code == 1
+    assert count > 20
     assert hits < count / 5
     assert out.splitlines()[-1].endswith(": no better than chance")
 

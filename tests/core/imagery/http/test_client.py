@@ -163,7 +163,9 @@ def test_a_server_that_keeps_everybody_waiting_is_left_alone():
         with pytest.raises(OutOfReach, match=r"^w: no whole answer within 60 s \(tried 2 times\)$"):
             client.get("u", "w")
     for _ in range(100):
-        with pytest.raises(OutOfReach, match=r"^w: not asked for, as the last 5 parts had no answer in time"):
+        with pytest.raises(
+            OutOfReach, match=r"^w: not requested, as the last 5 requests had no answer in time"
+        ):
             client.get("u", "w")
     assert len(transport.asked) == 2 * MAX_LATE_PARTS
     assert client.out_of_reach()

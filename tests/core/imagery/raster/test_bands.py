@@ -115,8 +115,17 @@ def read(path):
     return opened, values if values.ndim == 3 else values[np.newaxis]
 
 
-@pytest.mark.parametrize("data_type", GDAL_TYPES)
-@pytest.mark.parametrize("bands", [1, 2, 4, 7])
+@pytest.mark.parametrize(
+    ("data_type", "bands"),
+    [
+        # All types, all counts; each with each is thorough.
+        (data_type, bands)
+        if bands == (1, 2, 4, 7)[at]
+        else pytest.param(data_type, bands, marks=pytest.mark.thorough)
+        for at, data_type in enumerate(GDAL_TYPES)
+        for bands in (1, 2, 4, 7)
+    ],
+)
 def test_images_straight_down_are_the_file_s_values_in_every_band(data_type, bands, tmp_path, library):
     names = [*NIR, "red edge", "thermal <IR> & more", "日本"][:bands]
     values = noise(data_type, bands)
@@ -477,7 +486,7 @@ def test_what_cannot_be_is_refused_in_one_line(tmp_path, library):
     assert "2 bands: JPEG and PNG have one or three" in refused(
         path, "bands", bands=("1", "2"), stretch="percentile"
     )
-    assert "uint16, and JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch)" in refused(
+    assert "uint16, but JPEG and PNG have 8 bits; choose how they become 8 bits (--stretch)" in refused(
         path, "stretch"
     )
     wide = rasters.write(tmp_path / "wide.tif", np.zeros((1, 8, 8)), UTM, EPSG, data_type=gdal.GDT_Float64)

@@ -277,7 +277,7 @@ def test_an_address_without_capabilities_is_one_line(server, kind, answer, says)
 def test_a_document_beyond_measure_is_given_up(server, monkeypatch):
     monkeypatch.setattr("terrainav.core.imagery.services.capabilities.MAX_CAPABILITIES_BYTES", 1000)
     server.answer = lambda *_: xml(b"<Capabilities>" + b" " * 2000)
-    with pytest.raises(SourceError, match="body beyond 1000 bytes"):
+    with pytest.raises(SourceError, match="an answer of more than 1000 bytes"):
         open_source(f"wmts:{server.url}/c.xml")
 
 

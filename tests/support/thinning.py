@@ -1,0 +1,31 @@
+"""Parametrisations of which the usual run takes what stands for the others."""
+
+from __future__ import annotations
+
+import pytest
+
+
+def thinned(cases, quick):
+    """Cases for ``parametrize``: those that are named ``quick`` as they are, all others as thorough ones.
+
+    Parameters
+    ----------
+    cases : mapping
+        What each name stands for: the values of a case as a tuple, or its one value.
+    quick : iterable of str
+    """
+    quick = set(quick)
+    assert quick < set(cases), f"these are no cases: {quick - set(cases)}"
+    return [
+        pytest.param(
+            *(case if isinstance(case, tuple) else (case,)),
+            id=name,
+            marks=() if name in quick else pytest.mark.thorough,
+        )
+        for name, case in cases.items()
+    ]
+
+
+def named(cases):
+    """Cases that are their own names, for `thinned`."""
+    return {str(case): case for case in cases}
