@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -329,9 +330,11 @@ class Session(QObject):
         planned = self.planned
         if planned is None or not self.planning.is_entered(planned.mission):
             return
-        is_here = self.group().is_same(self.open_project.group_of(folder))
-        if is_here and is_of((folder / MISSION_FILE).read_bytes(), captured_mission(planned.plan)):
-            self.preview.set_footprints_visible(False)
+        if not self.group().is_same(self.open_project.group_of(folder)):
+            return
+        with suppress(OSError):
+            if is_of((folder / MISSION_FILE).read_bytes(), captured_mission(planned.plan)):
+                self.preview.set_footprints_visible(False)
 
     # --- smaller reactions
 
