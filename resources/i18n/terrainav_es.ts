@@ -6577,8 +6577,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewing.py"/>
-        <source>No image shows this place. Click a captured footprint on the map.</source>
-        <translation>Ninguna imagen muestra este lugar. Pulsar una huella capturada en el mapa.</translation>
+        <source>No image shows this place</source>
+        <translation>Ninguna imagen muestra este lugar</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewing.py"/>

@@ -47,6 +47,7 @@ from .layers import (
 )
 from .menu import Way
 from .no_fly import NoFlyWay
+from .outline import Outline
 from .patterns import PATTERNS, OrbitDialog, pattern_dialog
 from .tools import AreaTool, BoxTool, PointTool
 
@@ -550,8 +551,17 @@ class AreaControl(QObject):
         except InvalidInput as wrong:
             self._messages.warning(translate(wrong))
             return
-        if not is_in_sight(self._canvas, rectangle):
+        if not (is_in_sight(self._canvas, rectangle) and self._shows_some_of(area)):
             show_extent(self._canvas, rectangle, _MARGIN)
+
+    def _shows_some_of(self, area: Area) -> bool:
+        """Whether any point is in view, which may lie between points; areas of ground are where their bounds are."""
+        if not isinstance(area, Points):
+            return True
+        view = self._canvas.extent()
+        crs = self._canvas.mapSettings().destinationCrs()
+        shape = Outline(area, crs, self._project, view.center().x()).shape
+        return shape.intersects(view)
 
 
 def _takeoff_place(state: FormState) -> Points | None:

@@ -126,13 +126,18 @@ class Viewing(QObject):
         self._worker.ask(lambda _: find(finder, footprints), self._found)
 
     def _found(self, shots: list[Shot]) -> None:
-        self._shots = shots
         viewer = self._shown_viewer()
         if not shots:
-            self.seen = None
-            self._remove_band()
-            viewer.show_hint(tr("No image shows this place. Click a captured footprint on the map."))
+            advice = tr("Click a captured footprint on the map.")
+            self._messages.refused(tr("No image shows this place"), advice)
+            if self.seen is None:
+                viewer.show_hint(advice)
+            else:
+                # The image seen last stays, with its neighbours: a click beside it is soon made.
+                self._outline(self.seen.shot)
             return
+        self._messages.withdraw_refusal()
+        self._shots = shots
         viewer.offer(shots, 0)
         self._look_at(shots[0])
 

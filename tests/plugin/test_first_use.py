@@ -115,6 +115,17 @@ def test_pasted_points_are_drawn_in_any_crs(desk, crs):
     assert QgsProject.instance().crs().authid() == crs
 
 
+def test_map_between_points_goes_to_them_and_stays_where_one_is_in_view(desk):
+    desk.look_at("EPSG:4326", (-89.876, 35.134, -89.874, 35.136))
+    paste(desk, "35.13 -89.88 50\n35.14 -89.87 60\n")
+    desk.wait(lambda: in_sight(desk))
+    desk.look_at("EPSG:4326", (-89.871, 35.1395, -89.868, 35.1425))
+    view = desk.canvas.extent()
+    paste(desk, "35.13 -89.88 50\n35.14 -89.87 70\n")
+    desk.qtbot.wait(700)
+    assert desk.canvas.extent() == view
+
+
 def test_single_place_keeps_the_scale_and_a_dot_is_gone_to(desk):
     desk.look_at("EPSG:3857", ELSEWHERE)
     scale = desk.canvas.scale()

@@ -221,10 +221,17 @@ def test_without_captured_images_it_says_so(desk, viewing):
 
 def test_click_beside_all_footprints_and_removed_layers(desk, captured, viewing):
     plan = captured()
-    look_at(desk, plan, 0)
+    first = look_at(desk, plan, 0)
     desk.click_map(desk.at(0.01, 0.01))
-    desk.wait(lambda: viewing.seen is None and not viewing.busy)
-    assert viewing.viewer.view.image is None
+    desk.wait(lambda: any("No image shows this place" in text for text in desk.messages()))
+    # The image stays, and so do the ways from it to others.
+    assert viewing.seen is first
+    assert viewing.viewer.view.image is not None
+    outline = viewing._band.asGeometry().boundingBox()
+    desk.click(viewing.viewer.following)
+    desk.wait(lambda: viewing.seen is not first and not viewing.busy)
+    assert viewing.seen.shot.name == plan.names[1]
+    assert viewing._band.asGeometry().boundingBox() != outline
     look_at(desk, plan, 1)
     desk.iface.newProject(False)
     assert viewing.seen is None

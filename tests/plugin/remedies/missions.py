@@ -177,15 +177,6 @@ def _image_has_gone(case: Case) -> None:
     case.follow("Click a captured footprint on the map.", click)
 
 
-@remedy("results/viewing.py", "No image shows this place. Click a captured footprint on the map.")
-def _beside_all(case: Case) -> None:
-    desk, viewing, click = looked_at(case)
-    desk.click_map(desk.at(0.01, 0.01))
-    desk.wait(lambda: "No image" in hint_of(viewing))
-    case.says(hint_of(viewing))
-    case.follow("Click a captured footprint on the map.", click)
-
-
 # --- cleaning
 
 
