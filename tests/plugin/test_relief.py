@@ -115,8 +115,14 @@ def test_sources_are_typed_and_cleared(desk, dem):
     assert desk.session.state().elevation == ()
     choose(desk, "Synthetic landscape (offline)")
     assert desk.session.state().elevation == ("world",)
+    # By its title, as in the list of imagery; either may be typed.
+    assert line.text() == "Synthetic landscape (offline)"
     set_up(desk, elevation=(dem.source(), "terrarium"))
-    assert line.text() == f"{dem.source()}; terrarium"
+    assert line.text() == f"{dem.source()}; Terrain Tiles (Terrarium, public)"
+    for typed in ("world", "synthetic Landscape (offline)"):
+        line.setText(f"{dem.source()};{typed}")
+        assert desk.session.state().elevation == (dem.source(), "world")
+        assert line.text() == f"{dem.source()};{typed}"
 
 
 def test_products_are_ticked(desk):
