@@ -1488,6 +1488,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Reading heights…</source>
+        <translation>Leyendo alturas…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
         <source>Starting…</source>
         <translation>Empezando…</translation>
     </message>
