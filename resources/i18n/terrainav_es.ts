@@ -3483,6 +3483,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>About {duration}, then the mosaic</source>
+        <translation>Unos {duration}, después el mosaico</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>About {size} in {count} tiles</source>
         <translation>Unos {size} en {count} teselas</translation>
     </message>
