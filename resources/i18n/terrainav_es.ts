@@ -2655,6 +2655,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{words} and {last}</source>
+        <translation>{words}, así como {last}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
@@ -2779,6 +2784,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>height above ground {height} {unit}: must be above 0</source>
         <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>no map type: tick one or more</source>
+        <translation>ningún tipo de mapa: marque uno o más</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
