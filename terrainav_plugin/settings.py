@@ -106,8 +106,8 @@ class Settings:
     connections = _Whole(8, 1, 64)
     """Requests under way at once, where the provider allows so many."""
 
-    plan_ending = _Text(".kml")
-    """Ending of the plan that was exported last."""
+    plan_ending = _Text()
+    """Ending of the plan that was exported last; empty for none yet."""
 
     placeholders = _Text()
     """SHA-256 of tiles that count as missing, with spaces between them."""

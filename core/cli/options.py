@@ -184,13 +184,13 @@ def _add_benchmark_make(actions: Any) -> None:
         "--queries",
         nargs="+",
         required=True,
-        metavar="NAME=SOURCE[@DATE][:MAP_TYPE]",
+        metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
         help="imagery of the queries; each of several has all of them",
     )
     asked.add_argument(
         "--reference",
         required=True,
-        metavar="NAME=SOURCE[@DATE][:MAP_TYPE]",
+        metavar="[NAME=]SOURCE[@DATE][:MAP_TYPE]",
         help="imagery that they are to be found in",
     )
     asked.add_argument(

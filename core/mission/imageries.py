@@ -1,4 +1,4 @@
-"""Imagery by name, ``NAME=SOURCE[@DATE][:MAP_TYPE]``: several sources, dates or map types beside each other."""
+"""Imagery by name, ``[NAME=]SOURCE[@DATE][:MAP_TYPE]``: several sources, dates or map types beside each other."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ _DEVICE = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?", re.IGNORECASE)
 _MAP_TYPE = re.compile(rf"(.+):({'|'.join(MAP_TYPES)})", re.DOTALL)
 #: A date begins with its year; an address may have other things after an @.
 _DATE = re.compile(r"(.+)@(\d{4}[0-9A-Za-z:.+-]*)", re.DOTALL)
+#: What names have no room for, and the ending of a file.
+_NO_NAME, _ENDING = re.compile(r"[^A-Za-z0-9_.-]+"), re.compile(r"(?<=.)\.[A-Za-z]\w{1,7}$")
+_LONGEST_NAME = 64
 
 
 @dataclass(frozen=True)
@@ -60,23 +63,38 @@ class NamedImagery:
 
     @classmethod
     def of(cls, text: str) -> NamedImagery:
-        """Imagery of its text; raises InvalidInput."""
+        """Imagery of its text, without a name by that of its source, date and map type; raises InvalidInput."""
         name, equals, rest = text.partition("=")
-        if not equals:
-            raise InvalidInput(
-                "imagery {0!r}: must be NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE", text
-            )
+        # An address may have an equals sign of its own.
+        is_named = bool(equals) and "://" not in name
+        rest = rest if is_named else text
         map_type, date = SATELLITE, ""
         if found := _MAP_TYPE.fullmatch(rest):
             rest, map_type = found.groups()
         if found := _DATE.fullmatch(rest):
             rest, date = found.groups()
+        if not is_named:
+            parts = (_short(rest), date, map_type if map_type != SATELLITE else "")
+            name = name_of("-".join(filter(None, parts))) or "imagery"
         return cls(name, rest, date, map_type)
 
     def __str__(self) -> str:
         date = f"@{self.date}" if self.date else ""
         kind = f":{self.map_type}" if self.map_type != SATELLITE else ""
         return f"{self.name}={self.source}{date}{kind}"
+
+
+def name_of(text: str) -> str:
+    """Name of a folder made from a text, which may hold anything; empty where nothing is left."""
+    return _NO_NAME.sub("-", text).strip("-_.")[:_LONGEST_NAME].rstrip(".")
+
+
+def _short(source: str) -> str:
+    """The host of an address without any sign-in, a file without folder and ending, any other source as it is."""
+    _, is_address, rest = source.partition("://")
+    if is_address:
+        return re.split(r"[/?#]", rest)[0].rpartition("@")[2]
+    return _ENDING.sub("", re.split(r"[/\\]", source.rstrip("/\\"))[-1])
 
 
 def named_imageries(texts: Iterable[str]) -> tuple[NamedImagery, ...]:

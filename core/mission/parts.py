@@ -420,11 +420,12 @@ class Imagery(Part):
         (),
         title="imageries",
         help="several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, "
-        "NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own",
+        "NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own; "
+        "without NAME=, of a name made from the source",
         option="imagery",
         advanced=True,
         check=_check_imageries,
-        schema={"items": {"type": "string", "pattern": "^[A-Za-z0-9][A-Za-z0-9_.-]*=."}, "uniqueItems": True},
+        schema={"items": {"type": "string", "minLength": 1}, "uniqueItems": True},
     )
     seed: int = declared(
         2024,

@@ -96,7 +96,7 @@ def mission_facts(plan: Plan, source: Source, map_type: str) -> list[tuple[str, 
             ),
         ),
         (
-            "pictures",
+            "images",
             f"{frames}, up to {width} × {height} px, zoom {plan.zoom}, {mission.output.image_format}",
         ),
         ("source", f"{source.title}, measured on {map_type}"),

@@ -1488,6 +1488,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
+        <source>Reading heights…</source>
+        <translation>Leyendo alturas…</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/run.py"/>
         <source>Starting…</source>
         <translation>Empezando…</translation>
     </message>
@@ -2650,6 +2655,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>{words} and {last}</source>
+        <translation>{words}, así como {last}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>“{line}” has {count} numbers; several lines must be of lat lon agl [yaw]</source>
         <translation>«{line}» tiene {count} números; si hay varias líneas, deben ser de lat lon agl [guiñada]</translation>
     </message>
@@ -2774,6 +2784,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>height above ground {height} {unit}: must be above 0</source>
         <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>no map type: tick one or more</source>
+        <translation>ningún tipo de mapa: marque uno o más</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -3475,6 +3490,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>About {duration}</source>
         <translation>Unos {duration}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <source>About {duration}, then the mosaic</source>
+        <translation>Unos {duration}, después el mosaico</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -5087,11 +5107,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap.</source>
-        <translation>NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:roadmap.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>One per line, beside the rasters: {form} If neither is given, that of the mission.</source>
         <translation>Uno por línea, además de los ráster: {form} Si no se indica nada, las imágenes de la misión.</translation>
     </message>
@@ -5217,6 +5232,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>SOURCE, SOURCE@DATE or SOURCE:roadmap, with NAME= in front for a name of your own.</source>
+        <translation>FUENTE, FUENTE@FECHA o FUENTE:roadmap, con NOMBRE= delante para un nombre propio.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Score a benchmark</source>
         <translation>Puntuar un banco de pruebas</translation>
     </message>
@@ -5227,8 +5247,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Take the queries and the reference from imagery of different dates, sources or kinds, as rasters or by name: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap, such as 2014=esri-wayback@2014-02-20. world is the embedded landscape. If no imagery of the queries is given, it is that of the mission.</source>
-        <translation>Tome las consultas y la referencia de imágenes de fechas, fuentes o tipos distintos, como ráster o por nombre: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:roadmap, por ejemplo 2014=esri-wayback@2014-02-20. world es el paisaje incorporado. Si no se indican imágenes de las consultas, son las de la misión.</translation>
+        <source>Take the queries and the reference from imagery of different dates, sources or kinds, as rasters or by source: SOURCE, SOURCE@DATE or SOURCE:roadmap, such as esri-wayback@2014-02-20, with NAME= in front for a name of your own. world is the embedded landscape. If no imagery of the queries is given, it is that of the mission.</source>
+        <translation>Tome las consultas y la referencia de imágenes de fechas, fuentes o tipos distintos, como ráster o por fuente: FUENTE, FUENTE@FECHA o FUENTE:roadmap, por ejemplo esri-wayback@2014-02-20, con NOMBRE= delante para un nombre propio. world es el paisaje incorporado. Si no se indican imágenes de las consultas, son las de la misión.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -10759,11 +10779,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/imageries.py"/>
-        <source>imagery {0!r}: must be NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE</source>
-        <translation>imágenes {0!r}: deben ser NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO_DE_MAPA</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/imageries.py"/>
         <source>imagery {0!r}: must be named by up to 64 letters, digits, _, - and ., such as 2014</source>
         <translation>imágenes {0!r}: deben nombrarse con hasta 64 letras, cifras, _, - y ., como 2014</translation>
     </message>
@@ -12059,8 +12074,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own</source>
-        <translation>varias imágenes de origen en paralelo, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia</translation>
+        <source>several imageries side by side, instead of a source, its date and map types: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:MAP_TYPE, each captured over the same ground into a folder NAME of its own; without NAME=, of a name made from the source</source>
+        <translation>varias imágenes de origen en paralelo, en lugar de una fuente, su fecha y sus tipos de mapa: NOMBRE=FUENTE, NOMBRE=FUENTE@FECHA o NOMBRE=FUENTE:TIPO, cada una capturada sobre el mismo terreno en una carpeta NOMBRE propia; sin NOMBRE=, con un nombre formado a partir de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>

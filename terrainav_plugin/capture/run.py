@@ -219,7 +219,10 @@ def row_text(run: Run, place: int = 0) -> str:
     if run.over:
         return _end_text(run)
     if run.progress is None:
-        return tr("Paused") if run.stage is Stage.PAUSED else tr("Starting…")
+        if run.stage is Stage.PAUSED:
+            return tr("Paused")
+        # What is written first is traced over the relief.
+        return tr("Reading heights…") if run.mission.terrain.elevation else tr("Starting…")
     if run.stage is Stage.PAUSED:
         return tr("Paused: {counts}").format(counts=_counts(run.progress))
     return _counts(run.progress) + _pace(run.progress, making_mosaic=not run.test_shot)

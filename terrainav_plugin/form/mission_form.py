@@ -111,6 +111,8 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     entries.update(
         _pixels(state), source=state.source_name, takeoff=checks("takeoff", lambda: takeoff(state))
     )
+    if not state.map_types:
+        checks.messages["map_types"] = tr("no map type: tick one or more")
     for name, value in entries.items():
         checks(entry_of(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)

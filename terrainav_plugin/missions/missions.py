@@ -20,7 +20,7 @@ from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, build_orthomo
 from ..dataset.placing import show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
-from ..form.state import BOX_FIELDS
+from ..form.state import BOX_FIELDS, DECLARED
 from ..i18n import tr, translate
 from ..map.mission_group import SavedMission, mission_layers, saved_missions
 from ..paths import folder_of, next_folder
@@ -165,7 +165,9 @@ class Missions(QObject):
         self._read, self._write, self._captures = read, write, captures
         self._settings = Settings()
         self._task: DatasetTask | None = None
-        self.plan_export = PlanExport(button, messages, self._folder)
+        self.plan_export = PlanExport(
+            button, messages, self._folder, lambda: self._read().drone != DECLARED["drone"].default
+        )
         self.menu = QMenu(button)
         self.menu.setObjectName("missions_menu")
         self.menu.setToolTipsVisible(True)

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from ..messages import Messages
     from ..planner import Planned
 
+#: Ending of the files that a drone is chosen for.
+_FOR_DRONES = ".kmz"
+
 
 class ExportTask(Task):
     """Writes a plan.
@@ -59,6 +62,8 @@ class PlanExport(QObject):
     messages : Messages
     folder : callable
         Folder of the mission that is entered, whose name files have until the user gives them another.
+    drone_chosen : callable
+        Whether a drone is entered that is not the usual one: then its files come first.
 
     Signals
     -------
@@ -68,9 +73,16 @@ class PlanExport(QObject):
 
     plan_wanted = pyqtSignal(object, str)
 
-    def __init__(self, parent: QWidget, messages: Messages, folder: Callable[[], Path]) -> None:
+    def __init__(
+        self,
+        parent: QWidget,
+        messages: Messages,
+        folder: Callable[[], Path],
+        drone_chosen: Callable[[], bool],
+    ) -> None:
         super().__init__()
-        self._parent, self._messages, self._mission_folder = parent, messages, folder
+        self._parent, self._messages = parent, messages
+        self._mission_folder, self._drone_chosen = folder, drone_chosen
         self._task: ExportTask | None = None
 
     @property
@@ -97,7 +109,8 @@ class PlanExport(QObject):
         settings, known = Settings(), formats()
         folder = settings.missions
         name = self._mission_folder().name or tr("mission")
-        usual = settings.plan_ending if settings.plan_ending in known else next(iter(known))
+        first = _FOR_DRONES if self._drone_chosen() else next(iter(known))
+        usual = settings.plan_ending if settings.plan_ending in known else first
         chosen, kind = QFileDialog.getSaveFileName(
             self._parent.window(),
             tr("TerrAInav: export plan"),
@@ -173,7 +186,7 @@ def formats() -> dict[str, str]:
     """Endings of the files that plans are written to, and the programs that they are for."""
     return {
         ".kml": tr("Google Earth"),
-        ".kmz": tr("DJI Pilot 2, FlightHub 2, DJI Fly"),
+        _FOR_DRONES: tr("DJI Pilot 2, FlightHub 2, DJI Fly"),
         ".survey.plan": tr("QGroundControl survey"),
         ".plan": tr("QGroundControl waypoints"),
         ".litchi.csv": tr("Litchi"),

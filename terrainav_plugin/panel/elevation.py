@@ -41,12 +41,15 @@ class HeightsLine(WordsLine):
         self.button.setMenu(self._menu)
 
     def words(self) -> tuple[str, ...]:
-        """Return the sources that are entered."""
-        return tuple(with_point(part.strip()) for part in self.text().split(self._SEPARATOR) if part.strip())
+        """Return the sources that are entered, by name where they are by title."""
+        names = {title.casefold(): name for title, name in _titled()}
+        parts = filter(None, map(str.strip, self.text().split(self._SEPARATOR)))
+        return tuple(names.get(part.casefold(), with_point(part)) for part in parts)
 
     def enter(self, words: tuple[str, ...]) -> None:
-        """Enter sources."""
-        self.setText(f"{self._SEPARATOR} ".join(map(as_written, words)))
+        """Enter sources; those that have a title are shown by it."""
+        titles = {name: title for title, name in _titled()}
+        self.setText(f"{self._SEPARATOR} ".join(titles.get(word, as_written(word)) for word in words))
 
     def _fill(self) -> None:
         """Offer what there is at the moment."""
@@ -74,14 +77,20 @@ class HeightsLine(WordsLine):
             )
         layers = [layer for layer in project.mapLayers().values() if isinstance(layer, QgsRasterLayer)]
         found += [(one.name(), _file_of(one)) for one in layers if one.bandCount() == 1 and _file_of(one)]
-        found.append((tr("Terrain Tiles (Terrarium, public)"), TERRARIUM))
-        found.append((tr("Synthetic landscape (offline)"), WORLD))
-        return found
+        return [*found, *_titled()]
 
     def _choose_file(self) -> None:
         path, _ = QFileDialog.getOpenFileName(self, tr("Heights of the ground"), "", tr("Raster files (*)"))
         if path:
             self.enter((*self.words(), path))
+
+
+def _titled() -> list[tuple[str, str]]:
+    """Titles and names of the sources that are there for everybody."""
+    return [
+        (tr("Terrain Tiles (Terrarium, public)"), TERRARIUM),
+        (tr("Synthetic landscape (offline)"), WORLD),
+    ]
 
 
 def _file_of(layer: QgsRasterLayer) -> str:

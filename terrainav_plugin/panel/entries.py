@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from qgis.gui import QgsCollapsibleGroupBoxBasic, QgsFileWidget
 from qgis.PyQt.QtCore import QSignalBlocker, pyqtSignal
-from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QLineEdit, QWidget
+from qgis.PyQt.QtWidgets import QCheckBox, QComboBox, QHBoxLayout, QLabel, QLineEdit, QVBoxLayout, QWidget
 
 from ...core.mission.parts import NORTH, TRACK
 from ..form.fields import choices_of, label_of, tip_of
@@ -102,6 +102,40 @@ class FacingBox(QWidget):
     def _chosen(self) -> None:
         self.azimuth.setVisible(self.choice.currentData() == _AZIMUTH)
         self.changed.emit()
+
+
+class TicksBox(QWidget):
+    """Boxes to tick, one for each of several values, below each other.
+
+    Signals
+    -------
+    changed()
+    """
+
+    changed = pyqtSignal()
+
+    def __init__(self, name: str, choices: Iterable[tuple[str, str]], tip: str) -> None:
+        super().__init__()
+        named(self, name, tip)
+        self._boxes = {value: tick(f"{name}_{value}", label, tip) for value, label in choices}
+        self._entered: tuple[str, ...] = ()
+        layout = QVBoxLayout(self)
+        layout.setContentsMargins(0, 0, 0, 0)
+        for box in self._boxes.values():
+            layout.addWidget(box)
+            box.toggled.connect(self.changed)
+        self.setFocusProxy(next(iter(self._boxes.values())))
+
+    def ticked(self) -> tuple[str, ...]:
+        """Return the values that are ticked; in the order that they were entered in, as long as they are the same."""
+        ticked = tuple(value for value, box in self._boxes.items() if box.isChecked())
+        return self._entered if set(self._entered) == set(ticked) else ticked
+
+    def enter(self, values: tuple[str, ...]) -> None:
+        """Tick values."""
+        self._entered = values
+        for value, box in self._boxes.items():
+            box.setChecked(value in values)
 
 
 class Entries(QgsCollapsibleGroupBoxBasic):
@@ -206,7 +240,7 @@ def declared_widget(name: str) -> QWidget:
     """Widget for a field that a mission declares, with its title, unit, choices and tip."""
     field = DECLARED[name]
     if field.choices:
-        return declared_choice(name)
+        return declared_ticks(name) if field.kind is tuple else declared_choice(name)
     if field.kind is bool:
         return declared_tick(name)
     return declared_number(name) if field.kind in (float, int) else declared_line(name)
@@ -215,6 +249,11 @@ def declared_widget(name: str) -> QWidget:
 def declared_choice(name: str) -> QComboBox:
     """Choice among the values of a field."""
     return combo(name, choices_of(DECLARED[name]), tip_of(DECLARED[name]))
+
+
+def declared_ticks(name: str) -> TicksBox:
+    """Boxes for the values of a field that has several at once."""
+    return TicksBox(name, choices_of(DECLARED[name]), tip_of(DECLARED[name]))
 
 
 def declared_tick(name: str) -> QCheckBox:
@@ -243,6 +282,8 @@ def declared_number(name: str) -> NumberBox:
 def _access(widget: QWidget) -> _Access:
     if isinstance(widget, FacingBox):
         return _Access(widget.text, widget.enter, widget.changed)
+    if isinstance(widget, TicksBox):
+        return _Access(widget.ticked, widget.enter, widget.changed)
     if isinstance(widget, QComboBox):
         return _Access(widget.currentData, lambda value: choose(widget, value), widget.currentIndexChanged)
     if isinstance(widget, QCheckBox):

@@ -15,6 +15,7 @@ from qgis.PyQt.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy, QVBoxL
 
 from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
+from ..dataset.mosaic import MOST_PICTURES
 from ..i18n import begun, number_text, tr, translate
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 from ..widgets import named, tool_button
@@ -191,7 +192,7 @@ def readout(
     upsampleable = grid.max_zoom > grid.native_zoom and not mission.pixels.upsample
     return Readout(
         tuple(translate(text) for text in summary.warnings),
-        (*_figures(mission, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
+        (*_figures(plan, summary, unit, own_m if coarser else None), *_limit(plan, policy)),
         tuple(_details(mission, summary, cost)),
         _why_html(plan.accuracy),
         coarser and upsampleable and mission.pixels.zoom is None and mission.pixels.gsd_m_per_px is None,
@@ -210,7 +211,8 @@ def _label(name: str) -> QLabel:
     return label
 
 
-def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:
+def _figures(plan: Plan, summary: Summary, unit: str, coarser_m: float | None) -> list[tuple[str, str]]:
+    mission = plan.mission
     lines = [(tr("Images"), _images(summary))]
     if summary.images_over_no_fly:
         lost = tr("Images left out: {count}").format(count=number_text(summary.images_over_no_fly))
@@ -240,7 +242,7 @@ def _figures(mission: Mission, summary: Summary, unit: str, coarser_m: float | N
         (tr("Flight"), flight),
         *((begun(translate(label)), translate(text)) for label, text in summary.piloting()),
         (tr("Download"), _download(summary)),
-        (tr("Time"), tr("About {duration}").format(duration=duration_text(summary.seconds))),
+        (tr("Time"), _time(plan, summary)),
     ]
     return lines
 
@@ -427,6 +429,13 @@ def _tiles(summary: Summary) -> str:
     return tr("{count}, each fetched once").format(
         count=number_text(summary.unique_tiles * len(summary.map_types))
     )
+
+
+def _time(plan: Plan, summary: Summary) -> str:
+    """Time of the capture; the mosaic of turned and tilted images may take several times as long."""
+    has_orthomosaic = not plan.is_north_up and len(plan) <= MOST_PICTURES
+    text = tr("About {duration}, then the mosaic") if has_orthomosaic else tr("About {duration}")
+    return text.format(duration=duration_text(summary.seconds))
 
 
 def _download(summary: Summary) -> str:

@@ -37,7 +37,6 @@ from .entries import (
     Entries,
     FacingBox,
     Section,
-    WordsLine,
     declared_choice,
     declared_line,
     declared_number,
@@ -280,9 +279,7 @@ class ReliefSection(Section):
         self.add_declared("height_unit")
         self.add_declared("height_offset_m")
         self.add_declared("holes")
-        products = named(WordsLine(), "products", tip_of(DECLARED["products"]))
-        products.setPlaceholderText(" ".join(DECLARED["products"].choices))
-        self.add_declared("products", products)
+        self.add_declared("products")
 
 
 class RouteSection(Section):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -87,9 +86,9 @@ class MakeBenchmark(WithImagery):
                 ),
                 tr(
                     "Take the queries and the reference from imagery of different dates, sources or kinds, as rasters "
-                    "or by name: NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap, such as "
-                    "2014=esri-wayback@2014-02-20. world is the embedded landscape. If no imagery of the queries is "
-                    "given, it is that of the mission."
+                    "or by source: SOURCE, SOURCE@DATE or SOURCE:roadmap, such as esri-wayback@2014-02-20, with NAME= "
+                    "in front for a name of your own. world is the embedded landscape. If no imagery of the queries "
+                    "is given, it is that of the mission."
                 ),
                 tr(
                     "“Only count” says how many images and requests it takes. Run it again into the same folder to go "
@@ -136,7 +135,7 @@ class MakeBenchmark(WithImagery):
 
     def _add_imagery(self) -> None:
         raster = QgsProcessing.SourceType.TypeRaster
-        by_name = tr("NAME=SOURCE, NAME=SOURCE@DATE or NAME=SOURCE:roadmap.")
+        by_name = tr("SOURCE, SOURCE@DATE or SOURCE:roadmap, with NAME= in front for a name of your own.")
         self.add(
             QgsProcessingParameterMultipleLayers(
                 "QUERY_LAYERS", tr("Queries: rasters"), raster, optional=True
@@ -468,14 +467,13 @@ def _reference(run: Run) -> NamedImagery:
 
 def _text_of(layer: QgsMapLayer) -> str:
     """A raster as named imagery: by its file where it has one, else as a layer of the project."""
+    from ...core.mission.imageries import name_of
     from ..map.mission_group import file_of
     from ..qgis_source.snapshot import source_name
 
     path = file_of(layer)
     is_file = layer.providerType() == "gdal" and path.is_file()
-    # Names become those of folders.
-    name = re.sub(r"[^A-Za-z0-9_.-]+", "-", layer.name()).strip("-_.")[:64].rstrip(".")
-    return f"{name or layer.providerType()}={path if is_file else source_name(layer)}"
+    return f"{name_of(layer.name()) or layer.providerType()}={path if is_file else source_name(layer)}"
 
 
 def _widths(text: str) -> tuple[float, ...]:

@@ -88,6 +88,13 @@ def test_a_dry_run_says_what_would_be_captured_and_leaves_nothing(terrainav, tmp
     assert not (tmp_path / "bench").exists()
 
 
+def test_imagery_without_a_name_is_called_as_its_source(terrainav):
+    found = make(terrainav, "--dry-run", "--queries", "Synthetic (offline)", "world:roadmap")
+    assert found.returncode == 0, found.stderr
+    assert "queries/Synthetic-offline" in found.stdout
+    assert "queries/world-roadmap" in found.stdout
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -106,7 +113,7 @@ def test_bad_input_is_one_line(terrainav, arguments, said):
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (("--queries", "world"), "imagery 'world': must be NAME=SOURCE"),
+        (("--queries", "world", "a=world:roadmap", "World"), "imagery 'World': is named twice"),
         (("--reference", "a=nowhere"), "nowhere"),
         (("--queries", "a=world", "A=world"), "imagery 'A': is named twice"),
         (("--tiles", "-5"), "tiles of -5.0 m: must be wider than 0"),

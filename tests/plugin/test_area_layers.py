@@ -525,7 +525,9 @@ def test_points_with_attitude_and_time_by_the_usual_names_of_their_fields(desk, 
     screenshot("points-with-attitude", dialog)
     accept(desk, dialog)
     desk.wait(
-        lambda: "3 points, 100–120 m AGL, each with its yaw, tilt, roll, time" in desk.form.area.words.text()
+        lambda: (
+            "3 points, 100–120 m AGL, each with its yaw, tilt, roll and time" in desk.form.area.words.text()
+        )
     )
     area = desk.wait_planned().mission.area
     assert area.poses == ((0.0, 1.001, 100.0), (0.0, 1.002, 110.0), (0.0, 1.0, 120.0))
@@ -626,7 +628,7 @@ def test_line_is_flown_at_a_speed(desk, screenshot):
     assert dialog.words.text() == "1 line is selected. Corners become turns with a radius of 21.9 m."
     screenshot("line-dialog", dialog)
     accept(desk, dialog)
-    desk.wait(lambda: "150 m AGL, each with its yaw, roll, time" in desk.form.area.words.text())
+    desk.wait(lambda: "150 m AGL, each with its yaw, roll and time" in desk.form.area.words.text())
     assert any("misses the corners of its line by up to 9.1 m." in text for text in desk.messages())
     assert desk.form.area.undo.toolTip() == "Undo: line of mine (Ctrl+Z)"
     area = desk.wait_planned().mission.area

@@ -127,6 +127,15 @@ def test_rasters_of_the_project_are_queries_and_reference(made, mission_file, tm
     assert about["reference"] == f"NAIP-2014-7={path}"
 
 
+def test_imagery_without_a_name_is_called_as_its_source(mission_file, tmp_path):
+    asked = {"MISSION": mission_file, "QUERIES": "Synthetic (offline)", "REFERENCE": "world"}
+    feedback = Feedback()
+    run("makebenchmark", feedback, **asked, FOLDER=str(tmp_path / "out"), DRY_RUN=True)
+    assert [line.partition(":")[0] for line in feedback.lines if line.startswith("queries/")] == [
+        "queries/Synthetic-offline"
+    ]
+
+
 def test_without_imagery_queries_are_those_of_the_mission(tmp_path):
     file = tmp_path / "mission.json"
     MISSION.with_(map_types=("satellite", "roadmap")).save(str(file))
@@ -143,7 +152,6 @@ def test_without_imagery_queries_are_those_of_the_mission(tmp_path):
     ("wrong", "said"),
     [
         ({"REFERENCE": ""}, "0 references given: needs one, a raster or an imagery by name"),
-        ({"QUERIES": "world"}, "must be NAME=SOURCE"),
         ({"QUERIES": "a=world\na=world:roadmap"}, "imagery 'a': is named twice"),
         ({"TILES": "wide"}, "widths of tiles 'wide': must be numbers, such as 200 400"),
         ({"TRAIN": 0.5, "SPLIT": "same-area"}, "must add up to 1"),

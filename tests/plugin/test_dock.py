@@ -75,7 +75,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
         ("zoom", {"resolution": "zoom", "zoom": -1}, "zoom -1: must be 0 or more"),
         ("gsd_m_per_px", {"resolution": "gsd", "gsd_m_per_px": 0.0}, "ground sample distance 0.0 m"),
         ("resize_width_px", {"resize": True, "resize_width_px": 0}, "image size 0 480 3"),
-        ("map_types", {"map_types": ()}, "no map type: give one or more of satellite, roadmap, terrain"),
+        ("map_types", {"map_types": ()}, "no map type: tick one or more"),
         ("source", {"source": "url-template", "template": ""}, "source is empty"),
         ("yaw_deg", {"yaw_deg": 361.0}, "yaw 361.0 deg: must be from -360 to 360"),
         ("tilt_deg", {"tilt_deg": -200.0}, "tilt -200.0 deg: must be from -180 to 180"),

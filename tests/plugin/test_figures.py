@@ -74,6 +74,14 @@ def test_coverage_is_that_of_the_area_outside_no_fly_areas():
     )
 
 
+def test_the_mosaic_of_tilted_images_is_said_apart_from_the_time():
+    _, level = lines_of(Mission(area=AREA, agl_m=300.0))
+    _, tilted = lines_of(Mission(area=AREA, agl_m=300.0, tilt_deg=20.0))
+    assert level["Time"].startswith("About ")
+    assert "mosaic" not in level["Time"]
+    assert tilted["Time"].endswith(", then the mosaic")
+
+
 def test_several_map_types_count_together():
     one, single = lines_of(Mission(area=AREA, agl_m=120.0), ONLINE)
     _, double = lines_of(Mission(area=AREA, agl_m=120.0, map_types=("satellite", "terrain")), ONLINE)

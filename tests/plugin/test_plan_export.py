@@ -81,6 +81,30 @@ def test_name_gets_the_ending_of_the_kind(chosen, kind, written):
     assert with_ending(Path(chosen), kind) == Path(written)
 
 
+def test_where_a_drone_is_chosen_its_file_is_offered_first(desk, tmp_path, monkeypatch):
+    Settings().plan_ending = ""
+    offered = []
+
+    def choose(_parent, _title, path, _filters, kind):
+        offered.append((Path(path).suffix, kind))
+        return (str(tmp_path / "mine.gpx") if len(offered) == 3 else ""), ""
+
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", choose)
+    desk.enter_small_mission()
+    desk.wait_planned()
+    export(desk)
+    desk.choose(desk.form.route.entries["drone"], "m30")
+    export(desk)
+    export(desk)
+    # What the user has exported is what comes first from then on.
+    export(desk)
+    assert offered == [
+        (".kml", "Google Earth (*.kml)"),
+        *[(".kmz", "DJI Pilot 2, FlightHub 2, DJI Fly (*.kmz)")] * 2,
+        (".gpx", "GPX route (*.gpx)"),
+    ]
+
+
 def test_the_button_beside_capture_exports_for_dji(desk, tmp_path, choose_file):
     desk.enter_small_mission()
     plan = desk.wait_planned().plan

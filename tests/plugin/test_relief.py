@@ -12,10 +12,12 @@ from osgeo import gdal
 from qgis.core import QgsProject, QgsRasterLayer
 from qgis.PyQt.QtCore import QEvent, QPointF, Qt
 from qgis.PyQt.QtGui import QMouseEvent
-from qgis.PyQt.QtWidgets import QToolButton
+from qgis.PyQt.QtWidgets import QCheckBox, QToolButton
+from terrainav.core.fields import field_named
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import products
@@ -113,8 +115,32 @@ def test_sources_are_typed_and_cleared(desk, dem):
     assert desk.session.state().elevation == ()
     choose(desk, "Synthetic landscape (offline)")
     assert desk.session.state().elevation == ("world",)
+    # By its title, as in the list of imagery; either may be typed.
+    assert line.text() == "Synthetic landscape (offline)"
     set_up(desk, elevation=(dem.source(), "terrarium"))
-    assert line.text() == f"{dem.source()}; terrarium"
+    assert line.text() == f"{dem.source()}; Terrain Tiles (Terrarium, public)"
+    for typed in ("world", "synthetic Landscape (offline)"):
+        line.setText(f"{dem.source()};{typed}")
+        assert desk.session.state().elevation == (dem.source(), "world")
+        assert line.text() == f"{dem.source()};{typed}"
+
+
+def test_products_are_ticked(desk):
+    """As map types are; the order of a mission's file is kept."""
+    set_up(desk, products=("normals", "depth"))
+    boxes = desk.form.relief.entries["products"].findChildren(QCheckBox)
+    choices = field_named(Output, "products").choices
+    assert [box.text() for box in boxes] == list(choices.values())
+    assert dict(zip(choices, (box.isChecked() for box in boxes))) == {
+        "depth": True,
+        "points": False,
+        "normals": True,
+        "facades": False,
+    }
+    assert desk.session.state().products == ("normals", "depth")
+    for box in boxes:
+        box.click()
+    assert desk.session.state().products == ("points", "facades")
 
 
 def test_a_hole_below_the_flight_is_said_at_the_entry(desk, dem):

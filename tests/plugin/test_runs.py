@@ -9,8 +9,9 @@ import pytest
 from qgis.core import QgsApplication, QgsProject, QgsTask
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
+from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
-from terrainav.terrainav_plugin.capture.run import Stage
+from terrainav.terrainav_plugin.capture.run import Stage, row_text
 
 from tests.support.tileserver import TileServer
 
@@ -106,6 +107,13 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
         press(prepared, run, "dismiss")
     assert prepared.session.runs.runs == []
     assert not prepared.dock.run_list.isVisible()
+
+
+@pytest.mark.parametrize(("elevation", "said"), [((), "Starting…"), (("world",), "Reading heights…")])
+def test_a_run_over_relief_says_that_it_reads_heights(elevation, said):
+    mission = Mission(Box(35.15, -89.9, 35.14, -89.89), 100.0, elevation=elevation)
+    run = SimpleNamespace(stage=Stage.RUNNING, over=False, progress=None, mission=mission)
+    assert row_text(run) == said
 
 
 def test_paused_run_asks_for_nothing_and_its_time_stands_still(prepared, server):

@@ -23,6 +23,15 @@ from terrainav.core.mission.imageries import NamedImagery, named_imageries
         ),
         # What is no date and no map type belongs to the source: hosts with users, tiles of twice the size, drives.
         ("a=https://me@host/{z}/{x}/{y}@2x.png", NamedImagery("a", "https://me@host/{z}/{x}/{y}@2x.png")),
+        # Without a name: that of source, date and map type.
+        ("world", NamedImagery("world", "world")),
+        ("Synthetic (offline)", NamedImagery("Synthetic-offline", "Synthetic (offline)")),
+        ("world@2020:roadmap", NamedImagery("world-2020-roadmap", "world", "2020", "roadmap")),
+        ("naip/old 2014.tif", NamedImagery("old-2014", "naip/old 2014.tif")),
+        (r"C:\maps\a.tif", NamedImagery("a", r"C:\maps\a.tif")),
+        ("wms:https://a.org/x?a=b#layers=c", NamedImagery("a.org", "wms:https://a.org/x?a=b#layers=c")),
+        ("https://me:secret@h/{z}/{x}/{y}.png", NamedImagery("h", "https://me:secret@h/{z}/{x}/{y}.png")),
+        ("(?)", NamedImagery("imagery", "(?)")),
         (r"a=C:\maps\a.tif", NamedImagery("a", r"C:\maps\a.tif")),
         ("a=https://host:8080/{z}/{x}/{y}.png", NamedImagery("a", "https://host:8080/{z}/{x}/{y}.png")),
         ("a=world@2020-06-01T12:00:00Z:satellite", NamedImagery("a", "world", "2020-06-01T12:00:00Z")),
@@ -48,7 +57,7 @@ def test_its_text_is_read_back(name: str, source: str, date: str, map_type: str)
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("world", "imagery 'world': must be NAME=SOURCE"),
+        ("", "imagery 'imagery': has no source"),
         ("=world", "imagery '': must be named by"),
         ("../up=world", "imagery '../up': must be named by"),
         ("a.=world", "imagery 'a.': must be named by"),

@@ -100,7 +100,7 @@ def test_missions_are_put_into_words(area, title):
     assert title in mission_title(worked_out)
     facts = dict(mission_facts(worked_out, SOURCE, "satellite"))
     assert "straight down and north-up" in facts["flight"]
-    assert "map frames" in facts["pictures"]
+    assert "map frames" in facts["images"]
     assert "Synthetic" in facts["source"]
     turned = plan(worked_out.mission.with_(tilt_deg=20.0, yaw_deg=5.0), SOURCE.grid)
     assert "camera turned by yaw 5°, tilt 20°" in dict(mission_facts(turned, SOURCE, "satellite"))["flight"]
