@@ -37,7 +37,7 @@ def test_other_endings_are_refused_before_anything_is_worked_out(run, tmp_path, 
     assert done.returncode == 2
     assert done.stderr == (
         f"terrainav: plan file {name!r}: must end in .csv, .geojson, .kml, .gpkg, .gpx, .litchi.csv, .kmz, .plan, "
-        ".survey.plan\n"
+        ".survey.plan, .json\n"
     )
     assert list(tmp_path.iterdir()) == []
 

@@ -143,5 +143,5 @@ def test_a_file_takes_no_options_of_a_box(run, tmp_path):
 def test_the_sources_terms_are_asked_first(run, tmp_path):
     few = ("--count", "40", "--spacing", "100", "--views", "1", "--tilt", "0", "--size", "1024")
     done = run("pairs", BOX, *few, "--allow-shared-ground", "--source", "osm", "--data-dir", "out")
-    assert "pass without breaking its terms" in refusal(done, code=3)
+    assert "allowed without breaking its terms" in refusal(done, code=3)
     assert not (tmp_path / "out").exists()

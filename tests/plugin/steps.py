@@ -138,7 +138,8 @@ class Desk:
         self.wait(lambda: self.session.runs.task is None)
 
     def wait_for_tasks(self):
-        self.wait(lambda: QgsApplication.taskManager().countActiveTasks() == 0)
+        # One that is no longer active has still to tell its end: then the manager lets it go.
+        self.wait(lambda: QgsApplication.taskManager().count() == 0)
 
     # --- what is there
 

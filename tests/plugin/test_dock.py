@@ -51,7 +51,7 @@ def test_unreadable_coordinates_are_marked_until_they_are_right(desk):
         ("aspect", {"aspect": "4:0"}, "aspect ratio “4:0”: must be a number"),
         ("aspect", {"aspect": "-1"}, "aspect ratio -1.0: must be above 0"),
         ("agl", {"agl": 0.0}, "height above ground 0 m: must be above 0"),
-        ("overlap_along", {"overlap_along": 1.0}, "overlap 100 %: must be at least 0 and below 100 %"),
+        ("overlap_along", {"overlap_along": 1.0}, "front overlap 100.0 %: must be at least 0 and below 100"),
         (
             "fov_typed_deg",
             {"fov_mode": "horizontal", "fov_typed_deg": 190.0},

@@ -102,7 +102,7 @@ def test_missions_wait_in_line_and_are_captured_one_after_the_other(prepared, se
     assert not folders[1].exists()
     assert len(pictures(folders[0])) == len(pictures(folders[2])) == len(runs[0].plan)
     groups = {g.name() for g in QgsProject.instance().layerTreeRoot().findGroups(True)}
-    assert groups == {"TerrAInav: flight-1", "TerrAInav: flight-3"}
+    assert groups == {"TerrAInav: datasets of one mission", "TerrAInav: flight-1", "TerrAInav: flight-3"}
     for run in runs:
         press(prepared, run, "dismiss")
     assert prepared.session.runs.runs == []

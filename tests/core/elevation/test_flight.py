@@ -181,7 +181,7 @@ def test_filled_holes_are_counted_and_can_be_refused(dem):
     sides = ((np.asarray(at) - 1.0) / 2.0 for at in TO_UTM.transform(*corners))
     assert summary.heights == np.prod([np.ceil(at.max()) - np.floor(at.min()) + 1.0 for at in sides])
     text = dict(summary.lines())["holes filled"]
-    assert str(text).startswith(f"400 of {summary.heights:,} heights about the area (1.")
+    assert str(text).startswith(f"400 of {summary.heights:,} heights around the area (1.")
     whole = estimate(flown(Mission(AREA, 60.0, elevation=(dem["hills"],))))
     assert whole.filled_heights == 0
     assert "holes filled" not in dict(whole.lines())

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from osgeo import ogr
 from pyproj import Geod, Transformer
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
@@ -15,6 +14,7 @@ from terrainav.core.mission.plan import plan
 
 from tests.core.mission.test_rotated import CONCAVE, places_of, seen_by
 
+ogr = pytest.importorskip("osgeo.ogr", reason="GDAL's Python module comes with QGIS")
 ogr.UseExceptions()
 GRID = PixelGrid(max_zoom=22, native_zoom=22)
 GEOD = Geod(ellps="WGS84")

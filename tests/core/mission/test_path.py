@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from osgeo import ogr
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
@@ -196,6 +195,7 @@ TOWER = Polygon((((-89.8985, 35.1560), (-89.8965, 35.1560), (-89.8965, 35.1572),
 def crosses(path, polygon):
     """Whether the path touches a polygon, as GEOS has it."""
     ring = [*polygon.rings[0], polygon.rings[0][0]]
+    ogr = pytest.importorskip("osgeo.ogr", reason="GDAL's Python module comes with QGIS")
     shape = ogr.CreateGeometryFromWkt("POLYGON((" + ",".join(f"{x} {y}" for x, y in ring) + "))")
     points = ",".join(f"{x!r} {y!r}" for x, y in zip(path.lon_deg.tolist(), path.lat_deg.tolist()))
     return shape.Intersects(ogr.CreateGeometryFromWkt(f"LINESTRING({points})"))
