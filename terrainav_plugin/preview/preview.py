@@ -219,7 +219,10 @@ class Preview(QObject):
 
     def _make_layers(self, mission: Mission) -> Iterator[None]:
         """Bring the layers that are not there, step by step: reading their styles takes a while."""
-        for index, kind in enumerate(KINDS):
+        has_area = mission.kind == "raster"
+        if not has_area:
+            self._remove_area()
+        for index, kind in enumerate(kind for kind in KINDS if has_area or kind.role != "area"):
             there = self.layer(kind.role) or self._adopt(kind.role)
             if there is not None:
                 self._bring_to_world(there, kind.role)
@@ -321,6 +324,16 @@ class Preview(QObject):
         self._group.add(layer, role, index).setExpanded(False)
         self._ids[role] = layer.id()
         self._held[role] = []
+
+    def _remove_area(self) -> None:
+        """Take the layer of the area away, which for points would be empty."""
+        layer = self.layer("area") or self._adopt("area")
+        if layer is not None:
+            self._keep_styles([layer.id()])
+            # It goes by the preview's own will, which is nothing to be noticed.
+            del self._ids["area"]
+            self._project.removeMapLayer(layer.id())
+            self._canvas.refresh()
 
     def _nodes(self) -> list[QgsLayerTreeLayer]:
         """Where the layers that hide results are in the layer tree."""

@@ -131,6 +131,15 @@ def test_preview_survives_a_new_project(previewed):
     assert previewed.layer_names() == LAYERS
 
 
+def test_points_have_no_layer_of_an_area(previewed):
+    previewed.session.areas._editing.set_area(Points(((35.135, -89.865, 90.0),)), "points")
+    previewed.wait(lambda: previewed.layer("Planned images").featureCount() == 1)
+    assert previewed.layer_names() == LAYERS[1:]
+    previewed.form.area.undo.click()
+    previewed.wait(lambda: previewed.layer("Planned images").featureCount() > 1)
+    assert previewed.layer_names() == LAYERS
+
+
 def test_another_folder_names_the_group_anew(previewed):
     previewed.form.folder.setFilePath(str(previewed.folder.with_name("other")))
     previewed.wait(lambda: previewed.group() is not None and previewed.group().name() == "TerrAInav: other")
