@@ -128,10 +128,9 @@ class Viewing(QObject):
     def _found(self, shots: list[Shot]) -> None:
         viewer = self._shown_viewer()
         if not shots:
-            advice = tr("Click a captured footprint on the map.")
-            self._messages.refused(tr("No image shows this place"), advice)
+            self._messages.refused(tr("No image shows this place"), _what_to_click())
             if self.seen is None:
-                viewer.show_hint(advice)
+                viewer.show_hint(_what_to_click())
             else:
                 # The image seen last stays, with its neighbours: a click beside it is soon made.
                 self._outline(self.seen.shot)
@@ -276,7 +275,7 @@ class Viewing(QObject):
             self.seen = None
             self._remove_band()
             if self.viewer is not None:
-                self.viewer.show_hint(tr("Click a captured footprint on the map."))
+                self.viewer.show_hint(_what_to_click())
         elif self.seen is not None and self.viewer is not None:
             # The layer that shows it may be among them.
             self.viewer.on_map.setChecked(self._layer_of(self.seen) is not None)
@@ -285,3 +284,7 @@ class Viewing(QObject):
 def _role_of(seen: Seen) -> str:
     """Role of the layer that shows an image by itself."""
     return f"image/{seen.map_type}/{seen.shot.name}"
+
+
+def _what_to_click() -> str:
+    return tr("Click a captured footprint on the map.")

@@ -33,6 +33,15 @@ def has_key(authcfg):
     return not problem_with(authcfg, is_key=True) and bool(key_in(authcfg))
 
 
+@remedy("form/mission_form.py", "no map type: tick one or more")
+def _no_map_type(case: Case) -> None:
+    state = FormState(**SMALL_BOX, map_types=())
+    with pytest.raises(mission_form.FormError) as refused:
+        mission_form.mission(state)
+    case.says(refused.value.messages["map_types"])
+    case.follow("tick one or more", lambda: mission_form.mission(replace(state, map_types=("roadmap",))))
+
+
 @remedy("credentials.py", "API key: choose a configuration, or press “+” and enter it as password")
 def _no_configuration(case: Case) -> None:
     configured = case.fixture("configured")
