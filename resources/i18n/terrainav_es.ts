@@ -2574,8 +2574,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>each with its {values}</source>
-        <translation>cada uno con su {values}</translation>
+        <source>each with its {last}</source>
+        <translation>cada uno con su {last}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>each with its {values} and {last}</source>
+        <translation>cada uno con su {values}, así como {last}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
@@ -2652,11 +2657,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>{n} polygons</source>
         <translation>{n} polígonos</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/form/area.py"/>
-        <source>{words} and {last}</source>
-        <translation>{words}, así como {last}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>

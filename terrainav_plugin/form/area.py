@@ -261,14 +261,10 @@ def area_words(area: Area, unit: str) -> str:
     if len(heights) == 1 and area.yaws_deg:
         words.append(tr("yaw {yaw}°").format(yaw=number_text(area.yaws_deg[0], "g")))
     elif own:
-        words.append(tr("each with its {values}").format(values=_listed(own)))
+        *others, last = own
+        text = tr("each with its {values} and {last}") if others else tr("each with its {last}")
+        words.append(text.format(values=", ".join(others), last=last))
     return ", ".join(words)
-
-
-def _listed(words: list[str]) -> str:
-    """Words with an "and" before the last."""
-    *others, last = words
-    return tr("{words} and {last}").format(words=", ".join(others), last=last) if others else last
 
 
 def point_words() -> dict[str, str]:

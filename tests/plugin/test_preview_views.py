@@ -133,7 +133,8 @@ class Map:
         return self.preview.layer(role)
 
     def counts(self):
-        return {role: self.layer(role).featureCount() for role in ROLES}
+        layers = {role: self.layer(role) for role in ROLES}
+        return {role: layer.featureCount() for role, layer in layers.items() if layer is not None}
 
     def names(self, role="footprints"):
         return {feature["name"] for feature in self.layer(role).getFeatures()}
