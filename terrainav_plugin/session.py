@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import traceback
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,7 +14,6 @@ from qgis.gui import QgisInterface
 from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal
 from qgis.PyQt.QtWidgets import QComboBox, QDialog
 
-from ..core.dataset.folder import MISSION_FILE
 from ..core.errors import TerrAInavError
 from .area.control import AreaControl
 from .area.tools import BoxTool, PointTool
@@ -325,16 +323,14 @@ class Session(QObject):
 
     def _hide_planned(self, folder: Path) -> None:
         """Hide the planned images of a mission whose images are there; those of the one planned after it stay."""
-        from ..core.capture.folder import captured_mission, is_of
+        from ..core.capture.folder import holds_mission_of
 
         planned = self.planned
         if planned is None or not self.planning.is_entered(planned.mission):
             return
-        if not self.group().is_same(self.open_project.group_of(folder)):
-            return
-        with suppress(OSError):
-            if is_of((folder / MISSION_FILE).read_bytes(), captured_mission(planned.plan)):
-                self.preview.set_footprints_visible(False)
+        is_here = self.group().is_same(self.open_project.group_of(folder))
+        if is_here and holds_mission_of(planned.plan, folder):
+            self.preview.set_footprints_visible(False)
 
     # --- smaller reactions
 

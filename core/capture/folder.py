@@ -85,6 +85,15 @@ def is_of(mark: bytes, mission: Mission) -> bool:
     return found == mission or found.with_(crs=found.imagery.crs or mission.imagery.crs) == mission
 
 
+def holds_mission_of(plan: Plan, folder: Path) -> bool | None:
+    """Whether a folder is a dataset of a plan's mission; None where it is of none, or that cannot be read."""
+    try:
+        mark = _mark_of(folder)
+    except OutputError:
+        return None
+    return None if mark is None else is_of(mark, captured_mission(plan))
+
+
 def check_captured(folder: str | os.PathLike[str]) -> None:
     """Raise OutputError where a folder holds no capture, of which something might have failed."""
     path = Path(folder)

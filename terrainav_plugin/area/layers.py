@@ -349,10 +349,10 @@ def pose_file(path: str, how: PoseFile) -> Reading:
     """Reader of the poses of a trajectory or a flight log."""
 
     def read(task: Task) -> Found:
-        read = read_poses_file(path, how, xml_elements, task.go_on)
+        found = read_poses_file(path, how, xml_elements, task.go_on)
         note = tr("{count} of {total} positions are left out, at or below the ground.")
-        numbers = {"count": number_text(read.left_out), "total": number_text(read.positions)}
-        return Found(read.points, read.points.poses[0][2], note.format(**numbers) if read.left_out else "")
+        numbers = {"count": number_text(found.left_out), "total": number_text(found.positions)}
+        return Found(found.points, found.points.poses[0][2], note.format(**numbers) if found.left_out else "")
 
     return read
 

@@ -72,15 +72,10 @@ class Questions:
 
     def belongs_to_another(self, plan: Plan, folder: Path, *, may_count_on: bool = False) -> bool:
         """Whether the folder holds another mission; takes one beside it where that may be, or offers one."""
-        from ...core.capture.folder import captured_mission, is_of
-        from ...core.dataset.folder import MISSION_FILE
+        from ...core.capture.folder import holds_mission_of
 
-        mark = folder / MISSION_FILE
-        try:
-            if not mark.is_file() or is_of(mark.read_bytes(), captured_mission(plan)):
-                return False
-        except OSError:
-            # The run itself says what is wrong with the folder.
+        # What cannot be read the run itself says.
+        if holds_mission_of(plan, folder) is not False:
             return False
         text = tr("{folder} holds another mission; nothing was changed there.")
         self._offer_other(folder, text, may_count_on=may_count_on)
