@@ -172,17 +172,10 @@ class CaptureTask(Task):
         return not result.cancelled or result.written + result.skipped > 0
 
     def _make_mosaics(self) -> None:
-        from ..dataset.mosaic import MOST_PICTURES, build_mosaics, build_orthomosaics
+        from ..dataset.mosaic import build_any_mosaics
 
-        if len(self.plan) > MOST_PICTURES:
-            return
-        if self.plan.is_north_up:
-            self.mosaics = build_mosaics(self.plan, self.folder, self._mosaic_progress)
-            return
         try:
-            self.mosaics = build_orthomosaics(
-                self.folder, self.plan.mission, heights_for, self._mosaic_progress
-            )
+            self.mosaics = build_any_mosaics(self.plan, self.folder, heights_for, self._mosaic_progress)
         except (InvalidInput, SourceError) as wrong:
             # Such as images of a pole, which no map has; they can be looked at one by one.
             self.without_mosaic = translate(wrong)

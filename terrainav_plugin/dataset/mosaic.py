@@ -143,6 +143,20 @@ class Mosaic(NamedTuple):
                 os.replace(_made(self.path), self.path)
 
 
+def build_any_mosaics(
+    plan: Plan, folder: Path, open_heights: OpenHeights, progress: Progress
+) -> list[Mosaic]:
+    """Write the mosaics that suit a run's pictures: virtual rasters or orthomosaics; none of too many pictures.
+
+    Parameters and errors are those of `build_mosaics` and `build_orthomosaics`.
+    """
+    if len(plan) > MOST_PICTURES:
+        return []
+    if plan.is_north_up:
+        return build_mosaics(plan, folder, progress)
+    return build_orthomosaics(folder, plan.mission, open_heights, progress)
+
+
 def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
     """Write a virtual raster for every map type of a run, of the pictures that are there.
 

@@ -16,7 +16,7 @@ from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
-from ..dataset.mosaic import MOST_PICTURES, Mosaic, build_mosaics, build_orthomosaics, mosaics_there
+from ..dataset.mosaic import Mosaic, build_any_mosaics, mosaics_there
 from ..dataset.placing import show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
@@ -100,11 +100,7 @@ class DatasetTask(Task):
 
         try:
             steps = worked_out(mission, self._find_grids[folder])
-            if len(steps) > MOST_PICTURES:
-                return []
-            if not steps.is_north_up:
-                return build_orthomosaics(folder, mission, heights_for, self.go_on)
-            return build_mosaics(steps, folder, self.go_on)
+            return build_any_mosaics(steps, folder, heights_for, self.go_on)
         except TerrAInavError as wrong:
             # The footprints can be had without the source.
             self.left_out = translate(wrong)

@@ -126,19 +126,17 @@ class _Capturing(WithImagery):
 
     def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
         """Mosaics of all map types, as far as there are some."""
-        from ..dataset.mosaic import MOST_PICTURES, build_mosaics, build_orthomosaics
+        from ..dataset.mosaic import build_any_mosaics
         from ..sources import heights_for
 
-        if len(worked_out) > MOST_PICTURES or result.cancelled or not self._with_mosaic:
+        if result.cancelled or not self._with_mosaic:
             return []
 
         def progress(share: float) -> bool:
             return watch.progress(_CAPTURE_SHARE + (1.0 - _CAPTURE_SHARE) * share)
 
-        if worked_out.is_north_up:
-            return build_mosaics(worked_out, result.folder, progress)
         try:
-            return build_orthomosaics(result.folder, worked_out.mission, heights_for, progress)
+            return build_any_mosaics(worked_out, result.folder, heights_for, progress)
         except (InvalidInput, SourceError) as wrong:
             watch.warn(tr("Without a mosaic: {reason}").format(reason=translate(wrong)))
             return []
