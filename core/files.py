@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from .errors import InvalidInput, OutputError
+from .stores import is_address, put, store_path
 
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
@@ -54,6 +55,9 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
     OutputError
         Where it cannot be made, or a file is in its place.
     """
+    if is_address(folder):
+        # Stores have no folders, but names with slashes.
+        return
     try:
         Path(folder).mkdir(parents=True, exist_ok=True)
     except FileExistsError as wrong:
@@ -126,7 +130,7 @@ def write_whole(
     """Write a file under a temporary name beside it, then rename it: readers see all of it or nothing.
 
     Large files come as an iterable of blocks, so that they need not be in memory. Two calls at once must not
-    write the same path.
+    write the same path. Object stores take what is whole.
 
     Parameters
     ----------
@@ -138,6 +142,9 @@ def write_whole(
     OutputError
         Where it cannot be written; what was there before is left alone.
     """
+    if is_address(path):
+        put(store_path(path), data if isinstance(data, bytes) else b"".join(data))
+        return
     target = Path(path)
     try:
         if not target.name:

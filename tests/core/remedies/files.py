@@ -7,9 +7,10 @@ import sys
 from functools import partial
 from pathlib import Path
 
+import boto3
 import numpy as np
 import pytest
-from terrainav.core import config, drawing, files
+from terrainav.core import config, drawing, files, stores
 from terrainav.core.capture import folder as captures
 from terrainav.core.capture import writers
 from terrainav.core.capture import writers as jpeg
@@ -20,6 +21,7 @@ from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
+from tests.support.objects import s3_store
 from tests.support.remedies import Case, remedy
 from tests.support.sources import PatternSource
 
@@ -272,3 +274,27 @@ def extra_brings(extra, package):
     extras = text.partition("[project.optional-dependencies]")[2].partition("\n[")[0]
     own = [line for line in extras.splitlines() if line.startswith(f"{extra} =")]
     return any(package in line for line in own)
+
+
+# --- object stores
+
+
+@remedy("stores.py", "addresses of object stores: {} cannot be imported ({}); get it with: pip install {}")
+def _no_fsspec(case: Case) -> None:
+    with case.monkeypatch.context() as without:
+        without.setitem(sys.modules, "fsspec", None)
+        case.refused(lambda: stores.store_path("s3://data/x"))
+    case.follow("get it with: pip install 'terrainav[cluster]'", lambda: extra_brings("cluster", "fsspec"))
+
+
+@remedy("stores.py", "{}: is not there, or {} is not; make the bucket first")
+def _no_bucket(case: Case) -> None:
+    with s3_store(case.monkeypatch) as bucket:
+        path = stores.store_path(f"{bucket}2/x")
+        case.refused(lambda: stores.put(path, b"1"))
+
+        def made():
+            boto3.client("s3").create_bucket(Bucket="data2")
+            stores.put(path, b"1")
+
+        case.follow("make the bucket first", made)

@@ -1,0 +1,231 @@
+"""Where files lie: folders of this machine, and object stores by the addresses of fsspec.
+
+What takes a folder takes such an address, too: `store_path` makes of it a path that has pathlib's words. Those of
+object stores are universal_pathlib's, which is imported where an address asks for it. An object is put whole or not at
+all.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Union
+
+from .errors import InvalidInput, Message, OutputError
+
+#: A folder or file of this machine or of an object store, as text or as a path.
+Address = Union[str, "os.PathLike[str]"]
+
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*)://")
+#: What brings all that S3 needs.
+_EXTRA = "'terrainav[cluster]'"
+#: Modules that know a store, where fsspec itself does not, and what to install for them, by the scheme of addresses.
+_PACKAGES = {
+    **dict.fromkeys(("s3", "s3a"), ("s3fs", _EXTRA)),
+    **dict.fromkeys(("gs", "gcs"), ("gcsfs", "gcsfs")),
+    **dict.fromkeys(("az", "abfs", "abfss", "adl"), ("adlfs", "adlfs")),
+}
+#: What stores say where nobody has told who asks: none of these quotes a key.
+_NO_CREDENTIALS = re.compile(r"credential|token|anonymous|unauthori[sz]ed|not authenticated", re.IGNORECASE)
+_REFUSED = re.compile(r"forbidden|access denied|accessdenied|permission", re.IGNORECASE)
+_NOT_THERE = re.compile(r"nosuchbucket|no such bucket|bucket does not exist|not ?found|404", re.IGNORECASE)
+_SAID_CHARACTERS = 120
+
+
+def is_address(place: Address) -> bool:
+    """Whether a place is one of an object store, by its address or as such a path."""
+    if isinstance(place, str):
+        found = _SCHEME.match(place)
+        return found is not None and found[1].lower() not in ("file", "local")
+    return not isinstance(place, Path) and hasattr(place, "storage_options")
+
+
+def store_path(place: Address) -> Path:
+    """Path of a folder or file of this machine, or of an address such as ``s3://bucket/folder``.
+
+    A path of an object store is none of pathlib's, but has its words, as far as a store knows what they mean.
+
+    Raises
+    ------
+    InvalidInput
+        An address of a kind that fsspec does not know.
+    OutputError
+        A package that it needs is missing, or there are no credentials.
+    """
+    if not isinstance(place, str):
+        return place if is_address(place) else Path(place)  # type: ignore[return-value]
+    scheme = _SCHEME.match(place)
+    if scheme is None:
+        return Path(place)
+    kind = scheme[1].lower()
+    if not is_address(place):
+        return Path(place[scheme.end() :])
+    upath, fsspec = _imported("upath"), _imported("fsspec")
+    if kind not in fsspec.available_protocols():
+        raise InvalidInput(
+            "address {0!r}: must be a folder, or begin with {1}", place, "s3://, gs://, az:// or memory://"
+        )
+    if kind in _PACKAGES:
+        _imported(*_PACKAGES[kind])
+    path: Path = upath.UPath(place)
+    with store_errors(path):
+        # Asks for nothing, but makes what will ask.
+        _ = path.fs  # type: ignore[attr-defined]
+    return path
+
+
+def put(path: Path, data: bytes) -> None:
+    """Put an object, whole or not at all; one that is there is replaced.
+
+    Raises
+    ------
+    OutputError
+    """
+    with store_errors(path):
+        _of_store(path).pipe_file(_key(path), data)
+
+
+def put_new(path: Path, data: bytes) -> bool:
+    """Put an object unless there is one; whether it was put. Of several that try at once, one does.
+
+    Raises
+    ------
+    OutputError
+    """
+    with store_errors(path):
+        try:
+            _of_store(path).pipe_file(_key(path), data, mode="create")
+        except FileExistsError:
+            return False
+        except Exception as wrong:
+            # S3 says so with the status of a condition that does not hold, of which s3fs makes no error of its own.
+            if "PreconditionFailed" in repr(wrong) or "ConditionalRequestConflict" in repr(wrong):
+                return False
+            raise
+        return True
+
+
+def get(path: Path) -> bytes | None:
+    """Content of an object; None where there is none.
+
+    Raises
+    ------
+    OutputError
+    """
+    with store_errors(path):
+        try:
+            return bytes(_of_store(path).cat_file(_key(path)))
+        except FileNotFoundError:
+            return None
+
+
+def get_range(path: Path, start: int, length: int) -> bytes:
+    """Part of an object.
+
+    Raises
+    ------
+    OutputError
+        Also where it is not there.
+    """
+    with store_errors(path):
+        return bytes(_of_store(path).cat_file(_key(path), start=start, end=start + length))
+
+
+def sizes_in(folder: Path) -> dict[str, int]:
+    """Bytes of the objects right inside a folder, by name; empty where there is none.
+
+    Raises
+    ------
+    OutputError
+    """
+    with store_errors(folder):
+        store = _of_store(folder)
+        # What was listed before is of a moment ago, and others write as well.
+        store.invalidate_cache()
+        try:
+            found = store.ls(_key(folder), detail=True)
+        except FileNotFoundError:
+            return {}
+        return {one["name"].rpartition("/")[2]: int(one["size"]) for one in found if one["type"] == "file"}
+
+
+def remove(path: Path) -> None:
+    """Remove an object, if it is there.
+
+    Raises
+    ------
+    OutputError
+    """
+    with store_errors(path):
+        try:
+            _of_store(path).rm_file(_key(path))
+        except FileNotFoundError:
+            return
+
+
+@contextmanager
+def store_errors(path: Path) -> Iterator[None]:
+    """Say in one line what a store refuses, in no words that may quote a key.
+
+    Raises
+    ------
+    OutputError
+    """
+    try:
+        yield
+    except OutputError:
+        raise
+    except Exception as wrong:  # noqa: BLE001  (each store's library has errors of its own)
+        problem = _problem(path, wrong)
+    else:
+        return
+    # Out here, where what was raised, which may quote a key, is no part of it.
+    raise problem
+
+
+def _problem(path: Path, wrong: Exception) -> OutputError:
+    """One line for what a store's library has raised."""
+    what, root = str(path), _root(path)
+    said = f"{type(wrong).__name__} {wrong}"
+    if isinstance(wrong, PermissionError) or _REFUSED.search(said):
+        return OutputError("{0}: access is refused: the credentials do not allow it", what)
+    if _NO_CREDENTIALS.search(said):
+        return OutputError(
+            "{0}: no valid credentials: they are taken from where the store's own tools have them", what
+        )
+    if isinstance(wrong, FileNotFoundError) or _NOT_THERE.search(said):
+        return OutputError("{0}: is not there, or {1} is not", what, root, remedy="make the bucket first")
+    known = isinstance(wrong, OSError) and wrong.strerror
+    return OutputError(
+        "{0}: cannot be reached ({1})", what, str(known or type(wrong).__name__)[:_SAID_CHARACTERS]
+    )
+
+
+def _root(path: Path) -> str:
+    """Scheme and bucket of an address."""
+    scheme, _, rest = str(path).partition("://")
+    return f"{scheme}://{rest.partition('/')[0]}"
+
+
+def _of_store(path: Any) -> Any:
+    return path.fs
+
+
+def _key(path: Any) -> str:
+    return str(path.path)
+
+
+def _imported(name: str, package: str = _EXTRA) -> Any:
+    try:
+        return importlib.import_module(name)
+    except ImportError as missing:
+        raise OutputError(
+            "addresses of object stores: {0} cannot be imported ({1})",
+            name,
+            missing,
+            remedy=Message("get it with: pip install {0}", package),
+        ) from missing

@@ -1,0 +1,76 @@
+"""Places of files: folders, and object stores by their addresses."""
+
+from __future__ import annotations
+
+import pickle
+import threading
+from pathlib import Path
+from uuid import uuid4
+
+import pytest
+from terrainav.core import stores
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.files import write_whole
+
+from tests.support.objects import SECRET, s3_store
+
+
+@pytest.fixture(scope="module")
+def bucket():
+    with pytest.MonkeyPatch.context() as monkeypatch, s3_store(monkeypatch) as address:
+        yield address
+
+
+@pytest.fixture(params=["memory", "s3"])
+def folder(request, bucket):
+    return stores.store_path(f"{'memory://x' if request.param == 'memory' else bucket}/{uuid4().hex}")
+
+
+@pytest.mark.parametrize("text", ["/tmp/x", "x/y", "C:\\x", "file:///tmp/x"])
+def test_folders_of_this_machine_are_paths(text):
+    assert not stores.is_address(text)
+    assert isinstance(stores.store_path(text), Path)
+
+
+def test_an_object_is_put_and_got(folder):
+    assert stores.is_address(folder)
+    write_whole(folder / "a" / "b.txt", b"hello")
+    assert stores.get(folder / "a" / "b.txt") == b"hello"
+    assert stores.get_range(folder / "a" / "b.txt", 1, 3) == b"ell"
+    assert stores.get(folder / "a" / "none.txt") is None
+    assert stores.sizes_in(folder / "a") == {"b.txt": 5}
+    assert stores.sizes_in(folder / "none") == {}
+    stores.remove(folder / "a" / "b.txt")
+    stores.remove(folder / "a" / "b.txt")
+    assert stores.get(folder / "a" / "b.txt") is None
+
+
+def test_of_many_that_put_a_new_object_one_does(folder):
+    outcomes: list[bool] = []
+    threads = [
+        threading.Thread(target=lambda n=n: outcomes.append(stores.put_new(folder / "lock", b"%d" % n)))
+        for n in range(8)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(outcomes) == [False] * 7 + [True]
+
+
+def test_what_others_have_put_is_listed(folder):
+    assert stores.sizes_in(folder) == {}
+    stores.put(pickle.loads(pickle.dumps(folder)) / "a", b"123")
+    assert stores.sizes_in(folder) == {"a": 3}
+
+
+def test_a_bucket_that_is_not_there_is_one_line(bucket):
+    with pytest.raises(OutputError, match=r"^s3://nobody/x: is not there, or s3://nobody is not") as wrong:
+        stores.put(stores.store_path("s3://nobody/x"), b"1")
+    assert SECRET not in str(wrong.value)
+    assert wrong.value.__cause__ is None
+
+
+def test_an_address_of_another_kind_is_refused():
+    with pytest.raises(InvalidInput, match=r"^address 'foo://x': must be a folder, or begin with s3://"):
+        stores.store_path("foo://x")

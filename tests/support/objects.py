@@ -1,0 +1,39 @@
+"""An S3 store on loopback: moto's server, which speaks S3's own protocol."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+#: What a test's store takes for credentials; the second is looked for where none may be printed.
+KEY, SECRET = "TESTKEY", "TESTSECRETNOBODYMAYSEE"
+
+
+@contextlib.contextmanager
+def s3_store(monkeypatch: pytest.MonkeyPatch, bucket: str = "data") -> Iterator[str]:
+    """Run a store with a bucket, which the environment leads to; yields the bucket's address."""
+    moto = pytest.importorskip("moto.server", reason="needs moto")
+    boto3 = pytest.importorskip("boto3", reason="needs boto3")
+    s3fs = pytest.importorskip("s3fs", reason="needs s3fs")
+    logging.getLogger("werkzeug").setLevel(logging.ERROR)
+    server: Any = moto.ThreadedMotoServer(ip_address="127.0.0.1", port=0, verbose=False)
+    server.start()
+    try:
+        host, port = server.get_host_and_port()
+        for name, value in (
+            ("AWS_ACCESS_KEY_ID", KEY),
+            ("AWS_SECRET_ACCESS_KEY", SECRET),
+            ("AWS_DEFAULT_REGION", "us-east-1"),
+            ("AWS_ENDPOINT_URL", f"http://{host}:{port}"),
+        ):
+            monkeypatch.setenv(name, value)
+        s3fs.S3FileSystem.clear_instance_cache()
+        boto3.client("s3").create_bucket(Bucket=bucket)
+        yield f"s3://{bucket}"
+    finally:
+        s3fs.S3FileSystem.clear_instance_cache()
+        server.stop()
