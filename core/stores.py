@@ -110,12 +110,19 @@ def put_new(path: Path, data: bytes) -> bool:
 
 
 def get(path: Path) -> bytes | None:
-    """Content of an object; None where there is none.
+    """Content of an object, or of a file of this machine; None where there is none.
 
     Raises
     ------
     OutputError
     """
+    if not is_address(path):
+        try:
+            return path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as wrong:
+            raise OutputError("file {0}: cannot be read ({1})", path, wrong.strerror) from wrong
     with store_errors(path):
         try:
             return bytes(_of_store(path).cat_file(_key(path)))
@@ -136,12 +143,20 @@ def get_range(path: Path, start: int, length: int) -> bytes:
 
 
 def sizes_in(folder: Path) -> dict[str, int]:
-    """Bytes of the objects right inside a folder, by name; empty where there is none.
+    """Bytes of the objects, or files, right inside a folder, by name; empty where there is none.
 
     Raises
     ------
     OutputError
     """
+    if not is_address(folder):
+        try:
+            with os.scandir(folder) as entries:
+                return {one.name: one.stat().st_size for one in entries if one.is_file()}
+        except FileNotFoundError:
+            return {}
+        except OSError as wrong:
+            raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
     with store_errors(folder):
         store = _of_store(folder)
         # What was listed before is of a moment ago, and others write as well.

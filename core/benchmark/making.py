@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress
+from ..capture.making import DEFAULT_CONNECTIONS
+from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
 from ..dataset.ground import Boxes, boxes_of
 from ..dataset.labels import middle_of

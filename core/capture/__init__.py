@@ -2,11 +2,13 @@
 
 In reading order:
 
-- `runner`: the run, and what it tells
+- `runner`: the run
+- `progress`: what it tells
 - `several`: runs beside each other in one folder
 - `folder`: the dataset's folder, and what it must not hold before
 - `journal`: what is done, for the next run
 - `pipeline`: fetching, assembling and writing at the same time
+- `making`: pictures of a plan and a source, one after the other
 - `records`: each picture's job, and its row of the table
 - `writers`: pictures in files
 - `georeference`: where a picture lies

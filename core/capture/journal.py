@@ -47,6 +47,10 @@ class Outcome:
         Share of its pixels that see faces which no map shows.
     repeated : tuple of str
         Digests of files it was made of that came for other places far away, too; see `Repeats`.
+    shard : str
+        File of many pictures that it is in; empty for one that has a file of its own.
+    offset_bytes, length_bytes : int
+        Where it begins in that, and how long it is.
     """
 
     map_type: str
@@ -58,6 +62,9 @@ class Outcome:
     facade_share: float = 0.0
     size_bytes: int = 0
     repeated: tuple[str, ...] = ()
+    shard: str = ""
+    offset_bytes: int = 0
+    length_bytes: int = 0
 
     @property
     def status(self) -> str:
@@ -81,6 +88,8 @@ class Outcome:
             fields.update(size_bytes=self.size_bytes)
         if self.repeated:
             fields.update(repeated=self.repeated)
+        if self.shard:
+            fields.update(shard=self.shard, offset_bytes=self.offset_bytes, length_bytes=self.length_bytes)
         return json.dumps(fields, ensure_ascii=False).encode("utf-8") + b"\n"
 
     @classmethod
@@ -104,6 +113,9 @@ class Outcome:
                 facades,
                 int(fields.get("size_bytes", 0)),
                 tuple(map(str, fields.get("repeated", ()))),
+                str(fields.get("shard", "")),
+                int(fields.get("offset_bytes", 0)),
+                int(fields.get("length_bytes", 0)),
             )
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None

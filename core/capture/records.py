@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ..bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
 from ..dataset.entropy import entropy
 from ..dataset.table import Table
+from ..files import write_whole
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
@@ -26,7 +27,7 @@ from ..picture.shot import MapShot, Shot, Walls, draw, shot_of, walls_of
 from .georeference import ControlPoints, Georeference
 from .journal import Outcome
 from .metadata import Description, degrees, figure
-from .writers import Place, write_picture
+from .writers import Place, Write, write_picture
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[Any]
@@ -55,6 +56,8 @@ class PictureJob:
         What they are worked out from, and the folder in which each has one of its own.
     walls : callable or None
         Colours of walls, as `draw` takes them.
+    write : callable
+        What takes files.
     """
 
     index: int
@@ -69,6 +72,7 @@ class PictureJob:
     ranges: tuple[Range, ...] = ()
     products: tuple[Plan, Path] | None = None
     walls: Walls | None = None
+    write: Write = write_whole
 
 
 class Made(NamedTuple):
@@ -106,14 +110,20 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
         plan, folder = job.products
         for name, values in products(plan, job.index, (picture.shape[1], picture.shape[0]), job.shot):
             limits = [_range_of(values[..., band]) for band in range(len(BANDS[name]))]
-            write_picture(folder / name, "tif", values, job.place, description, BANDS[name], limits)
+            write_picture(
+                folder / name, "tif", values, job.place, description, BANDS[name], limits, job.write
+            )
     if job.bands == RGB:
-        size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description)
+        size_bytes = write_picture(
+            job.folder, job.image_format, picture, job.place, description, write=job.write
+        )
         bits = entropy(picture[..., :3] if picture.ndim > 2 else picture)
         return Made(bits, sky, unmapped, facades, size_bytes)
     bands, ranges = _written(job)
     picture = picture.reshape(*picture.shape[:2], -1)
-    size_bytes = write_picture(job.folder, job.image_format, picture, job.place, description, bands, ranges)
+    size_bytes = write_picture(
+        job.folder, job.image_format, picture, job.place, description, bands, ranges, job.write
+    )
     bits = entropy(shown_in_8_bits(picture, bands, ranges))
     return Made(bits, sky, unmapped, facades, size_bytes)
 
@@ -148,6 +158,7 @@ def job_of(
     folder: Path,
     exposures: Exposures | None = None,
     products_in: Path | None = None,
+    write: Write = write_whole,
 ) -> PictureJob:
     """Job of one capture; with ``exposures`` its picture is tagged as a drone's. Products go to folders of a folder."""
     mission = plan.mission
@@ -187,6 +198,7 @@ def job_of(
         ranges_of(source),
         None if products_in is None else (plan, products_in),
         walls_of(plan, source, map_type),
+        write,
     )
 
 
@@ -275,10 +287,22 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         "source": (source.title,) * len(at),
         "attribution": (source.attribution,) * len(at),
         "imagery_date": (source.date,) * len(at),
+        **_shards_of(rows),
         "status": tuple(row.status for row in rows),
         "reason": tuple(row.reason for row in rows),
     }
     return Table.of(known, {})
+
+
+def _shards_of(rows: Sequence[Outcome]) -> dict[str, Any]:
+    """Columns of where images are in files of many."""
+    if not any(row.shard for row in rows):
+        return {}
+    return {
+        "shard": tuple(row.shard for row in rows),
+        "offset_bytes": np.array([row.offset_bytes if row.shard else np.nan for row in rows], np.float64),
+        "size_bytes": np.array([row.length_bytes if row.shard else np.nan for row in rows], np.float64),
+    }
 
 
 def _wrapped(poses: Poses) -> dict[str, Floats]:

@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-import math
 import os
-import time
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import RGB, bands_of
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
-from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Received, Repeats, corner
-from ..imagery.source import Part, Source, Window
-from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
+from ..imagery.opening import NamedSource
+from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Repeats
+from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
-from ..picture.camera_frame import parts_of_tiles
-from ..picture.map_frame import check_size
-from ..picture.shot import parts_of, tiles_of
+from ..stores import is_address
+from .blocks.destination import has_blocks
+from .blocks.engines import Engine, here
+from .blocks.running import Blocks, capture_in_blocks
 from .folder import (
     captured_mission,
     check_captured,
@@ -36,26 +33,22 @@ from .folder import (
     remove_picture,
 )
 from .journal import FAILED, Journal, Outcome
+from .making import DEFAULT_CONNECTIONS, Making, check_source, chosen_of
 from .odm import write_odm_files
-from .pipeline import Pipeline, sweep
-from .records import Made, PictureJob, exposures_of, job_of, make_picture, table_of
+from .progress import CaptureResult, Failure, Listener, Progress, Repeat
+from .records import Made, PictureJob, exposures_of, table_of
 from .writers import file_endings
 
-__all__ = ["CaptureResult", "Failure", "Progress", "Repeat", "capture", "check_source"]
 Numbers = NDArray[np.int64]
-#: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
-DEFAULT_CONNECTIONS = 8
-#: Pictures that are traced ahead of each other before it is asked whether to go on.
-_TRACED_AT_ONCE = 64
-#: Shortest time between two reports of progress, seconds.
-_REPORT_S = 0.1
 
 
 def capture(
     plan: Plan,
-    source: Source,
+    source: Source | NamedSource,
     folder: str | os.PathLike[str],
     *,
+    executor: Executor | Engine | None = None,
+    blocks: Blocks | None = None,
     connections: int = DEFAULT_CONNECTIONS,
     workers: int | None = None,
     resume: bool = False,
@@ -64,8 +57,13 @@ def capture(
     progress: Callable[[Progress], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
     paused: Callable[[], bool] | None = None,
+    notice: Callable[[Message], object] | None = None,
 ) -> CaptureResult:
     """Capture the pictures of a plan into a dataset folder.
+
+    With an executor, into an object store, or where ``blocks`` are asked for, they are made in blocks: by any workers
+    that have TerrAInav, a block committed whole or not at all, and what is committed is the journal. All else is done
+    by threads of this process, picture by picture.
 
     Pictures are written whole or not at all, and noted in the journal one by one; those that cannot be made are
     named in the journal and the table with the reason, and the others go on. The tables are written at the end,
@@ -74,10 +72,14 @@ def capture(
 
     Parameters
     ----------
-    source : Source
-        With the pixel grid that the plan was made for.
-    folder : path
-        Made if it is not there.
+    source : Source or NamedSource
+        With the pixel grid that the plan was made for; in blocks one that is named, which their makers open themselves.
+    folder : path or str
+        Made if it is not there; or the address of an object store's, as `store_path` takes it.
+    executor : Executor, Engine or None
+        Who makes blocks: any of `concurrent.futures`' kind; None for this process.
+    blocks : Blocks or None
+        How captures are divided, and how files are laid out; None for the usual way.
     connections : int
         Parts fetched at once, at least 1.
     workers : int or None
@@ -96,7 +98,10 @@ def capture(
         Asked many times a second; when it says yes the run ends within the time a picture takes. It waits for no
         request: those under way are left to the source, and end when it is closed.
     paused : callable
-        Asked as often; while it says yes, no part is asked for and no picture begun. Progress is still reported.
+        Asked as often; while it says yes, no part is asked for and no picture begun. Progress is still reported. Blocks
+        that other processes make go on to their end.
+    notice : callable
+        Told in one line of each block that is begun again, as its worker died.
 
     Raises
     ------
@@ -111,212 +116,54 @@ def capture(
     for count, what in ((connections, Message("connections")), (workers, Message("workers"))):
         if count is not None and count < 1:
             raise InvalidInput("{0} {1}: must be 1 or more", count, what)
+    if executor is not None or blocks is not None or is_address(folder):
+        if not isinstance(source, NamedSource) or only is not None:
+            raise InvalidInput(
+                "capture in blocks: needs a source by its name, and is of all captures of a plan"
+            )
+        with ExitStack() as opened:
+            engine = opened.enter_context(here(workers)) if executor is None else Engine.of(executor, workers)
+            return capture_in_blocks(
+                plan,
+                source,
+                str(folder),
+                engine,
+                blocks or Blocks(),
+                connections=connections,
+                resume=resume,
+                only_failed=only_failed,
+                progress=progress,
+                cancelled=cancelled,
+                paused=paused,
+                notice=notice,
+            )
+    if isinstance(source, NamedSource):
+        raise InvalidInput("source {0!r}: must be opened, but for a capture in blocks", source.text)
     check_source(plan, source)
-    chosen = _chosen(plan, only)
+    chosen = chosen_of(plan, only)
     if only_failed:
         check_captured(folder)
+    if has_blocks(Path(folder)):
+        raise OutputError(
+            "folder {0}: was captured in blocks", folder, remedy="go on with blocks, or choose another folder"
+        )
     path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
-    listener = _Listener(progress, cancelled, paused)
+    listener = Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:
         run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)
+        making = Making(
+            plan,
+            source,
+            path,
+            connections,
+            workers or os.cpu_count() or 1,
+            run.note,
+            exposures=exposures_of(plan),
+        )
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             write_plan(plan, path / name)
-        complete = all(
-            run.capture_map_type(map_type, connections, workers or os.cpu_count() or 1)
-            for map_type in plan.mission.imagery.map_types
-        )
-    return run.result(listener.active_s(), cancelled=not complete)
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a capture is, over all its map types.
-
-    Parameters
-    ----------
-    total : int
-        Pictures asked for.
-    done, failed, skipped : int
-        Written by this run; failed in it; there already.
-    requests : int
-        Parts asked of the source so far.
-    map_type : str
-        The one being captured.
-    active_s : float
-        Seconds that the run has worked: pauses are left out, so that rates can be had from it.
-    paused : bool
-        Whether it is held.
-    """
-
-    total: int
-    done: int
-    failed: int
-    skipped: int
-    requests: int
-    map_type: str
-    active_s: float = 0.0
-    paused: bool = False
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A picture that could not be made, and why."""
-
-    map_type: str
-    name: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class Repeat:
-    """A file that the provider sent for several places far apart: open water, snow, or a placeholder.
-
-    Parameters
-    ----------
-    sha256 : str
-        First digits of its SHA-256, as `open_source` takes them for a placeholder.
-    places : int
-        Tiles it came for; with Static Maps, pictures.
-    images : tuple of str
-        Names of the pictures that show it, in the plan's order.
-    """
-
-    map_type: str
-    sha256: str
-    places: int
-    images: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class CaptureResult:
-    """What a capture did.
-
-    Parameters
-    ----------
-    total, written, skipped : int
-        Pictures asked for; written by this run; there already.
-    failed : tuple of Failure
-        By map type, in the plan's order.
-    requests, unique_parts : int
-        Parts asked of the source, and different parts that the pictures to be made needed; equal, but for a run
-        that was stopped.
-    seconds : float
-        Wall time, without pauses.
-    cancelled : bool
-        Whether it was stopped; it can be resumed.
-    repeated : tuple of Repeat
-        What came for several places far apart in this run, by map type, that of the most places first.
-    """
-
-    folder: Path
-    total: int
-    written: int
-    failed: tuple[Failure, ...]
-    skipped: int
-    requests: int
-    unique_parts: int
-    seconds: float
-    cancelled: bool
-    repeated: tuple[Repeat, ...] = ()
-
-
-def check_source(plan: Plan, source: Source) -> None:
-    """Raise InvalidInput where a source has not what a plan needs: its grid, map types, bands that can be written."""
-    if source.grid != plan.grid:
-        raise InvalidInput(
-            "plan is for another pixel grid than that of {0}: plan with the source's own", source.title
-        )
-    for map_type in plan.mission.imagery.map_types:
-        if source.map_types and map_type not in source.map_types:
-            raise InvalidInput(
-                "map type {0!r}: {1} has {2}", map_type, source.title, ", ".join(source.map_types)
-            )
-    bands, output = bands_of(source), plan.mission.output
-    if output.image_format != "tif" and not bands.are_colours:
-        raise InvalidInput(
-            "image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}",
-            output.image_format,
-            source.title,
-            bands,
-            field="image_format",
-        )
-    check_size(output.img_size, bands)
-    if _largest_px(plan) * bands.bytes_per_px > MAX_PICTURE_BYTES:
-        raise InvalidInput(
-            "images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each",
-            _largest_px(plan),
-            len(bands),
-            bands.data_type,
-            MAX_PICTURE_BYTES,
-            field="bands",
-        )
-
-
-def _largest_px(plan: Plan) -> int:
-    """Pixels of the largest picture, as it is planned or as it is resized to."""
-    width, height, _ = plan.mission.output.img_size or (1, 1, 1)
-    return max(int((plan.width_px * plan.height_px).max()), width * height)
-
-
-def _chosen(plan: Plan, only: Iterable[int] | None) -> Numbers:
-    if only is None:
-        return np.arange(len(plan), dtype=np.int64)
-    chosen = np.unique(np.array(list(only), np.int64))
-    outside = chosen[(chosen < 0) | (chosen >= len(plan))]
-    if len(outside):
-        raise InvalidInput("capture {0} of the plan: it has 0 to {1}", outside[0], len(plan) - 1)
-    return chosen
-
-
-class _Listener:
-    """The caller's callbacks: told of progress now and then, asked whether to go on or wait, which takes the time.
-
-    Attributes
-    ----------
-    is_paused : bool
-        What the caller has last said.
-    """
-
-    def __init__(
-        self,
-        progress: Callable[[Progress], object] | None,
-        cancelled: Callable[[], bool] | None,
-        paused: Callable[[], bool] | None,
-    ) -> None:
-        self._progress, self._cancelled, self._paused = progress, cancelled, paused
-        self._told_s = -math.inf
-        self._started_s = time.monotonic()
-        self._pause_began_s = self._pauses_s = 0.0
-        self.is_paused = False
-
-    def active_s(self) -> float:
-        """Seconds so far in which the run was not held."""
-        until_s = self._pause_began_s if self.is_paused else time.monotonic()
-        return until_s - self._started_s - self._pauses_s
-
-    def wait(self) -> bool:
-        """Whether the caller holds the run."""
-        held = self._paused is not None and self._paused()
-        if held and not self.is_paused:
-            self._pause_began_s = time.monotonic()
-        elif self.is_paused and not held:
-            self._pauses_s += time.monotonic() - self._pause_began_s
-        if held != self.is_paused:
-            self.is_paused = held
-            # The next report says so, however short a time ago the last one was.
-            self._told_s = -math.inf
-        return held
-
-    def tell(self, progress: Callable[[], Progress], *, at_once: bool = False) -> None:
-        """Report progress, unless the last report was a moment ago."""
-        now_s = time.monotonic()
-        if self._progress is not None and (at_once or now_s - self._told_s >= _REPORT_S):
-            self._told_s = now_s
-            self._progress(progress())
-
-    def go_on(self) -> bool:
-        """Whether the caller has not cancelled."""
-        return self._cancelled is None or not self._cancelled()
+        complete = all(run.capture_map_type(map_type, making) for map_type in plan.mission.imagery.map_types)
+    return run.result(making, listener.active_s(), cancelled=not complete)
 
 
 class _Run:
@@ -335,18 +182,16 @@ class _Run:
         folder: Path,
         journal: Journal,
         chosen: Numbers,
-        listener: _Listener,
+        listener: Listener,
         *,
         only_failed: bool,
     ) -> None:
         self._plan, self._source, self._folder = plan, source, folder
         self._journal, self._listener = journal, listener
         self._map_types = plan.mission.imagery.map_types
-        self._done = self._requests = self._unique_parts = 0
+        self._done = self._requests = 0
         self._failures: list[tuple[int, int, Failure]] = []
         self._repeated: list[Repeat] = []
-        #: Zooms, columns and rows of the tiles that captures over relief see, which take long to tell.
-        self._tiles: dict[int, NDArray[np.int32]] = {}
         self._endings = file_endings(plan.mission.output.image_format, on_map=plan.size_px is None)
         self._outcomes = self._known_outcomes()
         self._drop_placeholders()
@@ -396,51 +241,22 @@ class _Run:
         outcome = self._outcomes[map_type].get(self._plan.names[index])
         return None if outcome is None else outcome.status
 
-    def capture_map_type(self, map_type: str, connections: int, workers: int) -> bool:
+    def capture_map_type(self, map_type: str, making: Making) -> bool:
         """Make the pictures of a map type that are not there, and its table; False where cancelled."""
-        folder = self._folder / map_type
+        repeats = Repeats(self._plan.grid)
+
+        def go_on() -> bool:
+            self._requests = making.requests
+            self._listener.tell(partial(self._progress, map_type))
+            return self._listener.go_on()
+
         try:
-            order = sweep(self._plan.windows, self._pending[map_type]).tolist()
-            users = self._users(map_type, order, workers)
-            if users is None:
-                return False
-            self._unique_parts += len(users)
-            pipeline: Pipeline[PictureJob, Made] = Pipeline(
-                users,
-                partial(self._source.fetch, map_type),
-                make_picture,
-                self._note,
-                connections=connections,
-                workers=workers,
-                at_once=max(MAX_PICTURES_AT_ONCE_PX * RGB.bytes_per_px // self._largest_bytes(), 1),
-            )
-            exposures, products_in = exposures_of(self._plan), self._products_in(map_type)
-            jobs = (
-                (
-                    job_of(self._plan, index, self._source, map_type, folder, exposures, products_in),
-                    self._parts(index),
-                )
-                for index in order
-            )
-            earlier = self._requests
-
-            def go_on() -> bool:
-                self._requests = earlier + pipeline.requests
-                return self._go_on(map_type)
-
-            repeats = Repeats(self._plan.grid)
-            try:
-                with _received_by(repeats.note, self._source):
-                    return pipeline.run(jobs, go_on, self._listener.wait)
-            finally:
-                self._requests = earlier + pipeline.requests
-                self._note_repeats(map_type, repeats.found())
+            return making.make(map_type, self._pending[map_type], go_on, self._listener.wait, repeats.note)
         finally:
+            self._requests = making.requests
+            self._note_repeats(map_type, repeats.found(), making)
             self._write_tables(map_type)
             self._listener.tell(partial(self._progress, map_type), at_once=True)
-
-    def _largest_bytes(self) -> int:
-        return _largest_px(self._plan) * max(bands_of(self._source).bytes_per_px, RGB.bytes_per_px)
 
     def _write_tables(self, map_type: str) -> None:
         """Write what tells of all pictures of a map type that are done or have failed so far."""
@@ -455,36 +271,7 @@ class _Run:
             ]
             write_odm_files(folder, self._plan, np.array(there, np.int64))
 
-    def _products_in(self, map_type: str) -> Path | None:
-        """Folder of products, which are those of all map types and made with the first one's pictures."""
-        is_first = map_type == self._map_types[0]
-        return self._folder if is_first and self._plan.mission.output.products else None
-
-    def _users(self, map_type: str, order: list[int], workers: int) -> Counter[Window] | None:
-        """How many of the pictures to be made need each part; None where cancelled meanwhile."""
-        users: Counter[Window] = Counter()
-        with ThreadPoolExecutor(workers, "terrainav-trace") as threads:
-            # Over relief every picture is traced to tell, so all processors do.
-            ahead = threads.map if self._plan.relief is not None else map
-            for start in range(0, len(order), _TRACED_AT_ONCE):
-                for parts in ahead(self._parts, order[start : start + _TRACED_AT_ONCE]):
-                    users.update({part.window for part in parts})
-                    if not self._go_on(map_type):
-                        return None
-        return users
-
-    def _go_on(self, map_type: str) -> bool:
-        self._listener.tell(partial(self._progress, map_type))
-        return self._listener.go_on()
-
-    def _parts(self, index: int) -> list[Part]:
-        if self._plan.relief is None:
-            return parts_of(self._plan, self._source, index)
-        if index not in self._tiles:
-            self._tiles[index] = np.array(tiles_of(self._plan, index), np.int32).reshape(-1, 3)
-        return parts_of_tiles(self._plan.grid, self._tiles[index].tolist())
-
-    def _note(self, job: PictureJob, result: Made | PartError) -> None:
+    def note(self, job: PictureJob, result: Made | PartError) -> None:
         """Enter what became of a picture."""
         map_type, name = job.description.map_type, job.description.name
         if isinstance(result, PartError):
@@ -497,20 +284,14 @@ class _Run:
         self._journal.add(outcome)
         self._outcomes[map_type][name] = outcome
 
-    def _note_repeats(self, map_type: str, found: Mapping[str, frozenset[Window]]) -> None:
+    def _note_repeats(self, map_type: str, found: Mapping[str, frozenset[Window]], making: Making) -> None:
         """Enter in the journal which pictures show files that came for places far apart."""
-        digests = {place: digest for digest, places in found.items() for place in places}
         images: dict[str, list[str]] = {digest: [] for digest in found}
-        for index, name in enumerate(self._plan.names if found else ()):
-            outcome = self._outcomes[map_type].get(name)
-            if outcome is None or outcome.status == FAILED:
-                continue
-            corners = (corner(*part.window[:3]) for part in self._parts(index))
-            shown = tuple(sorted({digests[place] for place in corners if place in digests}))
-            if shown:
-                repeated = tuple(sorted({*outcome.repeated, *shown}))
-                self._outcomes[map_type][name] = outcome = replace(outcome, repeated=repeated)
-                self._journal.add(outcome)
+        outcomes = self._outcomes[map_type]
+        for name, shown in list(making.shown(found, outcomes)):
+            repeated = tuple(sorted({*outcomes[name].repeated, *shown}))
+            outcomes[name] = outcome = replace(outcomes[name], repeated=repeated)
+            self._journal.add(outcome)
             for digest in shown:
                 images[digest].append(name)
         self._repeated += [
@@ -529,7 +310,7 @@ class _Run:
             self._listener.is_paused,
         )
 
-    def result(self, seconds: float, *, cancelled: bool) -> CaptureResult:
+    def result(self, making: Making, seconds: float, *, cancelled: bool) -> CaptureResult:
         """Return what the run has done."""
         return CaptureResult(
             folder=self._folder,
@@ -537,22 +318,9 @@ class _Run:
             written=self._done,
             failed=tuple(failure for _, _, failure in sorted(self._failures, key=lambda entry: entry[:2])),
             skipped=self._skipped,
-            requests=self._requests,
-            unique_parts=self._unique_parts,
+            requests=making.requests,
+            unique_parts=making.unique_parts,
             seconds=seconds,
             cancelled=cancelled,
             repeated=tuple(self._repeated),
         )
-
-
-@contextmanager
-def _received_by(note: Received, source: Source) -> Iterator[None]:
-    """Have a source tell which files a provider sends it, if one does."""
-    if not isinstance(source, Provided):
-        yield
-        return
-    source.received = note
-    try:
-        yield
-    finally:
-        source.received = None

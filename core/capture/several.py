@@ -15,7 +15,9 @@ from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from .folder import check_captured, open_folder
-from .runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, capture, check_source
+from .making import DEFAULT_CONNECTIONS, check_source
+from .progress import CaptureResult, Progress
+from .runner import capture
 
 __all__ = ["capture_each", "capture_imageries", "combined"]
 

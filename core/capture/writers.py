@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, Union
@@ -40,6 +40,8 @@ _NO_DATA: dict[str, tuple[str, float]] = {
 DISPLAY_RANGE = "DISPLAY_RANGE"
 #: Where a picture lies: a map frame by its edges, a camera frame by points.
 Place = Union[Georeference, ControlPoints]
+#: What takes a file, whole or not at all.
+Write = Callable[[Path, bytes], object]
 _WORLD_FILES = {"jpg": ".jgw", "png": ".pgw"}
 #: JPEG at this quality, without halving the colours' resolution, is within about a grey level of the source.
 JPEG_QUALITY = 95
@@ -69,6 +71,7 @@ def write_picture(
     description: Description,
     bands: Bands | None = None,
     ranges: Sequence[Range] = (),
+    write: Write = write_whole,
 ) -> int:
     """Write a picture and what belongs beside it, itself last: a picture that is there is complete.
 
@@ -86,6 +89,8 @@ def write_picture(
         None for grey, or red, green and blue.
     ranges : sequence of (low, high)
         Values of each band that are shown darkest and brightest.
+    write : callable
+        What takes each file.
 
     Returns
     -------
@@ -103,7 +108,7 @@ def write_picture(
         if isinstance(place, Georeference):
             contents.insert(0, place.world_file().encode("ascii"))
     for ending, data in zip(file_endings(image_format, on_map=on_map), contents):
-        write_whole(folder / (description.name + ending), data)
+        write(folder / (description.name + ending), data)
     return sum(map(len, contents))
 
 

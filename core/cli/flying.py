@@ -20,7 +20,7 @@ from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:
-    from ..capture.runner import CaptureResult, Failure, Progress, Repeat
+    from ..capture.progress import CaptureResult, Failure, Progress, Repeat
     from ..geodesy.mercator import PixelGrid
     from ..imagery.cache.tile_cache import TileCache
     from ..imagery.opening import NamedSource

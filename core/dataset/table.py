@@ -289,6 +289,16 @@ def columns_of(table: Table) -> list[Column]:
     return found + [Column(header, TEXT, cells) for header, cells in table.other.items()]
 
 
+def cell_of(column: Column, row: int) -> str | int | float | None:
+    """Value of a column in a row as JSON has it; None where it is not known."""
+    value = column.values[row]
+    if isinstance(value, str):
+        return value or None
+    if not np.isfinite(value):
+        return None
+    return int(value) if column.kind == WHOLE else float(value)
+
+
 def seconds_of(times_utc: Sequence[str]) -> Floats:
     """Unix seconds (n,) of times in ISO 8601, NaN for empty ones; raises InvalidInput for what is no time."""
     found = np.full(len(times_utc), np.nan)

@@ -14,7 +14,7 @@ import numpy as np
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.entropy import Report
 from ..dataset.folder import PARTS
-from ..dataset.table import NUMBER, WHOLE, Column, columns_of, part_of, taken
+from ..dataset.table import NUMBER, WHOLE, Column, cell_of, columns_of, part_of, taken
 from ..errors import Cancelled, InvalidInput
 from ..files import link_or_copy, new_folder, write_whole
 from ..map_types import SATELLITE
@@ -114,18 +114,9 @@ def _columns(images: ImageSet, rows: Any) -> list[Column]:
 
 def _lines(images: ImageSet, columns: list[Column], rows: Any) -> Iterator[bytes]:
     for row in rows.tolist():
-        cells = {one.header: _value(one, row) for one in columns}
+        cells = {one.header: cell_of(one, row) for one in columns}
         line = json.dumps({"file_name": images.table.img_names[row], **cells}, ensure_ascii=False)
         yield f"{line}\n".encode()
-
-
-def _value(column: Column, row: int) -> str | int | float | None:
-    value = column.values[row]
-    if isinstance(value, str):
-        return value or None
-    if not np.isfinite(value):
-        return None
-    return int(value) if column.kind == WHOLE else float(value)
 
 
 def _card(

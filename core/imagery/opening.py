@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import re
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib.util import resolve_name
 from pathlib import Path
@@ -81,6 +82,9 @@ class SourceOptions:
     named_by_user : bool
         The user has named the source himself, and no file has: where it is an address with {key}, the environment's
         key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
+    sharers : int
+        Runs that ask the provider at the same time and know nothing of each other: each has its share of what the
+        provider allows (`Policy.shared`). 0 for a run that is alone.
     """
 
     seed: int = 2024
@@ -100,6 +104,7 @@ class SourceOptions:
     as_stored: bool = False
     heights: bool = False
     named_by_user: bool = False
+    sharers: int = 0
 
     def __post_init__(self) -> None:
         if self.connections < 1:
@@ -279,6 +284,21 @@ class NamedSource(ABC):
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.text!r})"
 
+    def asked(self, options: SourceOptions) -> NamedSource:
+        """Return the same source, asked in another way: what is known of it already is kept."""
+        other = copy(self)
+        other.options = options
+        return other
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process needs: no keys, no transport, nothing that is open."""
+        options = replace(self.options, key=None, secret=None, transport=None)
+        return {**self._described(), "text": self.text, "options": options}
+
+    def _described(self) -> dict[str, Any]:
+        """What is known of it that another process need not find out, or could not."""
+        return {}
+
     @property
     def is_local(self) -> bool:
         """Whether its pixels are on this machine: no request is made, and no terms hold."""
@@ -369,6 +389,9 @@ class EntrySource(NamedSource):
         """All that is known of it."""
         return self._find()
 
+    def _described(self) -> dict[str, Any]:
+        return {"entry": self.entry}
+
     @property
     def _known(self) -> CatalogueEntry:
         return self.entry
@@ -423,6 +446,9 @@ class DescribedSource(EntrySource):
     def __init__(self, entry: CatalogueEntry, options: SourceOptions) -> None:
         super().__init__(entry.name, options)
         self._given = entry
+
+    def _described(self) -> dict[str, Any]:
+        return {"entry": self._given, "_given": self._given}
 
     def _find(self) -> CatalogueEntry:
         return self._given

@@ -130,6 +130,18 @@ class Repeats:
         with self._lock:
             self._noted += place
 
+    def noted(self) -> bytes:
+        """Return all that was noted, in an order of its own, for `add`."""
+        with self._lock:
+            return np.sort(np.frombuffer(bytes(self._noted), _PLACE)).tobytes()
+
+    def add(self, noted: bytes) -> None:
+        """Take what another run has noted; raises ValueError for what no run has."""
+        if len(noted) % _PLACE.itemsize:
+            raise ValueError(noted)
+        with self._lock:
+            self._noted += noted
+
     def found(self) -> Mapping[str, frozenset[Window]]:
         """Files that came for several places far apart.
 
@@ -162,6 +174,11 @@ class Repeats:
         across, down = np.sort(places["left"] / world), places["top"] / world
         gap = np.diff(across, append=across[0] + 1.0).max()
         return float(max(1.0 - gap, np.ptp(down)) / (places["width"] / world).max())
+
+
+def digests_of(noted: bytes) -> set[str]:
+    """First digits of the files' digests in what `Repeats.noted` has returned."""
+    return {f"{digest:0{DIGEST_DIGITS}x}" for digest in np.frombuffer(noted, _PLACE)["digest"].tolist()}
 
 
 def corner(zoom: int, left_px: float, top_px: float) -> Window:

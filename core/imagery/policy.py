@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import InvalidInput, Message, OptionName, SourceError
 
 BULK = ("yes", "ask", "no")
+#: Share of a second that requests may be late or early on their way, so that one more of them falls into it.
+_APART = 0.1
 
 
 class TermsError(SourceError):
@@ -69,6 +72,8 @@ class Policy:
     terms : str
         What the provider's terms say of downloading, in short.
     terms_url : str
+    rest_s : float
+        Seconds from the opening of a source to its first request.
     """
 
     bulk_allowed: str = "yes"
@@ -79,6 +84,7 @@ class Policy:
     licence: str = ""
     terms: str = ""
     terms_url: str = ""
+    rest_s: float = 0.0
 
     def __post_init__(self) -> None:
         if self.bulk_allowed not in BULK:
@@ -96,6 +102,38 @@ class Policy:
     def connections(self, wanted: int) -> int:
         """Return the connections to open where ``wanted`` are asked for."""
         return wanted if self.max_connections is None else min(wanted, self.max_connections)
+
+    @property
+    def most_sharers(self) -> int | None:
+        """Runs that may ask at the same time, each with a share that is a request a second at least; None for any."""
+        limits = [self.max_connections, self.requests_per_s and max(math.floor(self.requests_per_s), 1)]
+        known = [int(one) for one in limits if one]
+        return min(known, default=None)
+
+    def shared(self, sharers: int) -> Policy:
+        """Share of each of several runs that ask at the same time, and know nothing of each other.
+
+        No second has more requests in it than the provider allows, whenever these runs come and go, if the shares of
+        those under way are never more than the whole: a share is a whole number of requests a second, a little more
+        than evenly apart, and the first comes a second after the run has begun, when what was asked for before it with
+        the same share is past.
+
+        Parameters
+        ----------
+        sharers : int
+            `most_sharers` at most; 0 for a run that is alone, which has all there is.
+        """
+        if sharers == 0 or (self.requests_per_s is None and self.max_connections is None):
+            return self
+        rate, connections = self.requests_per_s, self.max_connections
+        if rate is not None:
+            rate = (rate if sharers == 1 else max(rate // sharers, 1.0)) / (1.0 + _APART)
+        return replace(
+            self,
+            requests_per_s=rate,
+            max_connections=None if connections is None else max(connections // sharers, 1),
+            rest_s=0.0 if rate is None else 1.0,
+        )
 
     def check(
         self, title: str, requests: int, accept_terms: bool = False, instead: tuple[str, ...] = ()

@@ -108,6 +108,7 @@ class StaticMapSource:
             title,
             connections=connections,
             requests_per_s=policy.requests_per_s,
+            first_after_s=policy.rest_s,
             secrets=tuple(value for value in (key, secret) if value),
         )
 
@@ -218,7 +219,7 @@ def open_entry(entry: CatalogueEntry, _date: str, key: str | None, options: Sour
         name=entry.name,
         title=entry.title,
         attribution=entry.attribution,
-        policy=entry.policy,
+        policy=entry.policy.shared(options.sharers),
         placeholder=PLACEHOLDER.with_files(entry.placeholder.with_files(options.placeholders).sha256),
         url=os.environ.get("TERRAINAV_GOOGLE_URL", GOOGLE_URL),
         transport=options.transport,

@@ -117,6 +117,7 @@ class XYZSource:
             self.title,
             connections=connections,
             requests_per_s=policy.requests_per_s,
+            first_after_s=policy.rest_s,
             secrets=(key,) if key else (),
         )
 
@@ -276,7 +277,7 @@ def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: Sourc
         key=key,
         date=date,
         placeholder=entry.placeholder.with_files(options.placeholders),
-        policy=entry.policy,
+        policy=entry.policy.shared(options.sharers),
         transport=options.transport,
         cache=options.cache,
         connections=options.connections,

@@ -133,6 +133,28 @@ class Plan:
     def __len__(self) -> int:
         return len(self.column)
 
+    def part(self, which: Numbers) -> Plan:
+        """Plan of some captures alone, by their indices (k,), whose images are those of this one.
+
+        What images depend on is kept, also where it follows from all captures; of flight, rows and coverage it knows
+        nothing. Heights are left out when it is pickled: see `ReliefBelow`.
+        """
+        part = replace(
+            self,
+            column=self.column[which],
+            row=self.row[which],
+            poses=self.poses.take(which),
+            windows=Windows._make(values[which] for values in self.windows),
+            corners=Corners._make(values[which] for values in self.corners),
+            nominal=None if self.nominal is None else self.nominal.take(which),
+            passes=(),
+            flown=None if self.flown is None else Flown(*(values[which] for values in self.flown)),
+            parts=(),
+            left_out=0,
+        )
+        part.__dict__["masked"] = self.masked
+        return part
+
     @property
     def lat_deg(self) -> Floats:
         """Latitudes of the poses, (n,)."""

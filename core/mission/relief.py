@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -160,6 +160,11 @@ class ReliefBelow:
         if mission.terrain.holes == REFUSE:
             for surface in (self._ground, self._surface):
                 self._check_whole(surface)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What images depend on; the heights themselves are opened anew, and set, where it is unpickled."""
+        kept = ("mission", "radius_m", "lowest_m", "highest_m", "has_holes")
+        return {name: getattr(self, name) for name in kept}
 
     def _read(self, lat_deg: Floats, lon_deg: Floats) -> None:
         """Read the relief about positions (n,) as far as images there see it."""

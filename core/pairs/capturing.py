@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..capture.journal import FAILED, Journal, Outcome
-from ..capture.runner import DEFAULT_CONNECTIONS, CaptureResult, Progress, check_source
+from ..capture.making import DEFAULT_CONNECTIONS, check_source
+from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
 from ..errors import Message, OptionName, OutputError

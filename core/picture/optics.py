@@ -9,6 +9,7 @@ picture's own field of view.
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from functools import lru_cache
@@ -179,6 +180,13 @@ class Exposures:
             utc_time(plan.start),
             plan.times_s,
         )
+
+    def part(self, which: NDArray[np.int64]) -> Exposures:
+        """Those of some captures alone, by their indices."""
+        part = copy(self)
+        for name in ("_columns", "_height_m", "_times_s"):
+            setattr(part, name, getattr(self, name)[which])
+        return part
 
     def at(self, index: int) -> Exposure:
         """Exposure of one capture."""

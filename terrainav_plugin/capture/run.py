@@ -13,7 +13,7 @@ from ..units import duration_text
 from .task import CaptureTask
 
 if TYPE_CHECKING:
-    from ...core.capture.runner import CaptureResult, Progress
+    from ...core.capture.progress import CaptureResult, Progress
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 

@@ -16,7 +16,7 @@ from ..sources import heights_for, open_for_capture, snapshot_for, transport_for
 from ..tasks import Task
 
 if TYPE_CHECKING:
-    from ...core.capture.runner import CaptureResult, Progress
+    from ...core.capture.progress import CaptureResult, Progress
     from ...core.mission.plan import Plan
     from ..dataset.layers import FailedImages, OpenedResults
     from ..dataset.mosaic import Mosaic

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from ...core.benchmark.making import Making
     from ...core.benchmark.planning import BenchmarkPlan, BenchmarkSettings
     from ...core.benchmark.scoring import Figure, Scores
-    from ...core.capture.runner import Progress
+    from ...core.capture.progress import Progress
     from ...core.mission.imageries import NamedImagery
     from ...core.mission.mission import Mission
 

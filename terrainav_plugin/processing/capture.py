@@ -23,7 +23,7 @@ from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
-    from ...core.capture.runner import CaptureResult, Progress
+    from ...core.capture.progress import CaptureResult, Progress
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
     from ..dataset.mosaic import Mosaic

@@ -118,6 +118,8 @@ class Client:
     connections : int
         Requests under way at once.
     requests_per_s : float or None
+    first_after_s : float
+        Seconds from now to the first request.
     secrets : tuple of str
         Keys that no error may quote, even where the provider's own words do, however these spell them.
     tries, first_wait_s, longest_retry_after_s
@@ -131,6 +133,7 @@ class Client:
         *,
         connections: int = 8,
         requests_per_s: float | None = None,
+        first_after_s: float = 0.0,
         secrets: tuple[str, ...] = (),
         tries: int = TRIES,
         first_wait_s: float = FIRST_WAIT_S,
@@ -140,6 +143,7 @@ class Client:
         self._title = title
         self._free = threading.BoundedSemaphore(connections)
         self._pace = Pace(requests_per_s)
+        self._pace.hold(first_after_s)
         self._secrets = Secrets(secrets)
         self._unexpected = UnexpectedErrors()
         self._tries = tries
@@ -300,14 +304,15 @@ class Client:
         raise TransportError("more than {0} redirects", MAX_REDIRECTS, again=False)
 
     def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
-        self._pause(self._pace.turn_s())
+        # The turn comes last: requests that had theirs, and wait for a connection, would go off all at once.
         while not self._free.acquire(timeout=_LOOK_S):
             self._refuse_closed()
         began_s = time.monotonic()
         try:
+            self._pause(self._pace.turn_s())
             # The server may have asked for a rest while this request waited for its turn.
-            while held_s := self._pace.held_s():
-                self._pause(held_s)
+            while self._pace.held_s():
+                self._pause(self._pace.turn_s())
             self._refuse_closed()
             began_s = time.monotonic()
             more = {"origin": origin} if origin else {}

@@ -11,7 +11,8 @@ from contextlib import closing
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture.runner import Repeat, capture
+from terrainav.core.capture.progress import Repeat
+from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid

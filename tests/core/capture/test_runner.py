@@ -18,7 +18,8 @@ from PIL import Image
 from terrainav.core import limits
 from terrainav.core.capture import pipeline, records, runner
 from terrainav.core.capture.pipeline import Spool
-from terrainav.core.capture.runner import Failure, capture
+from terrainav.core.capture.progress import Failure
+from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.entropy import entropy
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError, PartError, SourceError
@@ -306,12 +307,12 @@ def test_a_full_disk_stops_the_run(in_one_go, tmp_path, monkeypatch):
     worked_out, whole, _, _ = in_one_go
     real, count = records.write_picture, 0
 
-    def write_picture(*arguments):
+    def write_picture(*arguments, **_more):
         nonlocal count
         count += 1
         if count > 10:
             raise OutputError("folder x: cannot write y (No space left on device)")
-        return real(*arguments)
+        return real(*arguments, **more)
 
     with monkeypatch.context() as patched:
         patched.setattr(records, "write_picture", write_picture)
@@ -642,12 +643,12 @@ def test_large_pictures_are_made_a_few_at_a_time(in_one_go, tmp_path, monkeypatc
             asked.append(at_once)
             super().__init__(*arguments, at_once=at_once, **more)
 
-    monkeypatch.setattr(runner, "Pipeline", Watched)
+    monkeypatch.setattr(making, "Pipeline", Watched)
     capture(worked_out, PatternSource(), tmp_path / "many")
     largest_px = int((worked_out.width_px * worked_out.height_px).max())
     assert asked == [limits.MAX_PICTURES_AT_ONCE_PX // largest_px] * 2
     assert asked[0] > 256
-    monkeypatch.setattr(runner, "MAX_PICTURES_AT_ONCE_PX", largest_px - 1)
+    monkeypatch.setattr(making, "MAX_PICTURES_AT_ONCE_PX", largest_px - 1)
     capture(worked_out, PatternSource(), tmp_path / "one")
     assert asked[2:] == [1, 1]
     assert contents(tmp_path / "one") == contents(folder)

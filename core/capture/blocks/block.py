@@ -1,0 +1,304 @@
+"""A block: captures of a plan as a plain value, which any process makes without sharing anything with others."""
+
+from __future__ import annotations
+
+import json
+import pickle  # nosec B403  (blocks come from the run that made them, over the engine's own connections)
+import platform
+import threading
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import Message, OutputError, PartError
+from ...files import write_whole
+from ...imagery.opening import NamedSource, SourceOptions
+from ...imagery.placeholder import Repeats
+from ...imagery.source import Source
+from ...mission.plan import Plan
+from ...picture.heights import heights_of
+from ...picture.optics import Exposures
+from ...resources import version
+from ...stores import store_path
+from ..journal import FAILED, Outcome
+from ..making import Making
+from ..records import Made, PictureJob, table_of
+from .shards import Gathered
+
+Numbers = NDArray[np.int64]
+
+#: How files are laid out: each image in a file of its own, or the images of a block in one.
+LAYOUTS = FOLDERS, WEBDATASET = ("folders", "webdataset")
+#: Folder of the blocks' records, which are the journal.
+BLOCKS_FOLDER = "blocks"
+#: Digits of blocks' numbers in names of files, and of captures' indices in shards.
+_DIGITS, _KEY_DIGITS = 6, 9
+
+
+@dataclass(frozen=True)
+class Block:
+    """Captures of one map type, and all that their images are made from.
+
+    Parameters
+    ----------
+    number : int
+    map_type : str
+    plan : Plan
+        Of these captures alone (`Plan.part`), with the mission and the grid.
+    indices : array (n,) of int64
+        Of the captures in the whole plan.
+    source : NamedSource
+        The imagery, which the block's maker opens.
+    destination : str
+        Folder or address.
+    layout : str
+        One of `LAYOUTS`.
+    exposures : Exposures or None
+        What images' tags say of the camera.
+    connections, workers : int
+        As for `capture`, of this block alone.
+    run : str
+        Name of the run, by which a block in the run's own process learns that it is to wait or to end.
+    """
+
+    number: int
+    map_type: str
+    plan: Plan
+    indices: Numbers
+    source: NamedSource
+    destination: str
+    layout: str = FOLDERS
+    exposures: Exposures | None = None
+    connections: int = 1
+    workers: int = 1
+    run: str = ""
+
+    def __len__(self) -> int:
+        return len(self.indices)
+
+    @property
+    def name(self) -> str:
+        """What its files are called, without ending."""
+        return block_name(self.map_type, self.number)
+
+    @property
+    def shard(self) -> str:
+        """File of its images; empty where each has one of its own."""
+        return f"{self.name}.tar" if self.layout == WEBDATASET else ""
+
+
+def block_name(map_type: str, number: int) -> str:
+    """Name of a block's files, without ending."""
+    return f"{map_type}-{number:0{_DIGITS}d}"
+
+
+class Record(NamedTuple):
+    """What is known of a block that is done: its journal.
+
+    Attributes
+    ----------
+    outcomes : dict of str to Outcome
+        By the image's name.
+    shard_bytes : int
+        Of the file of its images; 0 where there is none.
+    noted : bytes
+        Files of a provider and their places, as `Repeats` keeps them.
+    """
+
+    outcomes: dict[str, Outcome]
+    shard_bytes: int = 0
+    noted: bytes = b""
+
+    @property
+    def failed(self) -> bool:
+        """Whether any of its images has failed."""
+        return any(one.status == FAILED for one in self.outcomes.values())
+
+    def to_bytes(self) -> bytes:
+        """Content of its file: one line of JSON for the block, and one for each image."""
+        head: dict[str, Any] = {"images": len(self.outcomes), "shard_bytes": self.shard_bytes}
+        if self.noted:
+            head["noted"] = self.noted.hex()
+        lines = [json.dumps(head).encode("ascii") + b"\n"]
+        return b"".join(lines + [one.to_line() for one in self.outcomes.values()])
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> Record | None:
+        """Record of a file's content; None where that is torn."""
+        first, *lines = data.splitlines(keepends=True) or [b""]
+        outcomes = [Outcome.from_line(line) for line in lines]
+        try:
+            head = json.loads(first)
+            shard_bytes, noted = int(head["shard_bytes"]), bytes.fromhex(head.get("noted", ""))
+            if head["images"] != len(outcomes) or not data.endswith(b"\n"):
+                return None
+        except (ValueError, KeyError, TypeError):
+            return None
+        known = {one.name: one for one in outcomes if one is not None}
+        return cls(known, shard_bytes, noted) if len(known) == len(lines) else None
+
+
+class BlockResult(NamedTuple):
+    """What making a block has come to; its record is where the results are."""
+
+    number: int
+    record: Record
+    requests: int
+    unique_parts: int
+
+
+@dataclass
+class Control:
+    """The say of a run over blocks that are made in its own process."""
+
+    stopped: threading.Event = field(default_factory=threading.Event)
+    held: threading.Event = field(default_factory=threading.Event)
+
+
+#: Of the runs of this process, by name. Blocks of other processes find none, and go on to their end.
+controls: dict[str, Control] = {}
+
+
+class Stopped(Exception):
+    """A block was stopped with its run; nothing of it is committed."""
+
+
+def packed_block(block: Block) -> bytes:
+    """Return a block for another process."""
+    return pickle.dumps(block)
+
+
+def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
+    """Make a block that another process has packed.
+
+    Raises
+    ------
+    OutputError
+        This process has another version of TerrAInav or of Python.
+    """
+    for what, own, wanted in (
+        ("TerrAInav", version(), of_version),
+        ("Python", _minor(platform.python_version()), _minor(of_python)),
+    ):
+        if own != wanted:
+            raise WrongWorker(
+                "worker on {0}: has {1} {2}, and the run has {3}",
+                platform.node(),
+                what,
+                own,
+                wanted,
+                remedy="install the same on both",
+            )
+    block: Block = pickle.loads(data)  # noqa: S301  # nosec B301  (as above)
+    return make_block(block)
+
+
+class WrongWorker(OutputError):
+    """A worker that cannot make blocks of this run."""
+
+
+def _minor(python: str) -> str:
+    return ".".join(python.split(".")[:2])
+
+
+def make_block(block: Block) -> BlockResult:
+    """Make the images of a block and commit it: its record comes last, when all else is where it belongs.
+
+    The same block leaves the same bytes wherever it is made, and as often as it is made.
+
+    Raises
+    ------
+    SourceError
+        The source cannot serve.
+    OutputError
+        The destination cannot be written.
+    Stopped
+    """
+    control = controls.get(block.run) or Control()
+    outcomes: dict[str, Outcome] = {}
+
+    def note(job: PictureJob, result: Made | PartError) -> None:
+        name = job.description.name
+        if isinstance(result, PartError):
+            outcomes[name] = Outcome(block.map_type, name, reason=Message(result))
+        else:
+            outcomes[name] = Outcome(block.map_type, name, result.entropy, "", *result[1:])
+
+    destination = store_path(block.destination)
+    gathered = Gathered() if block.layout == WEBDATASET else None
+    with closing(block.source.open()) as source:
+        plan = _with_heights(block)
+        making = Making(
+            plan,
+            source,
+            destination,
+            block.connections,
+            block.workers,
+            note,
+            exposures=block.exposures,
+            write=write_whole if gathered is None else gathered.write,
+        )
+        repeats = Repeats(plan.grid)
+        if not making.make(
+            block.map_type,
+            np.arange(len(plan)),
+            lambda: not control.stopped.is_set(),
+            control.held.is_set,
+            repeats.note,
+        ):
+            raise Stopped
+        # In the order of the plan, whatever order they were made in.
+        done = {name: outcomes[name] for name in plan.names}
+        shard_bytes = 0
+        if gathered is not None:
+            shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
+    record = Record(done, shard_bytes, repeats.noted())
+    write_whole(destination / BLOCKS_FOLDER / f"{block.name}.jsonl", record.to_bytes())
+    return BlockResult(block.number, record, making.requests, making.unique_parts)
+
+
+def _with_heights(block: Block) -> Plan:
+    """Plan of a block, whose relief has its heights again."""
+    plan, options = block.plan, block.source.options
+    if plan.relief is None:
+        return plan
+    asked = SourceOptions(
+        seed=plan.mission.imagery.seed,
+        crs=plan.mission.imagery.crs,
+        connections=options.connections,
+        cache=options.cache,
+        named_by_user=options.named_by_user,
+        sharers=options.sharers,
+    )
+    heights = heights_of(plan.mission, asked)
+    if heights is not None:
+        plan.relief.heights = heights
+    return plan
+
+
+def _write_shard(
+    block: Block,
+    source: Source,
+    plan: Plan,
+    gathered: Gathered,
+    destination: Path,
+    outcomes: dict[str, Outcome],
+) -> int:
+    """Write the images of a block in one file, and enter where each is; returns the file's bytes."""
+    made = {name: one for name, one in outcomes.items() if one.status != FAILED}
+    keys = {name: f"{index:0{_KEY_DIGITS}d}" for name, index in zip(plan.names, block.indices.tolist())}
+    table = table_of(plan, source, made)
+    data, members = gathered.packed(block.map_type, keys, table, plan.mission.output.products)
+    write_whole(destination / block.map_type / block.shard, data)
+    for name, member in members.items():
+        outcomes[name] = replace(
+            made[name],
+            shard=block.shard,
+            offset_bytes=member.offset_bytes,
+            length_bytes=member.length_bytes,
+        )
+    return len(data)

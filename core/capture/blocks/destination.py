@@ -1,0 +1,258 @@
+"""Where the results of blocks go: whose place it is, which run is at work there, what is there already."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from ...dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
+from ...errors import Message, OptionName, OutputError
+from ...files import json_bytes, open_locked, write_whole
+from ...mission.mission import Mission
+from ...mission.plan import Plan
+from ...safe_json import parse_json
+from ...stores import get, is_address, put, put_new, remove, sizes_in, store_path
+from ..folder import captured_mission, is_of, open_folder
+from ..journal import FAILED
+from ..writers import file_endings
+from .block import BLOCKS_FOLDER, WEBDATASET, Record, block_name
+
+#: What says how a destination is divided into blocks.
+DIVISION_FILE = "blocks.json"
+#: What a run has in an object store while it is at work there.
+LOCK_FILE = "run.lock"
+#: Seconds between a run's signs of life, and after how many without one it counts as dead.
+BEAT_S, DEAD_S = 5.0, 30.0
+#: Records that are read at once.
+_READ_AT_ONCE = 16
+
+
+class Destination:
+    """A folder or an object store's, opened for one run.
+
+    Parameters
+    ----------
+    address : str
+    plan : Plan
+    layout : str
+        One of `block.LAYOUTS`.
+    images : int
+        Of a block at most.
+    resume : bool
+
+    Raises
+    ------
+    OutputError
+        It cannot be written, holds another mission, or this one without ``resume``, divided in another way, or captured
+        without blocks.
+    """
+
+    def __init__(self, address: str, plan: Plan, layout: str, images: int, *, resume: bool) -> None:
+        self.root = store_path(address)
+        self._plan, self._layout = plan, layout
+        mission = captured_mission(plan)
+        if not is_address(self.root):
+            open_folder(self.root, mission, resume=resume)
+        else:
+            self._open_store(address, mission, resume=resume)
+        self._check_division(address, images)
+
+    @contextmanager
+    def held(self) -> Iterator[Callable[[], None]]:
+        """Hold it against other runs meanwhile; yields what raises OutputError where another has taken it.
+
+        Raises
+        ------
+        OutputError
+            Another run is at work there.
+        """
+        if not is_address(self.root):
+            with open_locked(self.root / JOURNAL_FILE):
+                yield lambda: None
+            return
+        with _Lease(self.root / LOCK_FILE) as lease:
+            yield lease.check
+
+    def records(self, map_type: str, count: int) -> dict[int, Record]:
+        """Records of the blocks that are there, whole, by number.
+
+        Parameters
+        ----------
+        count : int
+            How many blocks there are.
+        """
+        there = sizes_in(self.root / BLOCKS_FOLDER)
+        wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(count)}
+        numbers = [number for number, name in wanted.items() if name in there]
+        folder = self.root / map_type
+        # Cleaning has moved some out of the way.
+        sizes = {**sizes_in(folder / REJECTED_FOLDER), **sizes_in(folder)}
+        with ThreadPoolExecutor(_READ_AT_ONCE) as threads:
+            read = threads.map(lambda number: get(self.root / BLOCKS_FOLDER / wanted[number]), numbers)
+            records = {number: Record.from_bytes(data or b"") for number, data in zip(numbers, read)}
+        return {
+            number: record
+            for number, record in records.items()
+            if record is not None and self._is_whole(map_type, number, record, sizes)
+        }
+
+    def _is_whole(self, map_type: str, number: int, record: Record, sizes: dict[str, int]) -> bool:
+        """Whether the files of a block are as long as they were when it was committed."""
+        if self._layout == WEBDATASET:
+            return sizes.get(f"{block_name(map_type, number)}.tar") == record.shard_bytes
+        endings = file_endings(self._plan.mission.output.image_format, on_map=self._plan.size_px is None)
+        return all(
+            sum(sizes.get(one.name + ending, 0) for ending in endings) == one.size_bytes
+            for one in record.outcomes.values()
+            if one.status != FAILED
+        )
+
+    def _open_store(self, address: str, mission: Mission, *, resume: bool) -> None:
+        """Make an object store's folder a mission's own, as `open_folder` does with one of this machine."""
+        mark = self.root / MISSION_FILE
+        found = get(mark)
+        if found is None:
+            foreign = min(sizes_in(self.root), default=None)
+            if foreign is not None and foreign != LOCK_FILE:
+                raise OutputError(
+                    "address {0}: holds {1} but no {2}, so it is not this mission's",
+                    address,
+                    foreign,
+                    MISSION_FILE,
+                    remedy="choose another one",
+                )
+            wanted = mission.to_json().encode("utf-8")
+            # Of two runs that find nothing, one puts its mark and the other finds it.
+            if put_new(mark, wanted):
+                return
+            found = get(mark) or b""
+        if not is_of(found, mission):
+            raise OutputError("address {0}: holds another mission", address, remedy="choose another one")
+        if not resume:
+            raise OutputError(
+                "address {0}: already holds this mission",
+                address,
+                remedy=Message("resume it{0} or choose another one", OptionName("resume").in_brackets),
+            )
+
+    def _check_division(self, address: str, images: int) -> None:
+        """Refuse to go on in another way than it was begun."""
+        wanted: dict[str, Any] = {
+            "layout_of_files": self._layout,
+            "images": images,
+            "captures": len(self._plan),
+            "names_sha256": hashlib.sha256("\n".join(self._plan.names).encode("utf-8")).hexdigest(),
+        }
+        path = self.root / BLOCKS_FOLDER / DIVISION_FILE
+        data = get(path)
+        if data is None:
+            if not is_address(self.root):
+                if sizes_in(self.root).get(JOURNAL_FILE):
+                    raise OutputError(
+                        "folder {0}: was captured without blocks", address, remedy="choose another folder"
+                    )
+                path.parent.mkdir(exist_ok=True)
+            write_whole(path, json_bytes(wanted))
+            return
+        found = parse_json(data)
+        if found == wanted:
+            return
+        if [found.get(name) for name in ("captures", "names_sha256")] != [
+            wanted[name] for name in ("captures", "names_sha256")
+        ]:
+            raise OutputError(
+                "{0}: holds this mission with other images, because the source or the version was another",
+                address,
+                remedy="choose another place",
+            )
+        raise OutputError(
+            "{0}: was begun with the layout {1} and blocks of {2} images: go on with these",
+            address,
+            found.get("layout_of_files"),
+            found.get("images"),
+        )
+
+
+def has_blocks(folder: Path) -> bool:
+    """Whether a folder of this machine was captured in blocks."""
+    return (folder / BLOCKS_FOLDER / DIVISION_FILE).is_file()
+
+
+class _Lease:
+    """An object that only one run has, and which it changes as a sign that it is alive.
+
+    Object stores have no locks, but put an object only if there is none. A run that dies leaves its own: who finds one
+    watches it, and takes it over where it does not change for longer than a run that is alive would let it be. Nothing
+    depends on clocks of different machines.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._token = uuid.uuid4().hex
+        self._beats = 0
+        self._ended = threading.Event()
+        self._lost: OutputError | None = None
+        self._thread = threading.Thread(target=self._beat, name="terrainav-lease", daemon=True)
+
+    def __enter__(self) -> _Lease:
+        if not put_new(self._path, self._content()):
+            self._take_over()
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._thread.join()
+        if self._lost is None:
+            remove(self._path)
+
+    def check(self) -> None:
+        """Raise OutputError where another run has taken the place, or it can be written no more."""
+        if self._lost is not None:
+            raise self._lost
+
+    def _content(self) -> bytes:
+        return json.dumps({"run": self._token, "beat": self._beats}).encode("ascii")
+
+    def _take_over(self) -> None:
+        found = get(self._path)
+        until_s = time.monotonic() + DEAD_S
+        while time.monotonic() < until_s:
+            time.sleep(BEAT_S / 5.0)
+            now = get(self._path)
+            if now != found and now is not None:
+                raise OutputError(
+                    "{0}: another run is at work there", self._path.parent, remedy="wait until it has ended"
+                )
+            if now is None:
+                break
+        # Of two that take over at once the last one to put has it; the other finds that out before it begins.
+        put(self._path, self._content())
+        time.sleep(BEAT_S / 5.0)
+        if get(self._path) != self._content():
+            raise OutputError(
+                "{0}: another run has just begun there", self._path.parent, remedy="wait until it has ended"
+            )
+
+    def _beat(self) -> None:
+        try:
+            while not self._ended.wait(BEAT_S):
+                found = get(self._path)
+                if found is not None and self._token.encode("ascii") not in found:
+                    raise OutputError(
+                        "{0}: another run has taken over, as this one gave no sign of life for {1:g} s",
+                        self._path.parent,
+                        DEAD_S,
+                    )
+                self._beats += 1
+                put(self._path, self._content())
+        except OutputError as wrong:
+            self._lost = wrong

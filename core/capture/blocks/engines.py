@@ -1,0 +1,156 @@
+"""Who runs blocks: threads here, processes here, a cluster that is there; no scheduler of our own."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
+
+from ...errors import InvalidInput, OutputError
+
+_DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
+_LOCAL = re.compile(r"local:(\d+)")
+_MOST_WORKERS = 1024
+#: Seconds within which a scheduler answers that is there.
+_ANSWER_S = 10.0
+
+
+@dataclass
+class Engine:
+    """What runs blocks.
+
+    Parameters
+    ----------
+    executor : Executor
+        Its workers need TerrAInav, and may be processes of other machines.
+    slots : callable
+        How many blocks it runs at once, now.
+    in_process : bool
+        Whether its workers are threads of this process.
+    workers : int
+        Images that are made at once in each block.
+    dashboard : str
+        Address of a page that shows what it does; empty where there is none.
+    """
+
+    executor: Executor
+    slots: Callable[[], int]
+    in_process: bool = False
+    workers: int = 1
+    dashboard: str = ""
+
+    @classmethod
+    def of(cls, executor: Executor | Engine, workers: int | None = None) -> Engine:
+        """Engine of any executor: one that says how many workers it has, or is asked for one block at a time."""
+        if isinstance(executor, Engine):
+            return executor
+        count = next(
+            (
+                int(value)
+                for name in ("_max_workers", "num_workers", "max_workers")
+                if isinstance(value := getattr(executor, name, None), int)
+            ),
+            1,
+        )
+        threads = isinstance(executor, ThreadPoolExecutor)
+        return cls(executor, lambda: count, threads, workers or 1)
+
+
+@contextmanager
+def here(workers: int | None = None) -> Iterator[Engine]:
+    """Engine of this process, which makes one block after the other on all processors."""
+    with ThreadPoolExecutor(1, "terrainav-block") as executor:
+        yield Engine(executor, lambda: 1, True, workers or os.cpu_count() or 1)
+
+
+@contextmanager
+def open_engine(text: str) -> Iterator[Engine]:
+    """Open the engine that a text names.
+
+    Parameters
+    ----------
+    text : str
+        ``local:N``, a cluster of Dask's of N processes here; ``dask://HOST:PORT``, a scheduler of Dask's.
+
+    Raises
+    ------
+    InvalidInput
+        Another text.
+    OutputError
+        Dask is not installed, or no scheduler is there.
+    """
+    local, remote = _LOCAL.fullmatch(text), _DASK.fullmatch(text)
+    if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
+        with _local_cluster(int(local[1])) as engine:
+            yield engine
+    elif remote is not None:
+        with _client(f"tcp://{remote[1]}:{remote[2]}", text) as client:
+            yield _engine_of(client)
+    else:
+        raise InvalidInput(
+            "cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT",
+            text,
+            _MOST_WORKERS,
+            field="cluster",
+        )
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError as missing:
+        raise OutputError(
+            "clusters: Dask's distributed cannot be imported ({0})",
+            missing,
+            remedy="get it with: pip install 'terrainav[cluster]'",
+        ) from missing
+    return distributed
+
+
+@contextmanager
+def _local_cluster(processes: int) -> Iterator[Engine]:
+    distributed = _distributed()
+    import dask
+
+    # A block whose worker dies is ours to run again, in its turn and with its share of the provider's rate.
+    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+        cluster = distributed.LocalCluster(
+            n_workers=processes,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0" if find_spec("bokeh") else None,
+            silence_logs=50,
+        )
+    try:
+        with _client(cluster.scheduler_address, "local cluster") as client:
+            yield _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
+    finally:
+        cluster.close()
+
+
+@contextmanager
+def _client(address: str, what: str) -> Iterator[Any]:
+    distributed = _distributed()
+    try:
+        client = distributed.Client(address, timeout=_ANSWER_S, set_as_default=False)
+    except (OSError, TimeoutError, ValueError) as wrong:
+        raise OutputError("cluster {0}: no scheduler answers there", what) from wrong
+    try:
+        yield client
+    finally:
+        client.close()
+
+
+def _engine_of(client: Any, dashboard: str | None = None) -> Engine:
+    shown = client.dashboard_link if dashboard is None else dashboard
+    return Engine(
+        client.get_executor(pure=False, retries=0),
+        lambda: sum(client.nthreads().values()),
+        dashboard=shown or "",
+    )

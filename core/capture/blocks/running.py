@@ -1,0 +1,398 @@
+"""A run in blocks: who makes which, what is told meanwhile, and the tables at the end."""
+
+from __future__ import annotations
+
+import platform
+import tempfile
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Future, wait
+from contextlib import ExitStack, closing
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from ...dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
+from ...dataset.table import other_columns
+from ...errors import InvalidInput, Message, OutputError, SourceError, TerrAInavError
+from ...files import json_bytes, write_whole
+from ...imagery.opening import NamedSource
+from ...imagery.placeholder import Provided, Repeats, digests_of
+from ...imagery.source import Source
+from ...mission.export import write_plan
+from ...mission.plan import Plan
+from ...resources import version
+from ...stores import is_address
+from ..journal import FAILED, Outcome
+from ..making import Making, check_source
+from ..odm import write_odm_files
+from ..progress import CaptureResult, Failure, Listener, Progress, Repeat
+from ..records import exposures_of, table_of
+from .block import (
+    FOLDERS,
+    WEBDATASET,
+    Block,
+    BlockResult,
+    Control,
+    Record,
+    WrongWorker,
+    block_name,
+    controls,
+    make_block,
+    make_packed,
+    packed_block,
+)
+from .destination import Destination
+from .division import IMAGES, Numbers, divide
+from .engines import Engine
+from .shards import INDEX_FILE, index_of
+
+#: How often a block is begun before it is given up: workers that die take it with them.
+TRIES = 4
+_POLL_S = 0.1
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """How a capture is divided, and how its files are laid out.
+
+    Parameters
+    ----------
+    images : int
+        Of a block at most.
+    layout : str
+        One of `block.LAYOUTS`.
+    """
+
+    images: int = IMAGES
+    layout: str = FOLDERS
+
+
+def capture_in_blocks(
+    plan: Plan,
+    source: NamedSource,
+    destination: str,
+    engine: Engine,
+    blocks: Blocks = Blocks(),
+    *,
+    connections: int,
+    resume: bool,
+    only_failed: bool,
+    progress: Callable[[Progress], object] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+    paused: Callable[[], bool] | None = None,
+    notice: Callable[[Message], object] | None = None,
+) -> CaptureResult:
+    """Capture a plan in blocks; see `capture`, which leads here.
+
+    Parameters
+    ----------
+    connections : int
+        Requests under way at once, of all blocks together.
+    notice : callable
+        Told in one line of each block that was begun again, and why.
+    """
+    listener = Listener(progress, cancelled, paused)
+    with ExitStack() as opened:
+        own = opened.enter_context(closing(source.open()))
+        check_source(plan, own)
+        place = Destination(destination, plan, blocks.layout, blocks.images, resume=resume or only_failed)
+        check = opened.enter_context(place.held())
+        run = _Run(plan, source, own, place, destination, engine, blocks, connections, listener, check)
+        run.notice = notice or (lambda _: None)
+        run.begin(only_failed=only_failed)
+        try:
+            complete = run.make_all()
+        finally:
+            run.write_tables()
+        return run.result(cancelled=not complete)
+
+
+class _Run:
+    """One run: blocks that are to be made, those under way, and what is known of all images."""
+
+    notice: Callable[[Message], object]
+
+    def __init__(
+        self,
+        plan: Plan,
+        source: NamedSource,
+        own: Source,
+        place: Destination,
+        destination: str,
+        engine: Engine,
+        blocks: Blocks,
+        connections: int,
+        listener: Listener,
+        check: Callable[[], None],
+    ) -> None:
+        self._plan, self._source, self._own = plan, source, own
+        self._place, self._destination = place, destination
+        self._engine, self._blocks = engine, blocks
+        self._connections, self._listener, self._check = connections, listener, check
+        self._name = uuid.uuid4().hex
+        self._map_types = plan.mission.imagery.map_types
+        self._divided: list[Numbers] = divide(plan.windows, blocks.images)
+        self._exposures = exposures_of(plan)
+        self._records: dict[str, dict[int, Record]] = {}
+        self._made: set[tuple[str, int]] = set()
+        self._given_up: dict[tuple[str, int], Message] = {}
+        self._pending: deque[tuple[str, int]] = deque()
+        self._tries: dict[tuple[str, int], int] = {}
+        self._under_way: dict[Future[BlockResult], tuple[str, int, Fraction]] = {}
+        self._requests = self._unique_parts = self._total = self._skipped = 0
+
+    def begin(self, *, only_failed: bool) -> None:
+        """See what is there, write what tells of the whole, and put what is missing in a row."""
+        count = len(self._divided)
+        for map_type in self._map_types:
+            self._records[map_type] = self._place.records(map_type, count)
+            for number in range(count):
+                record = self._records[map_type].get(number)
+                missing = not only_failed if record is None else record.failed or self._is_placeholder(record)
+                if missing:
+                    self._pending.append((map_type, number))
+                elif record is not None and not only_failed:
+                    self._skipped += len(record.outcomes)
+        pending = sum(len(self._divided[number]) for _, number in self._pending)
+        self._total = pending if only_failed else len(self._plan) * len(self._map_types)
+        for name in (PLAN_FILE, FOOTPRINTS_FILE):
+            _write_plan(self._plan, self._place.root / name)
+
+    def _is_placeholder(self, record: Record) -> bool:
+        """Whether a block has a file that counts as placeholder by now."""
+        if not isinstance(self._own, Provided):
+            return False
+        return any(map(self._own.placeholder.knows, digests_of(record.noted)))
+
+    def make_all(self) -> bool:
+        """Make all blocks that are missing; False where cancelled."""
+        controls[self._name] = control = Control()
+        try:
+            while self._pending or self._under_way:
+                self._check()
+                self._listener.tell(self._progress)
+                if not self._listener.go_on():
+                    return False
+                held = self._listener.wait()
+                (control.held.set if held else control.held.clear)()
+                if not held:
+                    self._submit()
+                self._take(wait(self._under_way, _POLL_S, FIRST_COMPLETED).done)
+            return True
+        finally:
+            control.stopped.set()
+            for future in self._under_way:
+                future.cancel()
+            if self._engine.in_process:
+                # Its threads would go on with what the caller is about to close.
+                self._take(wait(self._under_way).done, ended=True)
+            del controls[self._name]
+
+    def _submit(self) -> None:
+        """Hand blocks to workers that have none, as far as the provider's limits have shares left."""
+        sharers = self._sharers()
+        share = Fraction(1, sharers)
+        while self._pending and len(self._under_way) < sharers:
+            # Shares of blocks that were begun when there were fewer workers are larger than those of today.
+            if sum(one for *_, one in self._under_way.values()) + share > 1:
+                return
+            map_type, number = self._pending.popleft()
+            block = self._block(map_type, number, sharers)
+            try:
+                future = (
+                    self._engine.executor.submit(make_block, block)
+                    if self._engine.in_process
+                    else self._engine.executor.submit(
+                        make_packed, packed_block(block), version(), platform.python_version()
+                    )
+                )
+            except (RuntimeError, OSError) as wrong:
+                raise _broken(wrong) from wrong
+            self._under_way[future] = (map_type, number, share)
+
+    def _sharers(self) -> int:
+        """How many blocks may be under way at once."""
+        slots = max(self._engine.slots(), 1)
+        most = self._source.policy.most_sharers if not self._source.is_local else None
+        return slots if most is None else min(slots, most)
+
+    def _block(self, map_type: str, number: int, sharers: int) -> Block:
+        which = self._divided[number]
+        connections = max(self._connections // sharers, 1)
+        options = replace(self._source.options, connections=connections, sharers=sharers)
+        return Block(
+            number,
+            map_type,
+            self._plan.part(which),
+            which,
+            self._source.asked(options),
+            self._destination,
+            self._blocks.layout,
+            None if self._exposures is None else self._exposures.part(which),
+            connections,
+            self._engine.workers,
+            self._name,
+        )
+
+    def _take(self, done: Iterable[Future[BlockResult]], *, ended: bool = False) -> None:
+        """Note what has come of blocks; those whose worker died, or whose place could not be written, come again."""
+        for future in done:
+            map_type, number, _ = self._under_way.pop(future)
+            try:
+                result = future.result()
+            except (Exception, CancelledError) as wrong:  # noqa: BLE001  (of whatever kind: it is one block's end)
+                if ended:
+                    continue
+                self._again(map_type, number, wrong)
+            else:
+                self._records[map_type][number] = result.record
+                self._made.add((map_type, number))
+                self._requests += result.requests
+                self._unique_parts += result.unique_parts
+
+    def _again(self, map_type: str, number: int, wrong: BaseException) -> None:
+        """Put a block in the row again, or give it up; what stops the whole run is raised."""
+        if isinstance(wrong, (WrongWorker, SourceError, InvalidInput)) or (
+            self._engine.in_process and isinstance(wrong, TerrAInavError)
+        ):
+            raise wrong
+        if isinstance(wrong, BrokenExecutor):
+            raise _broken(wrong) from wrong
+        if isinstance(wrong, ModuleNotFoundError) and "terrainav" in str(wrong):
+            raise OutputError(
+                "workers: TerrAInav is not installed there", remedy="install this version on all of them"
+            ) from wrong
+        reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
+        key, name = (map_type, number), block_name(map_type, number)
+        self._tries[key] = self._tries.get(key, 1) + 1
+        if self._tries[key] > TRIES:
+            if isinstance(wrong, OutputError):
+                raise wrong
+            self._given_up[key] = reason
+            self.notice(Message("block {0}: {1}, {2} times: given up", name, reason, TRIES))
+            return
+        self.notice(Message("block {0}: {1}: it is begun again", name, reason))
+        self._pending.appendleft(key)
+
+    def _progress(self) -> Progress:
+        done = failed = 0
+        for map_type, number in self._made:
+            bad = sum(one.status == FAILED for one in self._records[map_type][number].outcomes.values())
+            failed += bad
+            done += len(self._divided[number]) - bad
+        map_type = self._pending[0][0] if self._pending else self._map_types[-1]
+        return Progress(
+            self._total,
+            done,
+            failed,
+            self._skipped,
+            self._requests,
+            map_type,
+            self._listener.active_s(),
+            self._listener.is_paused,
+        )
+
+    def write_tables(self) -> None:
+        """Write what tells of all images that are done or have failed so far."""
+        for map_type in self._map_types:
+            outcomes = self._outcomes(map_type)
+            folder = self._place.root / map_type
+            table = table_of(self._plan, self._own, outcomes)
+            table.with_other(other_columns(folder / TABLE_FILE)).save(folder / TABLE_FILE)
+            if self._blocks.layout == WEBDATASET:
+                write_whole(folder / INDEX_FILE, json_bytes(index_of(self._shards(map_type))))
+            elif self._plan.mission.output.image_format == "jpg":
+                made = {name for name, one in outcomes.items() if one.status != FAILED}
+                at = [index for index, name in enumerate(self._plan.names) if name in made]
+                write_odm_files(folder, self._plan, np.array(at, np.int64))
+        self._listener.tell(self._progress, at_once=True)
+
+    def _outcomes(self, map_type: str) -> dict[str, Outcome]:
+        records = self._records[map_type]
+        return {name: one for number in sorted(records) for name, one in records[number].outcomes.items()}
+
+    def _shards(self, map_type: str) -> dict[str, tuple[int, int]]:
+        """Images and bytes of each shard, by file name."""
+        return {
+            f"{block_name(map_type, number)}.tar": (
+                sum(one.status != FAILED for one in record.outcomes.values()),
+                record.shard_bytes,
+            )
+            for number, record in sorted(self._records[map_type].items())
+        }
+
+    def _repeats(self) -> Iterator[Repeat]:
+        """Files that came for places far apart in the blocks that this run has made, and the images that show them."""
+        for map_type in self._map_types:
+            repeats = Repeats(self._plan.grid)
+            for made, number in self._made:
+                if made == map_type:
+                    repeats.add(self._records[map_type][number].noted)
+            found = repeats.found()
+            if found:
+                making = Making(
+                    self._plan, self._own, self._place.root, 1, 1, lambda *_: None, exposures=None
+                )
+                shown = list(making.shown(found, self._outcomes(map_type)))
+                for digest, places in found.items():
+                    images = tuple(name for name, digests in shown if digest in digests)
+                    yield Repeat(map_type, digest, len(places), images)
+
+    def result(self, *, cancelled: bool) -> CaptureResult:
+        """Return what the run has done."""
+        order = {name: at for at, name in enumerate(self._plan.names)}
+        failed = [
+            Failure(map_type, one.name, one.reason)
+            for map_type in self._map_types
+            for made, number in self._made
+            if made == map_type
+            for one in self._records[map_type][number].outcomes.values()
+            if one.status == FAILED
+        ]
+        failed += [
+            Failure(map_type, self._plan.names[index], reason)
+            for (map_type, number), reason in self._given_up.items()
+            for index in self._divided[number].tolist()
+        ]
+        failed.sort(key=lambda one: (self._map_types.index(one.map_type), order[one.name]))
+        progress = self._progress()
+        return CaptureResult(
+            folder=self._place.root,
+            total=self._total,
+            written=progress.done,
+            failed=tuple(failed),
+            skipped=self._skipped,
+            requests=self._requests,
+            unique_parts=self._unique_parts,
+            seconds=progress.active_s,
+            cancelled=cancelled,
+            repeated=tuple(self._repeats()),
+        )
+
+
+def _died(wrong: BaseException) -> Message:
+    """Few words for what a worker's end, or a fault on it, looks like from here."""
+    kind = type(wrong).__name__
+    if kind in ("KilledWorker", "CancelledError", "FutureCancelledError", "CommClosedError"):
+        return Message("its worker died")
+    said = str(wrong).partition("\n")[0][:120]
+    return Message("{0} on its worker ({1})", kind, said)
+
+
+def _broken(wrong: BaseException) -> OutputError:
+    return OutputError("workers: have gone ({0})", str(wrong)[:120], remedy="resume with others")
+
+
+def _write_plan(plan: Plan, path: Path) -> None:
+    """Write a plan's file, also into an object store."""
+    if not is_address(path):
+        write_plan(plan, path)
+        return
+    with tempfile.TemporaryDirectory(prefix="terrainav-") as folder:
+        local = Path(folder) / path.name
+        write_plan(plan, local)
+        write_whole(path, local.read_bytes())
