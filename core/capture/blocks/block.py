@@ -24,6 +24,7 @@ from ...picture.heights import heights_of
 from ...picture.optics import Exposures
 from ...resources import version
 from ...stores import store_path
+from ..choices import FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making
 from ..records import Made, PictureJob, table_of
@@ -31,8 +32,6 @@ from .shards import Gathered
 
 Numbers = NDArray[np.int64]
 
-#: How files are laid out: each image in a file of its own, or the images of a block in one.
-LAYOUTS = FOLDERS, WEBDATASET = ("folders", "webdataset")
 #: Folder of the blocks' records, which are the journal.
 BLOCKS_FOLDER = "blocks"
 #: Digits of blocks' numbers in names of files, and of captures' indices in shards.
@@ -56,7 +55,7 @@ class Block:
     destination : str
         Folder or address.
     layout : str
-        One of `LAYOUTS`.
+        One of `choices.LAYOUTS`.
     exposures : Exposures or None
         What images' tags say of the camera.
     connections, workers : int

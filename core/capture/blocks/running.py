@@ -26,14 +26,13 @@ from ...mission.export import write_plan
 from ...mission.plan import Plan
 from ...resources import version
 from ...stores import is_address
+from ..choices import FOLDERS, IMAGES, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making, check_source
 from ..odm import write_odm_files
 from ..progress import CaptureResult, Failure, Listener, Progress, Repeat
 from ..records import exposures_of, table_of
 from .block import (
-    FOLDERS,
-    WEBDATASET,
     Block,
     BlockResult,
     Control,
@@ -46,7 +45,7 @@ from .block import (
     packed_block,
 )
 from .destination import Destination
-from .division import IMAGES, Numbers, divide
+from .division import Numbers, divide
 from .engines import Engine
 from .shards import INDEX_FILE, index_of
 
@@ -64,7 +63,7 @@ class Blocks:
     images : int
         Of a block at most.
     layout : str
-        One of `block.LAYOUTS`.
+        One of `choices.LAYOUTS`.
     """
 
     images: int = IMAGES
