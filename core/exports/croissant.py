@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import os
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
@@ -13,10 +13,12 @@ from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, write_whole
+from ..stores import Address
 from .huggingface import credit_of
 from .tables import chosen_sets, is_same, relative_folder
 
 CROISSANT_FILE = "croissant.json"
+DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
 CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
 #: Types of fields by the kinds of columns; texts otherwise.
 _TYPES = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
@@ -91,14 +93,33 @@ def write_croissant(
     OutputError
         A folder that cannot be written.
     """
-    dataset = read_dataset(folder)
+    return [describe_files(own_folder(read_dataset(folder), target, CROISSANT_FILE), map_type)]
+
+
+def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
+    """Return the dataset if a place is its folder; raises InvalidInput for another, where a ``file`` says nothing."""
     if not is_same(dataset.folder, target):
         raise InvalidInput(
             "folder {0}: a {1} describes the files beside it",
             target,
-            CROISSANT_FILE,
+            file,
             remedy="give the dataset's own",
         )
+    return dataset
+
+
+def name_of(dataset: Dataset) -> str:
+    """What a dataset is called: as its folder."""
+    return dataset.folder.resolve().name or "dataset"
+
+
+def media_of(name: str) -> str:
+    """Media type of an image by its file's name."""
+    return _MEDIA.get(PurePosixPath(name).suffix.lower(), "application/octet-stream")
+
+
+def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
+    """Write the description of a dataset as `write_croissant` does; returns it."""
     sets = chosen_sets(dataset, map_type)
     files: list[dict[str, Any]] = []
     records = []
@@ -110,8 +131,8 @@ def write_croissant(
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": CONFORMS_TO,
-        "name": dataset.folder.resolve().name,
-        "description": "Georeferenced images of the ground with the poses of a virtual UAV's camera.",
+        "name": name_of(dataset),
+        "description": DESCRIPTION,
         "license": "Terms of who made the imagery: "
         + "; ".join(f"{name}: {credit_of(images)}" for name, images in sets.items()),
         "distribution": files,
@@ -119,14 +140,14 @@ def write_croissant(
     }
     path = dataset.folder / CROISSANT_FILE
     write_whole(path, json_bytes(description))
-    return [path]
+    return path
 
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
     """The table of a map type, with its checksum, and the set of its images."""
-    place = relative_folder(dataset, images)
-    pictures = images.image_folder.resolve().relative_to(dataset.folder.resolve())
-    endings = dict.fromkeys(Path(one).suffix for one in images.table.img_names)
+    place = relative_folder(dataset, images.folder)
+    pictures = relative_folder(dataset, images.image_folder)
+    endings = {PurePosixPath(name).suffix: name for name in images.table.img_names}
     return [
         {
             "@type": "cr:FileObject",
@@ -140,7 +161,7 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
             "@type": "cr:FileSet",
             "@id": f"{name}/files",
             "name": f"images of {name}",
-            "encodingFormat": [_MEDIA.get(one.lower(), "application/octet-stream") for one in endings],
+            "encodingFormat": [media_of(name) for name in endings.values()],
             "includes": [(pictures / f"*{one}").as_posix() for one in endings],
         },
     ]

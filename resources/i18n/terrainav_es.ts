@@ -2225,8 +2225,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out.</source>
-        <translation>Que aún no exista o esté vacía; si se omite, parquet y croissant van a la del propio conjunto de datos.</translation>
+        <source>Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out.</source>
+        <translation>Que aún no exista o esté vacía; si se omite, parquet, croissant y stac van a la del propio conjunto de datos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
@@ -5497,8 +5497,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a description of its files. A benchmark becomes the layout of a published one.</source>
-        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face o una descripción de sus archivos. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
+        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets, a description of its files, or STAC items and their collection. A benchmark becomes the layout of a published one.</source>
+        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face, una descripción de sus archivos, o ítems STAC y su colección. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5732,8 +5732,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,benchmark</source>
-        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,evaluación</translation>
+        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark</source>
+        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,evaluación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -6893,6 +6893,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
         <location filename="../../core/files.py"/>
@@ -7087,6 +7088,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
+        <location filename="../../core/stores.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
     </message>
@@ -7133,14 +7135,37 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>diario {0}: no está abierto</translation>
     </message>
     <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>capture {0} of the plan: it has 0 to {1}</source>
+        <translation>captura {0} del plan: tiene de 0 a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}</source>
+        <translation>formato de imagen {0}: tiene gris, o rojo, verde y azul de 8 bits, y {1} da {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each</source>
+        <translation>imágenes de {0:,} px con {1} bandas de {2}: más de {3:,} bytes cada una</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>map type {0!r}: {1} has {2}</source>
+        <translation>tipo de mapa {0!r}: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>plan is for another pixel grid than that of {0}: plan with the source's own</source>
+        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planifique con la de la fuente</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/pipeline.py"/>
         <source>not begun: the run was stopped</source>
         <translation>no se ha empezado: se detuvo la ejecución</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <source>capture {0} of the plan: it has 0 to {1}</source>
-        <translation>captura {0} del plan: tiene de 0 a {1}</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -7151,29 +7176,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/runner.py"/>
         <source>folder {0}: holds this mission with other images, such as {1}, because the source or the version was another</source>
         <translation>carpeta {0}: contiene esta misión con otras imágenes, como {1}, porque la fuente o la versión era otra</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <source>image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}</source>
-        <translation>formato de imagen {0}: tiene gris, o rojo, verde y azul de 8 bits, y {1} da {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <source>images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each</source>
-        <translation>imágenes de {0:,} px con {1} bandas de {2}: más de {3:,} bytes cada una</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <location filename="../../core/dataset/dataset.py"/>
-        <location filename="../../core/imagery/staticmap.py"/>
-        <location filename="../../core/imagery/xyz.py"/>
-        <source>map type {0!r}: {1} has {2}</source>
-        <translation>tipo de mapa {0!r}: {1} tiene {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <source>plan is for another pixel grid than that of {0}: plan with the source's own</source>
-        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planifique con la de la fuente</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -7874,8 +7876,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
-        <source>format parquet: needs the Python package pyarrow, which is not installed</source>
-        <translation>formato parquet: necesita el paquete de Python pyarrow, que no está instalado</translation>
+        <source>format {0}: needs the Python package pyarrow, which is not installed</source>
+        <translation>formato {0}: necesita el paquete de Python pyarrow, que no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
@@ -7914,9 +7916,15 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>banco de pruebas {0}: no dice cómo se tomaron sus consultas</translation>
     </message>
     <message>
+        <location filename="../../core/exports/stac.py"/>
+        <location filename="../../core/exports/views.py"/>
+        <source>folder {0}: has no image to export</source>
+        <translation>carpeta {0}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
         <location filename="../../core/exports/tables.py"/>
-        <source>format parquet: pyarrow cannot be imported ({0})</source>
-        <translation>formato parquet: no se puede importar pyarrow ({0})</translation>
+        <source>format {0}: pyarrow cannot be imported ({1})</source>
+        <translation>formato {0}: no se puede importar pyarrow ({1})</translation>
     </message>
     <message>
         <location filename="../../core/exports/tables.py"/>
@@ -7927,11 +7935,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/views.py"/>
         <source>capture camera frames ({0} camera)</source>
         <translation>capture imágenes de cámara ({0} camera)</translation>
-    </message>
-    <message>
-        <location filename="../../core/exports/views.py"/>
-        <source>folder {0}: has no image to export</source>
-        <translation>carpeta {0}: no tiene imágenes que exportar</translation>
     </message>
     <message>
         <location filename="../../core/exports/views.py"/>

@@ -239,7 +239,7 @@ def test_what_a_folder_can_become_is_what_is_written(flown, dataset, tmp_path):
     (tmp_path / "empty").mkdir()
     for number, folder in enumerate((flown, dataset, tmp_path / "empty")):
         for kind, reason in refusals(folder).items():
-            target = folder if kind == "croissant" else tmp_path / f"{kind}-{number}"
+            target = folder if kind in ("croissant", "stac") else tmp_path / f"{kind}-{number}"
             try:
                 written = export_as(folder, target, kind).written > 0
             except (InvalidInput, OutputError):

@@ -1,0 +1,303 @@
+"""Datasets as STAC describes them: what its own libraries and readers of GeoParquet find is what lies there."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+
+import pytest
+from osgeo import ogr
+from pyproj import Geod
+from terrainav.core.capture.runner import capture
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.exports import tables
+from terrainav.core.exports.croissant import CROISSANT_FILE
+from terrainav.core.exports.kinds import export_as
+from terrainav.core.exports.stac import COLLECTION_FILE, ITEMS_FILE, write_stac
+from terrainav.core.imagery.opening import open_source
+from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support.command import command
+from tests.support.datasets import write_dataset
+
+parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
+#: Across the antimeridian, where a footprint has two pieces.
+PLACES = ((35.0, 179.9999, 90.0), (35.0, 179.99, 100.0), (35.0001, 179.99, 100.5))
+YAWS = (10.0, 20.0, -170.0)
+
+
+@pytest.fixture(scope="module")
+def flown(tmp_path_factory):
+    """Camera frames with times."""
+    folder = tmp_path_factory.mktemp("flown") / "out"
+    area = Points(PLACES, YAWS, times_s=(1777888800.0, 1777888801.5, 1777888807.25))
+    return captured(folder, Mission(area, 90.0, tilt_deg=5.0, image_px=32, image_format="png"))
+
+
+@pytest.fixture(scope="module")
+def mapped(tmp_path_factory):
+    """Map frames of two map types, 4 of each."""
+    asked = Mission(
+        Box(35.16, -89.9, 35.1584, -89.8978),
+        100.0,
+        image_px=64,
+        max_px=64,
+        map_types=("satellite", "roadmap"),
+    )
+    return captured(tmp_path_factory.mktemp("mapped") / "out", asked)
+
+
+def captured(folder: Path, asked: Mission) -> Path:
+    source = open_source("world")
+    assert not capture(plan(asked, source.grid), source, folder).failed
+    return folder
+
+
+def items_of(folder: Path) -> list[dict]:
+    """Items as STAC's own library reads them out of the table."""
+    arrow = pytest.importorskip("stac_geoparquet.arrow", reason="needs stac-geoparquet")
+    return list(arrow.stac_table_to_items(parquet.read_table(folder / ITEMS_FILE)))
+
+
+def rows_of(folder: Path) -> list[tuple[str, dict[str, str]]]:
+    """Map types and rows of the tables of what is there."""
+    found = []
+    for path in sorted(folder.glob("*/meta_data.csv")):
+        with path.open(encoding="utf-8", newline="") as file:
+            found += [(path.parent.name, row) for row in csv.DictReader(file) if row["status"] == "done"]
+    return found
+
+
+def faults_of(kind: str, value: dict) -> list[str]:
+    """What a schema of STAC, which pystac brings, finds wrong."""
+    validation = pytest.importorskip("pystac.validation.local_validator", reason="needs pystac")
+    jsonschema = pytest.importorskip("jsonschema", reason="needs jsonschema")
+    referencing = pytest.importorskip("referencing", reason="needs referencing")
+    schemas = validation.get_local_schema_cache()
+    asked = schemas[f"https://schemas.stacspec.org/v1.1.0/{kind}-spec/json-schema/{kind}.json"]
+    registry = referencing.Registry().with_resources(
+        [(name, referencing.Resource.from_contents(one)) for name, one in schemas.items()]
+    )
+    found = jsonschema.Draft7Validator(asked, registry=registry).iter_errors(value)
+    return [f"{one.json_path}: {one.message[:200]}" for one in found]
+
+
+def test_the_schema_finds_faults():
+    assert faults_of("item", {"type": "Feature"})
+    assert faults_of("collection", {"type": "Collection"})
+
+
+@pytest.mark.parametrize("which", ["flown", "mapped"])
+def test_items_are_those_of_stac_and_of_the_tables(which, request):
+    pystac = pytest.importorskip("pystac", reason="needs pystac")
+    folder = request.getfixturevalue(which)
+    done = export_as(folder, None, "stac")
+    assert done.paths == tuple(folder / name for name in (ITEMS_FILE, COLLECTION_FILE, CROISSANT_FILE))
+    features = json.loads((folder / "footprints.geojson").read_text())["features"]
+    drawn = {one["properties"]["name"]: one["geometry"] for one in features}
+    items, rows = items_of(folder), rows_of(folder)
+    assert len(items) == len(rows) == len({one["id"] for one in items})
+    for found, (map_type, row) in zip(items, rows):
+        assert faults_of("item", found) == []
+        item = pystac.Item.from_dict(found)
+        assert item.geometry == drawn[Path(row["img_names"]).stem]
+        shape = ogr.CreateGeometryFromJson(json.dumps(item.geometry))
+        west, east, south, north = shape.GetEnvelope()
+        assert item.bbox == [west, south, east, north]
+        image = folder / item.assets["image"].href
+        assert image == folder / map_type / row["img_names"]
+        assert image.is_file()
+        assert item.assets["image"].media_type == ("image/png" if which == "flown" else "image/tiff")
+        own = {name: value for name, value in item.properties.items() if name in row}
+        assert {name for name, cell in row.items() if cell} - {"status"} == own.keys()
+        for name, value in own.items():
+            assert type(value)(row[name]) == value
+        assert item.properties["map_type"] == map_type
+        assert (item.datetime, item.collection_id) == (None, "out")
+
+
+def test_camera_frames_say_how_they_look_and_have_no_projection(flown):
+    write_stac(flown, flown)
+    items = items_of(flown)
+    for one, yaw in zip(items, YAWS):
+        assert one["properties"]["view:off_nadir"] == pytest.approx(5.0, abs=1e-9)
+        assert one["properties"]["view:azimuth"] == pytest.approx(yaw % 360.0, abs=1e-9)
+        assert "proj:code" not in one["properties"]
+        assert one["stac_extensions"] == ["https://stac-extensions.github.io/view/v1.0.0/schema.json"]
+    assert items[0]["properties"]["time_utc"] == "2026-05-04T10:00:00.000Z"
+
+
+def test_map_frames_say_their_projection_and_their_gsd(mapped):
+    rasterio = pytest.importorskip("rasterio", reason="needs rasterio")
+    write_stac(mapped, mapped)
+    globe = Geod(ellps="WGS84")
+    for one in items_of(mapped):
+        with rasterio.open(mapped / one["assets"]["image"]["href"]) as image:
+            assert one["properties"]["proj:code"] == image.crs.to_string()
+            width = image.width
+        west, south, east, north = one["bbox"]
+        *_, across = globe.inv(west, (south + north) / 2.0, east, (south + north) / 2.0)
+        # To a pixel of the image, which is as wide as whole ones of the map.
+        assert one["properties"]["gsd"] == pytest.approx(across / width, rel=1.0 / width)
+        assert one["stac_extensions"] == ["https://stac-extensions.github.io/projection/v2.0.0/schema.json"]
+
+
+def test_the_collection_is_whole_and_in_the_table_too(mapped):
+    pystac = pytest.importorskip("pystac", reason="needs pystac")
+    items, described, _ = write_stac(mapped, mapped)
+    told = json.loads(described.read_text(encoding="utf-8"))
+    assert faults_of("collection", told) == []
+    collection = pystac.Collection.from_dict(told)
+    asset = collection.assets["items"]
+    assert mapped / asset.href == items
+    assert (asset.media_type, asset.roles) == ("application/vnd.apache.parquet", ["collection-mirror"])
+    assert [one.name for one in collection.providers] == ["Synthetic (offline)", "TerrAInav"]
+    schema = parquet.read_schema(items)
+    assert json.loads(schema.metadata[b"stac-geoparquet"]) == {
+        "version": "1.0.0",
+        "collections": {"out": told},
+    }
+    boxes = [one["bbox"] for one in items_of(mapped)]
+    assert collection.extent.spatial.bboxes == [
+        [
+            *(min(edge) for edge in zip(*(box[:2] for box in boxes))),
+            *(max(edge) for edge in zip(*(box[2:] for box in boxes))),
+        ]
+    ]
+    # When it was is not known of an invented landscape.
+    assert collection.extent.temporal.intervals == [[None, None]]
+    assert collection.summaries.lists["map_type"] == ["roadmap", "satellite"]
+    gsd = [one["properties"]["gsd"] for one in items_of(mapped)]
+    assert told["summaries"]["gsd"] == {"minimum": min(gsd), "maximum": max(gsd)}
+
+
+def test_readers_of_geoparquet_find_the_footprints(mapped, flown):
+    geopandas = pytest.importorskip("geopandas", reason="needs geopandas")
+    for folder in (mapped, flown):
+        items, *_ = write_stac(folder, folder)
+        frame = geopandas.read_parquet(items)
+        assert frame.crs.to_epsg() == 4326 or frame.crs.to_string() == "OGC:CRS84"
+        assert frame["geometry"].is_valid.all()
+        about = json.loads(parquet.read_schema(items).metadata[b"geo"])["columns"]["geometry"]
+        assert set(about["geometry_types"]) == set(frame["geometry"].geom_type)
+        bounds = [tuple(box.values()) for box in parquet.read_table(items)["bbox"].to_pylist()]
+        assert bounds == [tuple(edges) for edges in frame.bounds.values.tolist()]
+        west, south, east, north = zip(*bounds)
+        assert about["bbox"] == [min(west), min(south), max(east), max(north)]
+        # One image, found by the bounds of rows alone.
+        some = geopandas.read_parquet(items, bbox=tuple(frame["geometry"].iloc[-1].centroid.bounds))
+        assert frame["id"].iloc[-1] in set(some["id"])
+        assert len(some) < len(frame) or folder is flown
+
+
+def test_gdal_opens_the_items(mapped):
+    if ogr.GetDriverByName("Parquet") is None:
+        pytest.skip("this GDAL has no Parquet")
+    items, *_ = write_stac(mapped, mapped)
+    opened = ogr.Open(str(items))
+    layer = opened.GetLayer(0)
+    assert layer.GetFeatureCount() == 8
+    assert [one.GetField("map_type") for one in layer] == ["roadmap"] * 4 + ["satellite"] * 4
+
+
+def test_dates_of_imagery_become_spans_of_time(tmp_path):
+    spans = {
+        "2024-05-01": ("2024-05-01T00:00:00", "2024-05-01T23:59:59"),
+        "2024-02": ("2024-02-01T00:00:00", "2024-02-29T23:59:59"),
+        "2014": ("2014-01-01T00:00:00", "2014-12-31T23:59:59"),
+        "1950-1965": ("1950-01-01T00:00:00", "1965-12-31T23:59:59"),
+        "2020-01-01T00:00:00.000Z/2020-03-31T00:00:00Z": ("2020-01-01T00:00:00", "2020-03-31T23:59:59"),
+        **dict.fromkeys(
+            ("", "latest", "2024-02-30", "2020-2019", "0001", "9999-12-31"),
+            ("1700-01-01T00:00:00", "2200-01-01T00:00:00"),
+        ),
+    }
+    folder = write_dataset(tmp_path / "out", len(spans) + 1)
+    table = folder / "satellite" / "meta_data.csv"
+    head, *lines = table.read_text(encoding="utf-8").splitlines()
+    dated = [f"{line},{date}" for line, date in zip(lines, [*spans, ""])]
+    table.write_text("\n".join([f"{head},imagery_date", *dated]) + "\n", encoding="utf-8")
+    write_stac(folder, folder)
+    found = [one["properties"] for one in items_of(folder)]
+    ends = [(one["start_datetime"][:19], one["end_datetime"][:19]) for one in found]
+    assert ends == [*spans.values()]
+    assert {one["datetime"] for one in found} == {None}
+    interval = json.loads((folder / COLLECTION_FILE).read_text())["extent"]["temporal"]["interval"]
+    assert interval == [[None, None]]
+    table.write_text("\n".join([f"{head},imagery_date", *(f"{line},2014" for line in lines)]) + "\n")
+    write_stac(folder, folder)
+    interval = json.loads((folder / COLLECTION_FILE).read_text())["extent"]["temporal"]["interval"]
+    assert interval == [["2014-01-01T00:00:00Z", "2014-12-31T23:59:59Z"]]
+
+
+def test_tables_of_others_have_points_and_what_is_rejected_is_where_it_lies(tmp_path):
+    folder = write_dataset(tmp_path / "out", 5)
+    table = folder / "satellite" / "meta_data.csv"
+    head, *lines = table.read_text(encoding="utf-8").splitlines()
+    # A column of somebody's that STAC calls something else by.
+    table.write_text(
+        "\n".join([f"{head},type", *(f"{line},flat" for line in lines)]) + "\n", encoding="utf-8"
+    )
+    (folder / "satellite" / "rejected").mkdir()
+    rejected = lines[3].partition(",")[0]
+    (folder / "satellite" / rejected).rename(folder / "satellite" / "rejected" / rejected)
+    write_stac(folder, folder)
+    items = items_of(folder)
+    assert len(items) == 4
+    for one, line in zip(items, lines):
+        name, _, _, lat, lon, *_ = line.split(",")
+        assert faults_of("item", one) == []
+        assert one["geometry"] == {"type": "Point", "coordinates": [float(lon), float(lat)]}
+        assert one["bbox"] == [float(lon), float(lat)] * 2
+        assert (one["type"], one["properties"]["table_type"]) == ("Feature", "flat")
+        assert "gsd" not in one["properties"]
+        assert (folder / one["assets"]["image"]["href"]).name == name
+        assert (folder / one["assets"]["image"]["href"]).is_file()
+    assert items[3]["properties"]["rejected"]
+    about = json.loads(parquet.read_schema(folder / ITEMS_FILE).metadata[b"geo"])
+    assert about["columns"]["geometry"]["geometry_types"] == ["Point"]
+
+
+def test_rows_come_in_groups_and_the_same_bytes_every_time(mapped, monkeypatch):
+    items, *_ = write_stac(mapped, mapped)
+    whole = parquet.read_table(items)
+    monkeypatch.setattr(tables, "_ROWS_A_GROUP", 3)
+    write_stac(mapped, mapped)
+    data = items.read_bytes()
+    assert parquet.ParquetFile(items).num_row_groups == 4
+    assert parquet.read_table(items).equals(whole)
+    write_stac(mapped, mapped)
+    assert items.read_bytes() == data
+
+
+def test_one_map_type_alone(mapped):
+    export_as(mapped, None, "stac", "roadmap")
+    assert {one["properties"]["map_type"] for one in items_of(mapped)} == {"roadmap"}
+    records = json.loads((mapped / CROISSANT_FILE).read_text())["recordSet"]
+    assert [one["@id"] for one in records] == ["roadmap"]
+
+
+def test_what_cannot_be_described_is_one_line(mapped, tmp_path, monkeypatch):
+    with pytest.raises(InvalidInput, match=r"describes the files beside it; give the dataset's own$"):
+        write_stac(mapped, tmp_path)
+    folder = write_dataset(tmp_path / "out", 1)
+    with pytest.raises(InvalidInput, match=r"out: has no image to export$"):
+        write_stac(folder, folder)
+    assert not (folder / ITEMS_FILE).exists()
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(
+        OutputError, match=r"^format stac: pyarrow cannot be imported \(.*\); get it with: pip "
+    ):
+        write_stac(mapped, mapped)
+
+
+def test_the_command(mapped, tmp_path, monkeypatch, capsys):
+    run = command(tmp_path, monkeypatch, capsys)
+    done = run("export", str(mapped), "--as", "stac")
+    assert (done.returncode, done.stderr) == (0, "")
+    names = (ITEMS_FILE, COLLECTION_FILE, CROISSANT_FILE)
+    assert done.stdout == "".join(f"written     {mapped / name}\n" for name in names)
