@@ -13,7 +13,11 @@ from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
 from ..geodesy.mercator import WebMercator
 from ..mission.mission import Mission
 from ..mission.plan import Plan
+from ..stores import get, is_address, put_new, sizes_in, store_path
 from .journal import Outcome
+
+#: What a run has in an object store while it is at work there.
+LOCK_FILE = "run.lock"
 
 
 def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: bool) -> Path:
@@ -56,6 +60,37 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
         )
     for name in folders:
         make_folder(path / name)
+    return path
+
+
+def open_place(address: str | os.PathLike[str], mission: Mission, *, resume: bool) -> Path:
+    """Make a folder, or an object store's, a mission's own: `open_folder`, and the same of an address."""
+    if not is_address(address):
+        return open_folder(address, mission, resume=resume)
+    path = store_path(address)
+    found, wanted = get(path / MISSION_FILE), mission.to_json().encode("utf-8")
+    if found is None:
+        foreign = min((name for name in sizes_in(path) if name != LOCK_FILE), default=None)
+        if foreign is not None:
+            raise OutputError(
+                "address {0}: holds {1} but no {2}, so it is not this mission's",
+                address,
+                foreign,
+                MISSION_FILE,
+                remedy="choose another one",
+            )
+        # Of two runs that find nothing, one puts its mark and the other finds it.
+        if put_new(path / MISSION_FILE, wanted):
+            return path
+        found = get(path / MISSION_FILE) or b""
+    if not is_of(found, mission):
+        raise OutputError("address {0}: holds another mission", address, remedy="choose another one")
+    if not resume:
+        raise OutputError(
+            "address {0}: already holds this mission",
+            address,
+            remedy=Message("resume it{0} or choose another one", OptionName("resume").in_brackets),
+        )
     return path
 
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..bands import RGB, bands_of
 from ..errors import InvalidInput, PartError
 from ..files import write_whole
+from ..imagery.opening import NamedSource
 from ..imagery.placeholder import Provided, Received, corner
 from ..imagery.source import Part, Source, Window
 from ..limits import MAX_PICTURE_BYTES, MAX_PICTURES_AT_ONCE_PX
@@ -34,7 +35,7 @@ DEFAULT_CONNECTIONS = 8
 _TRACED_AT_ONCE = 64
 
 
-def check_source(plan: Plan, source: Source) -> None:
+def check_source(plan: Plan, source: Source | NamedSource) -> None:
     """Raise InvalidInput where a source has not what a plan needs: its grid, map types, bands that can be written."""
     if source.grid != plan.grid:
         raise InvalidInput(

@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
-from ..dataset.folder import JOURNAL_FILE
+from ..dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ..errors import InvalidInput
 from ..files import open_locked
+from ..imagery.opening import NamedSource
 from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from .folder import check_captured, open_folder
-from .making import DEFAULT_CONNECTIONS, check_source
+from ..stores import is_address
+from .folder import check_captured, open_place
+from .making import check_source
 from .progress import CaptureResult, Progress
 from .runner import capture
 
@@ -25,15 +29,14 @@ __all__ = ["capture_each", "capture_imageries", "combined"]
 def capture_imageries(
     mission: Mission,
     plans: Mapping[str, Plan],
-    sources: Mapping[str, Source],
+    sources: Mapping[str, Source | NamedSource],
     folder: str | os.PathLike[str],
     *,
-    connections: int = DEFAULT_CONNECTIONS,
-    workers: int | None = None,
     resume: bool = False,
     only_failed: bool = False,
     progress: Callable[[Progress], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
+    **how: Any,
 ) -> CaptureResult:
     """Capture a mission of several imageries: a dataset of each in a folder of its name, ``mission.json`` above them.
 
@@ -46,7 +49,7 @@ def capture_imageries(
         With ``imageries``.
     plans, sources : mapping of str to Plan, and to Source
         By the imageries' names: of `Mission.by_imagery`, each with its source's own pixel grid.
-    connections, workers, resume, only_failed, progress, cancelled
+    resume, only_failed, progress, cancelled, **how
         As for `capture`; progress, failures and repeats say the imagery's name in the place of a map type, and the
         total is that of all.
 
@@ -60,18 +63,19 @@ def capture_imageries(
         raise InvalidInput("imageries {0}: need a plan and a source each", " ".join(names))
     for name in names:
         check_source(plans[name], sources[name])
-    if only_failed:
+    remote = is_address(folder)
+    if only_failed and not remote:
         check_captured(folder)
-    path = open_folder(folder, mission, resume=resume or only_failed)
-    with open_locked(path / JOURNAL_FILE):
+    path = open_place(folder, mission, resume=resume or only_failed)
+    # Of an object store each imagery's own place is held.
+    with nullcontext() if remote else open_locked(path / JOURNAL_FILE):
         results = capture_each(
             {name: (plans[name], sources[name]) for name in names},
             path,
-            connections=connections,
-            workers=workers,
             only_failed=only_failed,
             progress=progress,
             cancelled=cancelled,
+            **how,
         )
     result = combined(path, results)
     # What was asked for, also where the run was stopped before it came to the last imagery.
@@ -79,22 +83,21 @@ def capture_imageries(
 
 
 def capture_each(
-    captures: Mapping[str, tuple[Plan, Source]],
+    captures: Mapping[str, tuple[Plan, Source | NamedSource]],
     folder: Path,
     *,
-    connections: int = DEFAULT_CONNECTIONS,
-    workers: int | None = None,
     only_failed: bool = False,
     progress: Callable[[Progress], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
+    **how: Any,
 ) -> dict[str, CaptureResult]:
     """Capture one after the other, each into its folder inside one that is the run's own; go on with what is there.
 
     Parameters
     ----------
-    captures : mapping of str to (Plan, Source)
+    captures : mapping of str to (Plan, Source or NamedSource)
         By the folders' names, with ``/`` where they lie deeper.
-    connections, workers, only_failed, progress, cancelled
+    only_failed, progress, cancelled, **how
         As for `capture`; progress says the folder in the place of the map type.
 
     Returns
@@ -104,7 +107,7 @@ def capture_each(
     """
     results: dict[str, CaptureResult] = {}
     for name, (plan, source) in captures.items():
-        begun = (folder / name / JOURNAL_FILE).is_file()
+        begun = any((folder / name / file).exists() for file in (JOURNAL_FILE, MISSION_FILE))
         if only_failed and not begun:
             # Nothing of it can have failed: an earlier run was stopped before it.
             continue
@@ -112,12 +115,11 @@ def capture_each(
             plan,
             source,
             folder / name,
-            connections=connections,
-            workers=workers,
             resume=True,
             only_failed=only_failed,
             progress=None if progress is None else partial(_tell, progress, name),
             cancelled=cancelled,
+            **how,
         )
         if results[name].cancelled:
             break

@@ -12,14 +12,17 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..capture.choices import FOLDERS, IMAGES
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
+from ..stores import is_address
 from ..text import printable
 from .exits import DONE, INCOMPLETE, exit_code
 from .listing import opened_cache
 from .stopping import collected
 
 if TYPE_CHECKING:
+    from ..capture.blocks.running import Blocks
     from ..capture.progress import CaptureResult, Failure, Progress, Repeat
     from ..geodesy.mercator import PixelGrid
     from ..imagery.cache.tile_cache import TileCache
@@ -337,14 +340,19 @@ def run_capture(arguments: argparse.Namespace) -> int:
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
     _print_notes(mission)
     each = mission.by_imagery or {"": mission}
+    in_blocks = bool(arguments.cluster or arguments.block or arguments.layout_of_files != FOLDERS)
+    in_blocks = in_blocks or is_address(values["data_dir"])
     with ExitStack() as opened, collected() as signals:
-        sources = {
-            name: opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
-            for name, one in each.items()
-        }
+        sources: dict[str, Source | NamedSource] = {}
+        for name, one in each.items():
+            if in_blocks:
+                sources[name] = _source_of(one, values, opened_cache(values), as_stored=_as_written(one))
+            else:
+                sources[name] = opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
         mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.by_imagery or {"": mission}
-        result = _run(mission, each, sources, values, arguments, lambda: bool(signals))
+        how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
+        result = _run(mission, each, sources, values, arguments, lambda: bool(signals), how)
     _print_result(result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
@@ -352,13 +360,38 @@ def run_capture(arguments: argparse.Namespace) -> int:
     return INCOMPLETE if result.failed else DONE
 
 
+def _engine(arguments: argparse.Namespace, opened: ExitStack) -> dict[str, Any]:
+    """Options of a capture in blocks but their size; says where a cluster shows what it does."""
+    how: dict[str, Any] = {"notice": lambda text: print(printable(str(text)), file=sys.stderr)}
+    if arguments.cluster is not None:
+        from ..capture.blocks.engines import open_engine
+
+        how["executor"] = engine = opened.enter_context(open_engine(arguments.cluster))
+        shown = f"; dashboard at {engine.dashboard}" if engine.dashboard else ""
+        print(f"cluster of {engine.slots()} workers{shown}", file=sys.stderr)
+    return how
+
+
+def _blocks(arguments: argparse.Namespace, worked_out: Plan, source: NamedSource, values: Any) -> Blocks:
+    """How a plan is divided."""
+    from ..capture.blocks.division import images_of
+    from ..capture.blocks.running import Blocks
+
+    images = IMAGES
+    if arguments.block is not None:
+        summary = _summary(worked_out, source, values)
+        images = images_of(arguments.block, summary.output_bytes / max(summary.images, 1))
+    return Blocks(images, arguments.layout_of_files)
+
+
 def _run(
     mission: Mission,
     each: Mapping[str, Mission],
-    sources: Mapping[str, Source],
+    sources: Mapping[str, Any],
     values: dict[str, Any],
     arguments: argparse.Namespace,
     cancelled: Callable[[], bool],
+    in_blocks: dict[str, Any],
 ) -> CaptureResult:
     from ..capture.runner import capture
     from ..capture.several import capture_imageries
@@ -373,7 +406,11 @@ def _run(
         "only_failed": arguments.only_failed,
         "progress": bar,
         "cancelled": cancelled,
+        **in_blocks,
     }
+    if in_blocks:
+        name = next(iter(plans))
+        how["blocks"] = _blocks(arguments, plans[name], sources[name], values)
     try:
         if mission.imagery.imageries:
             result = capture_imageries(mission, plans, sources, values["data_dir"], **how)

@@ -9,6 +9,7 @@ from decimal import Decimal
 from typing import Any, NoReturn
 
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
+from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
@@ -98,6 +99,7 @@ def _add_flying(commands: Any) -> None:
     capturing.add_argument(
         "--only-failed", action="store_true", help="capture what has failed before, and nothing else"
     )
+    _add_blocks(capturing)
     add_consent(capturing)
     capturing.add_argument("--json", action="store_true", help="print the result as JSON")
     capturing.add_argument("--quiet", action="store_true", help="no progress bar")
@@ -108,6 +110,29 @@ def _add_flying(commands: Any) -> None:
     _add_mission_options(reporting)
     reporting.add_argument("--output", metavar="DIR", required=True, help="folder of the page and its images")
     add_consent(reporting)
+
+
+def _add_blocks(command: argparse.ArgumentParser) -> None:
+    blocks = command.add_argument_group(
+        "blocks",
+        "images are captured in blocks with any of these, or an address such as s3://bucket/folder as --data-dir",
+    )
+    blocks.add_argument(
+        "--cluster",
+        metavar="ENGINE",
+        help="who captures: local:N, N processes of this machine, or dask://HOST:PORT, a Dask scheduler",
+    )
+    blocks.add_argument(
+        "--block",
+        metavar="SIZE",
+        help=f"images of a block at most, or their size such as 200MB (default {IMAGES})",
+    )
+    blocks.add_argument(
+        "--layout-of-files",
+        choices=LAYOUTS,
+        default=FOLDERS,
+        help="a file an image (default), or tar shards of a block each, as webdataset reads them",
+    )
 
 
 def _add_alignment(command: argparse.ArgumentParser) -> None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
+from ..stores import Address, opened, store_path
 from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
 
@@ -31,15 +32,20 @@ _OLD_HEADERS = {"row": "rows"}
 #: Columns of the published dataset, which every table has; all others may be missing, and their cells empty.
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
-_TEXT = ("img_names", "time_utc", "crs", "source", "attribution", "imagery_date", "status", "reason")
+_TEXT = ("img_names", "time_utc", "crs", "source", "attribution", "imagery_date", "status", "reason", "shard")
 #: Those whose text is a provider's or a server's.
 _FOREIGN = ("source", "attribution", "imagery_date", "reason")
 #: Columns of images whose source has a CRS of its own; left out of the tables of others.
 _OWN = ("crs", "west", "north", "pixel_width", "pixel_height")
 #: Columns of images over relief; left out of the tables of others.
 _OVER_RELIEF = ("height_m", "facade_share")
+#: Columns of images in shards; left out of the tables of others.
+_IN_SHARDS = ("shard", "offset_bytes", "size_bytes")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
-_PIXELS = ("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px")
+_COUNTS = (
+    *("left_px", "top_px", "width_px", "height_px", "image_width_px", "image_height_px"),
+    *("offset_bytes", "size_bytes"),
+)
 #: Column that is not ours alone: why an image is rejected; empty for one that is kept. A table without is not cleaned.
 REJECTED = "rejected"
 #: Kinds of columns.
@@ -100,6 +106,11 @@ class Table:
         Poses as they were meant to be, where wind has moved the camera.
     status, reason : tuple of str
         ``done``, or ``failed`` and why.
+    shard : tuple of str
+        Name of the tar beside the table that an image is in; tables of images that are files are written without it
+        and the next two.
+    offset_bytes, size_bytes : array
+        Where the image's own data begin in that file, and how many they are.
     other : mapping of str to tuple of str
         Columns that are not ours, kept as they are.
     """
@@ -144,6 +155,9 @@ class Table:
     imagery_date: tuple[str, ...]
     status: tuple[str, ...]
     reason: tuple[str, ...]
+    shard: tuple[str, ...]
+    offset_bytes: Floats
+    size_bytes: Floats
     other: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -172,6 +186,7 @@ class Table:
             *(() if any(self.crs) else _OWN),
             *(() if any(self.time_utc) else ("time_utc",)),
             *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
+            *(() if any(self.shard) else _IN_SHARDS),
         }
         return {name: header for header, name in _FIELD_OF.items() if name not in left_out}
 
@@ -240,10 +255,10 @@ class Table:
         return gathered.table()
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Table:
+    def load(cls, path: Address) -> Table:
         """Table from a file; raises InvalidInput where it cannot be read, as a whole or in some rows."""
         try:
-            texts = _texts_of(Path(path))
+            texts = _texts_of(store_path(path))
             try:
                 return cls._of_texts(texts, Message("table {0}", path))
             except InvalidInput:
@@ -284,7 +299,7 @@ def columns_of(table: Table) -> list[Column]:
         else:
             known = values[np.isfinite(values)]
             # Windows in pixels are whole ones in our tables, and may be others in those of others.
-            is_whole = name in (*_WHOLE, *_PIXELS) and bool((known == np.floor(known)).all())
+            is_whole = name in (*_WHOLE, *_COUNTS) and bool((known == np.floor(known)).all())
             found.append(Column(header, WHOLE if is_whole else NUMBER, values))
     return found + [Column(header, TEXT, cells) for header, cells in table.other.items()]
 
@@ -350,7 +365,7 @@ _FIELD_OF = dict(zip(HEADERS, FIELDS))
 def _texts_of(path: Path) -> Iterator[str]:
     """Text of a file, some whole lines at a time, with the ends that Python gives them, whatever system wrote them."""
     start = 0
-    with path.open("rb", buffering=_BLOCK_BYTES) as file:
+    with opened(path, _BLOCK_BYTES) as file:
         while raw := file.read(_BLOCK_BYTES) + file.readline():
             try:
                 text = raw.decode("utf-8")
@@ -383,7 +398,7 @@ def _texts(name: str, column: Sequence[str] | NDArray[Any]) -> Sequence[str]:
         bits = column.view(np.int64)
         alike = len(column) > 0 and bool((bits == bits[0]).all())
         values = column[:1] if alike else column
-        texts = [_number(value, whole=name in _PIXELS) for value in values.tolist()]
+        texts = [_number(value, whole=name in _COUNTS) for value in values.tolist()]
         return texts * len(column) if alike else texts
     if name in _FOREIGN:
         written = {text: table_cell(text) for text in set(column)}

@@ -18,7 +18,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.stores import Address, store_path
 
-#: Of the embedded world: 24 images, 6 columns in 4 rows.
+#: Of the embedded world: 20 images, 5 columns in 4 rows.
 MISSION = Mission(Box(35.16, -89.90, 35.1561, -89.8927), 120.0, image_px=48, max_px=48, image_format="png")
 #: What lies beside an image and belongs to it.
 _BESIDE = (".jgw", ".pgw", ".jpg.aux.xml", ".png.aux.xml", ".tif.aux.xml")

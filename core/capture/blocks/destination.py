@@ -13,22 +13,20 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ...dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
-from ...errors import Message, OptionName, OutputError
+from ...dataset.folder import JOURNAL_FILE, REJECTED_FOLDER
+from ...errors import OutputError
 from ...files import json_bytes, open_locked, write_whole
-from ...mission.mission import Mission
 from ...mission.plan import Plan
 from ...safe_json import parse_json
-from ...stores import get, is_address, put, put_new, remove, sizes_in, store_path
-from ..folder import captured_mission, is_of, open_folder
+from ...stores import get, is_address, put, put_new, remove, sizes_in
+from ..choices import WEBDATASET
+from ..folder import LOCK_FILE, captured_mission, open_place
 from ..journal import FAILED
 from ..writers import file_endings
-from .block import BLOCKS_FOLDER, WEBDATASET, Record, block_name
+from .block import BLOCKS_FOLDER, Record, block_name
 
 #: What says how a destination is divided into blocks.
 DIVISION_FILE = "blocks.json"
-#: What a run has in an object store while it is at work there.
-LOCK_FILE = "run.lock"
 #: Seconds between a run's signs of life, and after how many without one it counts as dead.
 BEAT_S, DEAD_S = 5.0, 30.0
 #: Records that are read at once.
@@ -43,7 +41,7 @@ class Destination:
     address : str
     plan : Plan
     layout : str
-        One of `block.LAYOUTS`.
+        One of `choices.LAYOUTS`.
     images : int
         Of a block at most.
     resume : bool
@@ -56,13 +54,8 @@ class Destination:
     """
 
     def __init__(self, address: str, plan: Plan, layout: str, images: int, *, resume: bool) -> None:
-        self.root = store_path(address)
         self._plan, self._layout = plan, layout
-        mission = captured_mission(plan)
-        if not is_address(self.root):
-            open_folder(self.root, mission, resume=resume)
-        else:
-            self._open_store(address, mission, resume=resume)
+        self.root = open_place(address, captured_mission(plan), resume=resume)
         self._check_division(address, images)
 
     @contextmanager
@@ -115,34 +108,6 @@ class Destination:
             if one.status != FAILED
         )
 
-    def _open_store(self, address: str, mission: Mission, *, resume: bool) -> None:
-        """Make an object store's folder a mission's own, as `open_folder` does with one of this machine."""
-        mark = self.root / MISSION_FILE
-        found = get(mark)
-        if found is None:
-            foreign = min(sizes_in(self.root), default=None)
-            if foreign is not None and foreign != LOCK_FILE:
-                raise OutputError(
-                    "address {0}: holds {1} but no {2}, so it is not this mission's",
-                    address,
-                    foreign,
-                    MISSION_FILE,
-                    remedy="choose another one",
-                )
-            wanted = mission.to_json().encode("utf-8")
-            # Of two runs that find nothing, one puts its mark and the other finds it.
-            if put_new(mark, wanted):
-                return
-            found = get(mark) or b""
-        if not is_of(found, mission):
-            raise OutputError("address {0}: holds another mission", address, remedy="choose another one")
-        if not resume:
-            raise OutputError(
-                "address {0}: already holds this mission",
-                address,
-                remedy=Message("resume it{0} or choose another one", OptionName("resume").in_brackets),
-            )
-
     def _check_division(self, address: str, images: int) -> None:
         """Refuse to go on in another way than it was begun."""
         wanted: dict[str, Any] = {
@@ -171,10 +136,10 @@ class Destination:
             raise OutputError(
                 "{0}: holds this mission with other images, because the source or the version was another",
                 address,
-                remedy="choose another place",
+                remedy="choose another one",
             )
         raise OutputError(
-            "{0}: was begun with the layout {1} and blocks of {2} images: go on with these",
+            "{0}: was begun with the layout {1} and blocks of {2} images: it goes on with the same",
             address,
             found.get("layout_of_files"),
             found.get("images"),
@@ -229,18 +194,19 @@ class _Lease:
             time.sleep(BEAT_S / 5.0)
             now = get(self._path)
             if now != found and now is not None:
-                raise OutputError(
-                    "{0}: another run is at work there", self._path.parent, remedy="wait until it has ended"
-                )
+                raise self._busy()
             if now is None:
                 break
         # Of two that take over at once the last one to put has it; the other finds that out before it begins.
         put(self._path, self._content())
         time.sleep(BEAT_S / 5.0)
         if get(self._path) != self._content():
-            raise OutputError(
-                "{0}: another run has just begun there", self._path.parent, remedy="wait until it has ended"
-            )
+            raise self._busy()
+
+    def _busy(self) -> OutputError:
+        return OutputError(
+            "address {0}: another run is at work there", self._path.parent, remedy="wait until it has ended"
+        )
 
     def _beat(self) -> None:
         try:
@@ -248,7 +214,7 @@ class _Lease:
                 found = get(self._path)
                 if found is not None and self._token.encode("ascii") not in found:
                     raise OutputError(
-                        "{0}: another run has taken over, as this one gave no sign of life for {1:g} s",
+                        "address {0}: another run has taken over, as this one gave no sign of life for {1:g} s",
                         self._path.parent,
                         DEAD_S,
                     )

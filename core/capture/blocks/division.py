@@ -12,8 +12,6 @@ from ...geodesy.frames import Windows
 
 Numbers = NDArray[np.int64]
 
-#: Images of a block where nothing else is said: seconds to a minute of one processor, and about 100 MB of GeoTIFF.
-IMAGES = 256
 #: Images of one at most: all that its shard holds are in memory together.
 MOST_IMAGES = 100_000
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*(MB)?", re.IGNORECASE)

@@ -26,14 +26,13 @@ from ...mission.export import write_plan
 from ...mission.plan import Plan
 from ...resources import version
 from ...stores import is_address
+from ..choices import FOLDERS, IMAGES, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making, check_source
 from ..odm import write_odm_files
 from ..progress import CaptureResult, Failure, Listener, Progress, Repeat
 from ..records import exposures_of, table_of
 from .block import (
-    FOLDERS,
-    WEBDATASET,
     Block,
     BlockResult,
     Control,
@@ -44,9 +43,10 @@ from .block import (
     make_block,
     make_packed,
     packed_block,
+    write_relief,
 )
 from .destination import Destination
-from .division import IMAGES, Numbers, divide
+from .division import Numbers, divide
 from .engines import Engine
 from .shards import INDEX_FILE, index_of
 
@@ -64,7 +64,7 @@ class Blocks:
     images : int
         Of a block at most.
     layout : str
-        One of `block.LAYOUTS`.
+        One of `choices.LAYOUTS`.
     """
 
     images: int = IMAGES
@@ -161,6 +161,8 @@ class _Run:
         self._total = pending if only_failed else len(self._plan) * len(self._map_types)
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             _write_plan(self._plan, self._place.root / name)
+        if not self._engine.in_process:
+            write_relief(self._plan, self._place.root)
 
     def _is_placeholder(self, record: Record) -> bool:
         """Whether a block has a file that counts as placeholder by now."""
@@ -263,9 +265,7 @@ class _Run:
         if isinstance(wrong, BrokenExecutor):
             raise _broken(wrong) from wrong
         if isinstance(wrong, ModuleNotFoundError) and "terrainav" in str(wrong):
-            raise OutputError(
-                "workers: TerrAInav is not installed there", remedy="install this version on all of them"
-            ) from wrong
+            raise OutputError("workers: TerrAInav is not installed on all of them") from wrong
         reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
         key, name = (map_type, number), block_name(map_type, number)
         self._tries[key] = self._tries.get(key, 1) + 1
@@ -384,7 +384,7 @@ def _died(wrong: BaseException) -> Message:
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    return OutputError("workers: have gone ({0})", str(wrong)[:120], remedy="resume with others")
+    return OutputError("workers: have gone ({0})", str(wrong)[:120])
 
 
 def _write_plan(plan: Plan, path: Path) -> None:

@@ -1,0 +1,8 @@
+"""What is chosen of a capture in blocks, for forms and the command; what needs no numerics."""
+
+from __future__ import annotations
+
+#: How files are laid out: each image in a file of its own, or the images of a block in one.
+LAYOUTS = FOLDERS, WEBDATASET = ("folders", "webdataset")
+#: Images of a block where nothing else is said: seconds to a minute of one processor, and about 100 MB of GeoTIFF.
+IMAGES = 256
