@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import os
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -13,9 +14,9 @@ from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, write_whole
-from ..stores import Address
+from ..stores import Address, is_address
 from .huggingface import credit_of
-from .tables import chosen_sets, is_same, relative_folder
+from .tables import chosen_sets, is_same, reading, relative_folder
 
 CROISSANT_FILE = "croissant.json"
 DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
@@ -70,6 +71,9 @@ _MEDIA = {
     ".jpeg": "image/jpeg",
 }
 _BLOCK_BYTES = 1 << 20
+#: Column of images in tars, as WebDataset has them: the tar. Its members have keys of nine digits and endings.
+SHARD, TAR = "shard", "application/x-tar"
+_KEYS, _KEY = "[0-9]" * 9, r"^(\d{9})\."
 
 
 def write_croissant(
@@ -127,6 +131,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
         headers, sha256 = _headers_and_sum(images.folder / TABLE_FILE)
         files += _files(dataset, name, images, sha256)
         records.append(_records(name, images, headers))
+        records += [_samples(name)] if is_sharded(images) else []
     description = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
@@ -144,44 +149,96 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
 
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
-    """The table of a map type, with its checksum, and the set of its images."""
+    """The table of a map type, with its checksum, and the sets of its images and shards."""
     place = relative_folder(dataset, images.folder)
-    pictures = relative_folder(dataset, images.image_folder)
-    endings = {PurePosixPath(name).suffix: name for name in images.table.img_names}
+    endings = {PurePosixPath(one).suffix: media_of(one) for one in images.table.img_names}
+    table = {
+        "@type": "cr:FileObject",
+        "@id": f"{name}/table",
+        "name": TABLE_FILE,
+        "contentUrl": (place / TABLE_FILE).as_posix(),
+        "encodingFormat": "text/csv",
+        "sha256": sha256,
+    }
+    files = {
+        "@type": "cr:FileSet",
+        "@id": f"{name}/files",
+        "name": f"images of {name}",
+        "encodingFormat": [*endings.values()],
+    }
+    if not is_sharded(images):
+        pictures = relative_folder(dataset, folder_of(images))
+        return [table, {**files, "includes": [(pictures / f"*{one}").as_posix() for one in endings]}]
+    shards = {
+        "@type": "cr:FileSet",
+        "@id": f"{name}/shards",
+        "name": f"tars of {name}",
+        "encodingFormat": TAR,
+        "includes": (place / "*.tar").as_posix(),
+    }
+    inside = {"containedIn": {"@id": shards["@id"]}}
+    rows = {
+        "@type": "cr:FileSet",
+        "@id": f"{name}/json",
+        "name": f"rows of the table of {name}",
+        "encodingFormat": "application/json",
+        "includes": f"{_KEYS}.json",
+    }
+    # Products have the key and two endings.
     return [
-        {
-            "@type": "cr:FileObject",
-            "@id": f"{name}/table",
-            "name": TABLE_FILE,
-            "contentUrl": (place / TABLE_FILE).as_posix(),
-            "encodingFormat": "text/csv",
-            "sha256": sha256,
-        },
-        {
-            "@type": "cr:FileSet",
-            "@id": f"{name}/files",
-            "name": f"images of {name}",
-            "encodingFormat": [media_of(name) for name in endings.values()],
-            "includes": [(pictures / f"*{one}").as_posix() for one in endings],
-        },
+        table,
+        shards,
+        {**files, **inside, "includes": [f"{_KEYS}{one}" for one in endings]},
+        {**rows, **inside},
     ]
 
 
+def folder_of(images: ImageSet) -> Path:
+    """Where images that are files lie; in a store beside the table."""
+    return images.folder if is_address(images.folder) else images.image_folder
+
+
+def is_sharded(images: ImageSet) -> bool:
+    """Whether images lie in tars, where the table says."""
+    return SHARD in {*images.table.written.values(), *images.table.other}
+
+
+def _samples(name: str) -> dict[str, Any]:
+    """Record set of what the tars of a map type hold: an image, and its row of the table, by their key."""
+    keys = {"extract": {"fileProperty": "filename"}, "transform": {"regex": _KEY}}
+    files, rows = ({"fileSet": {"@id": f"{name}/{one}"}} for one in ("files", "json"))
+    content = {"extract": {"fileProperty": "content"}}
+    record = f"{name}/samples"
+    return {
+        "@type": "cr:RecordSet",
+        "@id": record,
+        "name": record,
+        "key": {"@id": f"{record}/key"},
+        "field": [
+            {**_field(record, "key", "sc:Text"), "source": {**files, **keys}, "references": {**rows, **keys}},
+            {**_field(record, "image", "sc:ImageObject"), "source": {**files, **content}},
+            {**_field(record, "row", "sc:Text"), "source": {**rows, **content}},
+        ],
+    }
+
+
 def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
-    """Record set of a map type: an image and its row of the table."""
+    """Record set of a map type: its table, with the images where they are files."""
     table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
     # Tables of others have some of our columns.
     first, *columns = (one for one in columns_of(images.table) if one.header in headers)
-    names = {
-        **_field(name, "file", "sc:Text"),
-        "source": {"fileSet": files, "extract": {"fileProperty": "filename"}},
-        "references": {"fileObject": table, "extract": {"column": first.header}},
-    }
-    image = {
-        **_field(name, "image", "sc:ImageObject"),
-        "source": {"fileSet": files, "extract": {"fileProperty": "content"}},
-    }
-    fields = [
+    of_table = {"fileObject": table, "extract": {"column": first.header}}
+    fields = [{**_field(name, "file", "sc:Text"), "source": of_table}]
+    if not is_sharded(images):
+        of_files = {"fileSet": files, "extract": {"fileProperty": "filename"}}
+        fields = [
+            {**fields[0], "source": of_files, "references": of_table},
+            {
+                **_field(name, "image", "sc:ImageObject"),
+                "source": {"fileSet": files, "extract": {"fileProperty": "content"}},
+            },
+        ]
+    fields += [
         {
             **_field(name, one.header, _TYPES.get(one.kind, "sc:Text")),
             "source": {"fileObject": table, "extract": {"column": one.header}},
@@ -193,7 +250,7 @@ def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
         "@id": name,
         "name": name,
         "key": {"@id": f"{name}/file"},
-        "field": [names, image, *fields],
+        "field": fields,
     }
 
 
@@ -205,9 +262,9 @@ def _headers_and_sum(path: Path) -> tuple[list[str], str]:
     """Headers of a table, and the checksum of its file."""
     digest = hashlib.sha256()
     try:
-        with path.open(encoding="utf-8-sig", newline="") as text:
+        with reading(path) as file, io.TextIOWrapper(file, encoding="utf-8-sig", newline="") as text:
             headers = next(csv.reader(text))
-        with path.open("rb") as file:
+        with reading(path) as file:
             while block := file.read(_BLOCK_BYTES):
                 digest.update(block)
     except OSError as wrong:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,9 @@ from ..files import json_bytes, write_whole
 from ..geodesy.camera import image_axes
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.mission import Mission
-from ..stores import Address, is_address, sizes_in
-from .croissant import DESCRIPTION, describe_files, media_of, name_of, own_folder
+from ..safe_json import decoded
+from ..stores import Address, get, is_address
+from .croissant import DESCRIPTION, SHARD, TAR, describe_files, folder_of, media_of, name_of, own_folder
 from .huggingface import credit_of
 from .tables import (
     GEOMETRY,
@@ -34,6 +35,7 @@ from .tables import (
     parquet_blocks,
     pyarrow_for,
     relative_folder,
+    stem_of,
 )
 
 ITEMS_FILE, COLLECTION_FILE = "items.parquet", "collection.json"
@@ -44,14 +46,14 @@ _EXTENSIONS = {
     "view": "https://stac-extensions.github.io/view/v1.0.0/schema.json",
 }
 #: Media types, beside those of images.
-_JSON, _PARQUET, _TAR = "application/json", "application/vnd.apache.parquet", "application/x-tar"
+_JSON, _PARQUET = "application/json", "application/vnd.apache.parquet"
 #: The CRS of map frames whose source has none of its own.
 _MERCATOR = "EPSG:3857"
 _CODE = re.compile(r"[A-Z]+:[0-9A-Za-z_.]+")
 #: Columns of the table that say nothing of an image that is there.
 _LEFT_OUT = ("status", "reason")
-#: Columns of images in shards: the tar, and where in it the image's own data lie.
-SHARD, OFFSET, SIZE = "shard", "offset_bytes", "size_bytes"
+#: Columns of images in shards: where in one the image's own data lie.
+_RANGE = ("offset_bytes", "size_bytes")
 #: Columns that every item has, and the image among its assets.
 _OF_ITEMS = (
     "type",
@@ -170,9 +172,9 @@ class _Items:
             columns["time_utc"] = Column("time_utc", TEXT, table.time_utc)
         shards = columns.get(SHARD)
         if shards is not None:
-            columns.update({header: _whole(columns[header]) for header in (OFFSET, SIZE)})
+            columns.update({header: _whole(columns[header]) for header in _RANGE})
             folder = _href(relative_folder(dataset, images.folder))
-            hrefs, media = [f"{folder}{shard}" for shard in shards.values], _TAR
+            hrefs, media = [f"{folder}{shard}" for shard in shards.values], TAR
         else:
             hrefs, media = _files(dataset, images), media_of(next(iter(table.img_names), ""))
         places = np.full(len(rows), -1) if shown is None else shown.places(table.img_names)[rows]
@@ -217,9 +219,7 @@ class _Items:
             for name, values, unknown in ((_START, self.start, _EARLIEST), (_END, self.end, _LATEST))
         }
         return {
-            "id": arrow.array(
-                [f"{self.name}_{PurePosixPath(names[row]).stem}" for row in rows], arrow.string()
-            ),
+            "id": arrow.array([f"{self.name}_{stem_of(names[row])}" for row in rows], arrow.string()),
             GEOMETRY: self._geometries(arrow, some),
             "bbox": arrow.StructArray.from_arrays(edges, _EDGES),
             "assets": arrow.StructArray.from_arrays([asset], fields=[image]),
@@ -241,9 +241,10 @@ class _Items:
 
 def _files(dataset: Dataset, images: ImageSet) -> list[str]:
     """Files of a map type's images, seen from the dataset's folder."""
-    folder, names = _href(relative_folder(dataset, images.image_folder)), images.table.img_names
+    folder, names = _href(relative_folder(dataset, folder_of(images))), images.table.img_names
     hrefs = [folder + name for name in names]
-    marks = images.table.other.get(REJECTED, ())
+    # Cleaning moves files of folders alone.
+    marks = () if is_address(images.folder) else images.table.other.get(REJECTED, ())
     for row in (row for row, mark in enumerate(marks) if mark):
         hrefs[row] = _href(relative_folder(dataset, images.path(row).parent)) + names[row]
     return hrefs
@@ -261,7 +262,7 @@ def _is_camera(
     if not len(rows) or not np.isfinite(images.table.left_px[rows]).all():
         return None
     # What lies in shards and stores is not opened.
-    if shards is not None or is_address(images.image_folder):
+    if shards is not None or is_address(images.folder):
         return None
     return of_camera(images, rows, dataset.folder)
 
@@ -277,9 +278,9 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
     """Properties that STAC knows and that follow from a table: (n,) for all of its rows."""
     table = images.table
     found = {}
-    place = images.folder.parent
-    if MISSION_FILE in sizes_in(place):
-        across = 2.0 * Mission.load(place / MISSION_FILE).camera.half_tangents[0]
+    mission = get(images.folder.parent / MISSION_FILE)
+    if mission is not None:
+        across = 2.0 * Mission.from_json(decoded(mission)).camera.half_tangents[0]
         found[_GSD] = table.agl_m * across / table.image_width_px
     if is_camera:
         *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)

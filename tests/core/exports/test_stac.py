@@ -3,19 +3,26 @@
 from __future__ import annotations
 
 import csv
+import fnmatch
 import json
+import os
+import re
 import sys
+import tarfile
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from osgeo import ogr
+from osgeo import gdal, ogr
 from pyproj import Geod
 from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.dataset import Dataset, ImageSet
+from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports import tables
-from terrainav.core.exports.croissant import CROISSANT_FILE
+from terrainav.core.exports.croissant import CROISSANT_FILE, describe_files, own_folder
 from terrainav.core.exports.kinds import export_as
-from terrainav.core.exports.stac import COLLECTION_FILE, ITEMS_FILE, write_stac
+from terrainav.core.exports.stac import COLLECTION_FILE, ITEMS_FILE, describe, write_stac
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
@@ -23,7 +30,10 @@ from terrainav.core.mission.plan import plan
 
 from tests.support.command import command
 from tests.support.datasets import write_dataset
+from tests.support.objects import s3_store
+from tests.support.shards import write_shards
 
+pyarrow = pytest.importorskip("pyarrow", reason="needs pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
 #: Across the antimeridian, where a footprint has two pieces.
 PLACES = ((35.0, 179.9999, 90.0), (35.0, 179.99, 100.0), (35.0001, 179.99, 100.5))
@@ -293,6 +303,151 @@ def test_what_cannot_be_described_is_one_line(mapped, tmp_path, monkeypatch):
         OutputError, match=r"^format stac: pyarrow cannot be imported \(.*\); get it with: pip "
     ):
         write_stac(mapped, mapped)
+
+
+@pytest.fixture
+def sharded(mapped, tmp_path):
+    """The same images in shards of 3."""
+    return write_shards(tmp_path / "out", mapped, 3)
+
+
+def opened(place: Path, mapped: Path, folder: Path) -> Dataset:
+    """Dataset at an address, or in shards, whose tables are copied to be read."""
+    sets = {}
+    for one in ("roadmap", "satellite"):
+        copy = folder / f"{one}.csv"
+        copy.write_bytes((place / one / "meta_data.csv").read_bytes())
+        sets[one] = ImageSet(one, place / one, Table.load(copy), place / one)
+    return Dataset(place, "TerrAInav", sets)
+
+
+def test_images_in_shards_are_found_in_them(mapped, sharded, tmp_path):
+    describe(opened(sharded, mapped, tmp_path))
+    write_stac(mapped, mapped)
+    found, whole = items_of(sharded), items_of(mapped)
+    assert len(found) == len(whole) == 8
+    for one, same in zip(found, whole):
+        assert faults_of("item", one) == []
+        said, known = one["properties"], same["properties"]
+        assert (one["id"], one["geometry"], one["bbox"]) == (same["id"], same["geometry"], same["bbox"])
+        assert {**known, **said} == {**said, **known}
+        assert one["assets"]["image"]["href"] == f"./{said['map_type']}/{said['shard']}"
+        assert one["assets"]["image"]["type"] == "application/x-tar"
+        tar = sharded / one["assets"]["image"]["href"]
+        start, size = said["offset_bytes"], said["size_bytes"]
+        image = (mapped / same["assets"]["image"]["href"]).read_bytes()
+        assert tar.read_bytes()[start : start + size] == image
+        # As GDAL opens a part of a file.
+        part, file = (
+            gdal.Open(name)
+            for name in (f"/vsisubfile/{start}_{size},{tar}", str(mapped / same["assets"]["image"]["href"]))
+        )
+        assert part.GetGeoTransform() == file.GetGeoTransform()
+        assert (part.ReadAsArray() == file.ReadAsArray()).all()
+
+
+def test_croissant_describes_what_lies_in_shards(mapped, sharded, tmp_path):
+    path = describe_files(opened(sharded, mapped, tmp_path))
+    told = json.loads(path.read_text(encoding="utf-8"))
+    files = {one["@id"]: one for one in told["distribution"]}
+    fields = [field for record in told["recordSet"] for field in record["field"]]
+    names = [one["@id"] for one in (*told["distribution"], *told["recordSet"], *fields)]
+    assert len({*names}) == len(names)
+    assert [one["@id"] for one in told["recordSet"]] == [
+        "roadmap",
+        "roadmap/samples",
+        "satellite",
+        "satellite/samples",
+    ]
+    for name in ("roadmap", "satellite"):
+        tars = sorted(sharded.glob(files[f"{name}/shards"]["includes"]))
+        assert tars == sorted((sharded / name).glob("*.tar"))
+        assert files[f"{name}/shards"]["encodingFormat"] == "application/x-tar"
+        members = []
+        for tar in tars:
+            with tarfile.open(tar) as opened_tar:
+                members += opened_tar.getnames()
+        inside = {}
+        for one in ("files", "json"):
+            assert files[f"{name}/{one}"]["containedIn"] == {"@id": f"{name}/shards"}
+            patterns = files[f"{name}/{one}"]["includes"]
+            inside[one] = [
+                member
+                for member in members
+                if any(
+                    fnmatch.fnmatchcase(member, pattern)
+                    for pattern in ([patterns] if one == "json" else patterns)
+                )
+            ]
+        assert sorted(inside["files"] + inside["json"]) == sorted(members)
+        samples = next(one for one in told["recordSet"] if one["@id"] == f"{name}/samples")
+        fields = {one["name"]: one for one in samples["field"]}
+        keys = [re.match(fields["key"]["source"]["transform"]["regex"], one)[1] for one in inside["files"]]
+        assert keys == [
+            re.match(fields["key"]["references"]["transform"]["regex"], one)[1] for one in inside["json"]
+        ]
+        assert len({*keys}) == 4
+        records = next(one for one in told["recordSet"] if one["@id"] == name)
+        columns = [one["source"]["extract"]["column"] for one in records["field"]]
+        with (sharded / name / "meta_data.csv").open(encoding="utf-8", newline="") as file:
+            assert columns == next(csv.reader(file))
+        kinds = {one["name"]: one["dataType"] for one in records["field"]}
+        assert kinds["shard"] == "sc:Text"
+
+
+@pytest.mark.parametrize("store", ["memory", "s3"])
+def test_datasets_in_stores_are_described_there(store, mapped, tmp_path, monkeypatch):
+    pytest.importorskip("upath", reason="needs universal_pathlib")
+    arrow = pytest.importorskip("stac_geoparquet.arrow", reason="needs stac-geoparquet")
+    with s3_store(monkeypatch) if store == "s3" else nullcontext("memory://stac") as address:
+        place = write_shards(f"{address}/{tmp_path.name}/out", mapped, 3)
+        dataset = opened(place, mapped, tmp_path)
+        assert own_folder(dataset, f"{address}/{tmp_path.name}/out/", COLLECTION_FILE) is dataset
+        with pytest.raises(InvalidInput, match="give the dataset's own"):
+            own_folder(dataset, f"{address}/{tmp_path.name}", COLLECTION_FILE)
+        written = describe(dataset)
+        assert [str(one) for one in written] == [
+            f"{address}/{tmp_path.name}/out/{name}" for name in (ITEMS_FILE, COLLECTION_FILE, CROISSANT_FILE)
+        ]
+        found = list(
+            arrow.stac_table_to_items(parquet.read_table(pyarrow.BufferReader(written[0].read_bytes())))
+        )
+        told = json.loads(written[1].read_bytes())
+        assert faults_of("collection", told) == []
+        assert told["id"] == "out"
+        if store == "s3":
+            # GDAL asks for one image's bytes alone.
+            for name, value in (
+                ("AWS_S3_ENDPOINT", os.environ["AWS_ENDPOINT_URL"].partition("://")[2]),
+                ("AWS_HTTPS", "NO"),
+                ("AWS_VIRTUAL_HOSTING", "FALSE"),
+                ("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR"),
+            ):
+                monkeypatch.setenv(name, value)
+            said = found[0]["properties"]
+            tar = f"/vsis3/{place.path}/{found[0]['assets']['image']['href'][2:]}"
+            image = gdal.Open(f"/vsisubfile/{said['offset_bytes']}_{said['size_bytes']},{tar}")
+            same = gdal.Open(str(mapped / said["map_type"] / said["img_names"]))
+            assert (image.ReadAsArray() == same.ReadAsArray()).all()
+    here = opened(write_shards(tmp_path / "out", mapped, 3), mapped, tmp_path)
+    describe(here)
+    assert found == items_of(tmp_path / "out")
+    for name, one in zip((COLLECTION_FILE, CROISSANT_FILE), (told, None)):
+        assert one is None or json.loads((tmp_path / "out" / name).read_text()) == one
+
+
+def test_a_store_that_refuses_is_one_line(mapped, tmp_path, monkeypatch):
+    with s3_store(monkeypatch) as address:
+        dataset = opened(write_shards(f"{address}/out", mapped, 3), mapped, tmp_path)
+        monkeypatch.setattr(dataset.folder.fs, "pipe_file", lambda *_, **__: refuse())
+        with pytest.raises(
+            OutputError, match=r"^s3://data/out/items\.parquet: access is refused: the credentials"
+        ):
+            describe(dataset)
+
+
+def refuse():
+    raise PermissionError("AccessDenied")
 
 
 def test_the_command(mapped, tmp_path, monkeypatch, capsys):
