@@ -5,10 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
 from ..stores import Address, folders_in, is_address, is_file, store_path
-from .table import Table
+
+if TYPE_CHECKING:
+    from .table import Table
 
 MISSION_FILE = "mission.json"
 JOURNAL_FILE = "journal.jsonl"
