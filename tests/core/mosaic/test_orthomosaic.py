@@ -23,7 +23,13 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic import bigtiff
 from terrainav.core.mosaic.frames import frames_of
-from terrainav.core.mosaic.orthomosaic import chosen, make_orthomosaic, raster_of, write_orthomosaic
+from terrainav.core.mosaic.orthomosaic import (
+    chosen,
+    make_orthomosaic,
+    orthorectify,
+    raster_of,
+    write_orthomosaic,
+)
 from terrainav.core.mosaic.raster import Raster
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.map_frame import assemble
@@ -396,6 +402,15 @@ def test_large_files_are_bigtiffs(tmp_path, monkeypatch):
         assert one.profile["tiled"]
         assert one.transform == other.transform
         assert (one.read() == other.read()).all()
+
+
+def test_one_image_on_the_map_is_no_finer_than_half_its_own_pixels(tmp_path):
+    captured(tmp_path / "set", area=Points(((35.13, -89.86, 80.0),)), image_px=80)
+    frames, _, _ = frames_of(tmp_path / "set")
+    for longest_px, wanted_m in ((2000, frames.gsd_m / 2.0), (100, frames.gsd_m * 0.8)):
+        orthorectify(frames, tmp_path / "on-map.tif", longest_px)
+        with rasterio.open(tmp_path / "on-map.tif") as file:
+            assert file.transform.a * math.cos(math.radians(35.13)) == pytest.approx(wanted_m, rel=5e-3)
 
 
 def test_images_with_the_horizon_end_where_they_look_too_flat(tmp_path):
