@@ -117,8 +117,14 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
     distributed = _distributed()
     import dask
 
-    # A block whose worker dies is ours to run again, in its turn and with its share of the provider's rate.
-    with dask.config.set({"distributed.scheduler.allowed-failures": 0}):
+    settings = {
+        # A block whose worker dies is ours to run again, in its turn and with its share of the provider's rate.
+        "distributed.scheduler.allowed-failures": 0,
+        # Dask's own has glibc give memory back after each array, which images then fault in again, page by page:
+        # half of a worker's processor time.
+        "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
+    }
+    with dask.config.set(settings):
         cluster = distributed.LocalCluster(
             n_workers=processes,
             threads_per_worker=1,

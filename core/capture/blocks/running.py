@@ -143,7 +143,7 @@ class _Run:
         self._pending: deque[tuple[str, int]] = deque()
         self._tries: dict[tuple[str, int], int] = {}
         self._under_way: dict[Future[BlockResult], tuple[str, int, Fraction]] = {}
-        self._requests = self._unique_parts = self._total = self._skipped = 0
+        self._requests = self._unique_parts = self._total = self._skipped = self._done = self._failed = 0
 
     def begin(self, *, only_failed: bool) -> None:
         """See what is there, write what tells of the whole, and put what is missing in a row."""
@@ -253,6 +253,10 @@ class _Run:
             else:
                 self._records[map_type][number] = result.record
                 self._made.add((map_type, number))
+                # Counted once: who asks for progress does so many times a second, and images may be millions.
+                failed = sum(one.status == FAILED for one in result.record.outcomes.values())
+                self._failed += failed
+                self._done += len(result.record.outcomes) - failed
                 self._requests += result.requests
                 self._unique_parts += result.unique_parts
 
@@ -279,16 +283,11 @@ class _Run:
         self._pending.appendleft(key)
 
     def _progress(self) -> Progress:
-        done = failed = 0
-        for map_type, number in self._made:
-            bad = sum(one.status == FAILED for one in self._records[map_type][number].outcomes.values())
-            failed += bad
-            done += len(self._divided[number]) - bad
         map_type = self._pending[0][0] if self._pending else self._map_types[-1]
         return Progress(
             self._total,
-            done,
-            failed,
+            self._done,
+            self._failed,
             self._skipped,
             self._requests,
             map_type,

@@ -275,12 +275,23 @@ def marched(pose, camera, side, heights):
     ways = (view + tan_x * x[..., None] * right + tan_y * y[..., None] * up).reshape(-1, 3)
     ways = ways / np.linalg.norm(ways, axis=1, keepdims=True) @ axes
     to_utm = Transformer.from_crs(4978, 32616)
-    along, rest = np.zeros(len(ways)), np.arange(len(ways))
+    met, rest, begin_m = np.zeros((3, len(ways))), np.arange(len(ways)), 0.0
+    begin = np.array(to_utm.transform(*np.broadcast_to(origin, ways.shape).T))
     while len(rest):
-        east, north, above = to_utm.transform(*(origin + along[rest, None] * ways[rest]).T)
-        rest = rest[above > heights_at(heights, east, north)]
-        along[rest] += 0.1
-    east, north, _ = to_utm.transform(*(origin + along[:, None] * ways).T)
+        # Ten metres are straight in UTM, too, within micrometres.
+        begin_m += 10.0
+        end = np.array(to_utm.transform(*(origin + begin_m * ways[rest]).T))
+        clear = np.minimum(begin[2], end[2]) > heights.max()
+        for share in np.arange(100) / 100.0:
+            low = np.flatnonzero(~clear)
+            east, north, above = at = begin[:, low] + share * (end - begin)[:, low]
+            down = above <= heights_at(heights, east, north)
+            met[:, rest[low[down]]] = at[:, down]
+            rest, clear, begin, end = (
+                np.delete(part, low[down], axis=-1) for part in (rest, clear, begin, end)
+            )
+        begin = end
+    east, north, _ = met
     known = (np.abs(east - 239020.0) <= 119.0) & (np.abs(north - 3891000.0) <= 119.0)
     return Transformer.from_crs(32616, 3857).transform(east[known], north[known])
 

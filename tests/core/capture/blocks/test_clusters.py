@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import sys
 from contextlib import suppress
 
 import pytest
-
-pytest.importorskip("distributed", reason="needs Dask's distributed")
-
 from terrainav.core.capture.blocks.engines import open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
@@ -24,6 +23,7 @@ from tests.support.command import command
 from tests.support.objects import SECRET, s3_store
 from tests.support.sources import NamedPattern
 
+pytest.importorskip("distributed", reason="needs Dask's distributed")
 MISSION = Mission(Box(35.16, -89.90, 35.1555, -89.892), 120.0, zoom=18, overlap_along=0.4)
 PATTERN = NamedPattern()
 PLAN = plan(MISSION, PATTERN.grid)
@@ -101,6 +101,9 @@ def test_the_command_captures_on_a_cluster_into_a_store(bucket, tmp_path, monkey
     assert "cluster of 1 workers" in done.stderr
     assert f"dataset in {bucket}/command" in done.stdout
     assert get(store_path(f"{bucket}/command/satellite/meta_data.csv")).count(b"done") > 3
+    pq = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
+    described = pq.read_table(io.BytesIO(get(store_path(f"{bucket}/command/items.parquet"))))
+    assert described.num_rows == len(read_dataset(f"{bucket}/command").image_set("satellite"))
     again = run(*asked, "--data-dir", f"{bucket}/command", "--block", "4")
     assert (again.returncode, again.stdout) == (3, "")
     assert "already holds this mission; resume it (--resume)" in again.stderr
