@@ -1,8 +1,8 @@
 """List prices of two clouds, and what img2dataset says of itself: plain values, each with its source and its date.
 
 They were looked up in stored copies of public pages on 2026-11-24; neither cloud was asked. ``stated`` is the date that
-the source gives itself; where it gives none, the figure may be older than the copy. Prices are in US dollars, on demand,
-without taxes, free allowances, or discounts for long use. A figure that no source has is left out.
+the source gives itself; where it gives none, the figure may be older than the copy. Prices are in US dollars, on demand
+and without taxes, free allowances or discounts for long use. A figure that no source has is left out.
 """
 
 from __future__ import annotations
@@ -157,7 +157,8 @@ IMG2DATASET: tuple[Rate, ...] = (
         10_000.0,
         10,
         16,
-        "LAION-5B on c6i.4xlarge by Spark: 'each instance downloads at around 1000 sample/s'; a week, 220 TB",
+        "LAION-5B by Spark on c6i.4xlarge, 220 TB in a week; ten times 'each instance downloads at around "
+        "1000 sample/s'",
         f"{_IMG2DATASET}/blob/7466e9e1c96d9664ad0bb6dc8b476f853e74afe3/dataset_examples/laion5B.md",
     ),
 )
