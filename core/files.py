@@ -81,7 +81,9 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
 
 
 def new_folder(folder: str | os.PathLike[str]) -> Path:
-    """Make a folder; raises OutputError where it cannot be made, or is not empty."""
+    """Make a folder of this machine; raises OutputError where it cannot be made, or is not empty."""
+    if is_address(folder):
+        raise OutputError("folder {0}: must be one of this machine", folder)
     path = Path(folder)
     make_folder(path)
     if any(path.iterdir()):

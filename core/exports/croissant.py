@@ -14,7 +14,7 @@ from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, write_whole
-from ..stores import Address, is_address
+from ..stores import Address
 from .huggingface import credit_of
 from .tables import chosen_sets, is_same, reading, relative_folder
 
@@ -71,8 +71,8 @@ _MEDIA = {
     ".jpeg": "image/jpeg",
 }
 _BLOCK_BYTES = 1 << 20
-#: Column of images in tars, as WebDataset has them: the tar. Its members have keys of nine digits and endings.
-SHARD, TAR = "shard", "application/x-tar"
+#: Tars of images, as WebDataset has them: their members have keys of nine digits, and endings.
+TAR = "application/x-tar"
 _KEYS, _KEY = "[0-9]" * 9, r"^(\d{9})\."
 
 
@@ -131,7 +131,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
         headers, sha256 = _headers_and_sum(images.folder / TABLE_FILE)
         files += _files(dataset, name, images, sha256)
         records.append(_records(name, images, headers))
-        records += [_samples(name)] if is_sharded(images) else []
+        records += [_samples(name)] if images.shards else []
     description = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
@@ -166,8 +166,8 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
         "name": f"images of {name}",
         "encodingFormat": [*endings.values()],
     }
-    if not is_sharded(images):
-        pictures = relative_folder(dataset, folder_of(images))
+    if not images.shards:
+        pictures = relative_folder(dataset, images.files or images.folder)
         return [table, {**files, "includes": [(pictures / f"*{one}").as_posix() for one in endings]}]
     shards = {
         "@type": "cr:FileSet",
@@ -191,16 +191,6 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
         {**files, **inside, "includes": [f"{_KEYS}{one}" for one in endings]},
         {**rows, **inside},
     ]
-
-
-def folder_of(images: ImageSet) -> Path:
-    """Where images that are files lie; in a store beside the table."""
-    return images.folder if is_address(images.folder) else images.image_folder
-
-
-def is_sharded(images: ImageSet) -> bool:
-    """Whether images lie in tars, where the table says."""
-    return SHARD in {*images.table.written.values(), *images.table.other}
 
 
 def _samples(name: str) -> dict[str, Any]:
@@ -229,7 +219,7 @@ def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
     first, *columns = (one for one in columns_of(images.table) if one.header in headers)
     of_table = {"fileObject": table, "extract": {"column": first.header}}
     fields = [{**_field(name, "file", "sc:Text"), "source": of_table}]
-    if not is_sharded(images):
+    if not images.shards:
         of_files = {"fileSet": files, "extract": {"fileProperty": "filename"}}
         fields = [
             {**fields[0], "source": of_files, "references": of_table},

@@ -20,9 +20,8 @@ from ..files import json_bytes, write_whole
 from ..geodesy.camera import image_axes
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.mission import Mission
-from ..safe_json import decoded
-from ..stores import Address, get, is_address
-from .croissant import DESCRIPTION, SHARD, TAR, describe_files, folder_of, media_of, name_of, own_folder
+from ..stores import Address, is_file
+from .croissant import DESCRIPTION, TAR, describe_files, media_of, name_of, own_folder
 from .huggingface import credit_of
 from .tables import (
     GEOMETRY,
@@ -52,8 +51,6 @@ _MERCATOR = "EPSG:3857"
 _CODE = re.compile(r"[A-Z]+:[0-9A-Za-z_.]+")
 #: Columns of the table that say nothing of an image that is there.
 _LEFT_OUT = ("status", "reason")
-#: Columns of images in shards: where in one the image's own data lie.
-_RANGE = ("offset_bytes", "size_bytes")
 #: Columns that every item has, and the image among its assets.
 _OF_ITEMS = (
     "type",
@@ -170,11 +167,9 @@ class _Items:
         if "time_utc" in columns:
             # As text: programs that know items' times by name hand on others as they are, which JSON has no type for.
             columns["time_utc"] = Column("time_utc", TEXT, table.time_utc)
-        shards = columns.get(SHARD)
-        if shards is not None:
-            columns.update({header: _whole(columns[header]) for header in _RANGE})
+        if images.shards:
             folder = _href(relative_folder(dataset, images.folder))
-            hrefs, media = [f"{folder}{shard}" for shard in shards.values], TAR
+            hrefs, media = [f"{folder}{shard}" for shard in table.shard], TAR
         else:
             hrefs, media = _files(dataset, images), media_of(next(iter(table.img_names), ""))
         places = np.full(len(rows), -1) if shown is None else shown.places(table.img_names)[rows]
@@ -182,7 +177,7 @@ class _Items:
         bounds = np.stack([lon, table.lat_deg[rows]] * 2, axis=-1)
         if shown is not None:
             bounds[places >= 0] = shown.bounds[places[places >= 0]]
-        columns.update(_properties(images, is_camera=_is_camera(dataset, images, rows, shards)))
+        columns.update(_properties(images, is_camera=_is_camera(dataset, images, rows)))
         held = {header: one for header, one in columns.items() if _holds_any(one, rows)}
         start, end = (times[rows] for times in _times(table.imagery_date))
         return cls(name, images, rows, held, hrefs, media, bounds, shown, places, start, end)
@@ -241,10 +236,10 @@ class _Items:
 
 def _files(dataset: Dataset, images: ImageSet) -> list[str]:
     """Files of a map type's images, seen from the dataset's folder."""
-    folder, names = _href(relative_folder(dataset, folder_of(images))), images.table.img_names
+    folder, names = _href(relative_folder(dataset, images.files or images.folder)), images.table.img_names
     hrefs = [folder + name for name in names]
     # Cleaning moves files of folders alone.
-    marks = () if is_address(images.folder) else images.table.other.get(REJECTED, ())
+    marks = () if images.files is None else images.table.other.get(REJECTED, ())
     for row in (row for row, mark in enumerate(marks) if mark):
         hrefs[row] = _href(relative_folder(dataset, images.path(row).parent)) + names[row]
     return hrefs
@@ -255,32 +250,20 @@ def _href(folder: Path) -> str:
     return "./" if path in ("", ".") else f"./{path}/"
 
 
-def _is_camera(
-    dataset: Dataset, images: ImageSet, rows: NDArray[np.intp], shards: Column | None
-) -> bool | None:
-    """Whether images are camera frames; None where nothing tells."""
+def _is_camera(dataset: Dataset, images: ImageSet, rows: NDArray[np.intp]) -> bool | None:
+    """Whether images are camera frames; None for those of others, whose windows the table does not know."""
     if not len(rows) or not np.isfinite(images.table.left_px[rows]).all():
         return None
-    # What lies in shards and stores is not opened.
-    if shards is not None or is_address(images.folder):
-        return None
     return of_camera(images, rows, dataset.folder)
-
-
-def _whole(column: Column) -> Column:
-    """Column of whole numbers, which a table may have as texts; NaN for what is not known."""
-    if not isinstance(column.values, tuple):
-        return column._replace(kind=WHOLE)
-    return Column(column.header, WHOLE, np.array([float(cell or "nan") for cell in column.values]))
 
 
 def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column]:
     """Properties that STAC knows and that follow from a table: (n,) for all of its rows."""
     table = images.table
     found = {}
-    mission = get(images.folder.parent / MISSION_FILE)
-    if mission is not None:
-        across = 2.0 * Mission.from_json(decoded(mission)).camera.half_tangents[0]
+    path = images.folder.parent / MISSION_FILE
+    if is_file(path):
+        across = 2.0 * Mission.load(path).camera.half_tangents[0]
         found[_GSD] = table.agl_m * across / table.image_width_px
     if is_camera:
         *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)

@@ -21,7 +21,7 @@ from ..dataset.table import NUMBER, TEXT, TIME, Column, columns_of
 from ..errors import InvalidInput, OutputError
 from ..files import make_folder, new_folder, write_whole
 from ..safe_json import parse_json
-from ..stores import Address, is_address, sizes_in, store_errors, store_path
+from ..stores import Address, is_address, is_file, store_errors, store_path
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -242,7 +242,7 @@ class Footprints(NamedTuple):
             A store that refuses.
         """
         path = folder / FOOTPRINTS_FILE
-        if FOOTPRINTS_FILE not in sizes_in(folder):
+        if not is_file(path):
             return None
         place_of: dict[str, int] = {}
         data, ends, kinds, bounds = bytearray(), array("q", [0]), bytearray(), array("d")

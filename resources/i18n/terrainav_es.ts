@@ -7352,6 +7352,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/stored.py"/>
         <source>image {0}: is not there</source>
         <translation>imagen {0}: no está</translation>
     </message>
@@ -8051,6 +8052,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>folder {0}: is not empty</source>
         <translation>carpeta {0}: no está vacía</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: must be one of this machine</source>
+        <translation>carpeta {0}: debe ser una de este equipo</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>

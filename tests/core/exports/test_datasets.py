@@ -111,6 +111,8 @@ def test_tables_of_others_go_without_footprints(dataset, tmp_path):
     assert table["entropies"].to_pylist()[-2:] == [5.0, None]
     with pytest.raises(OutputError, match="is not empty; choose another folder"):
         write_parquet(dataset, tmp_path / "tables")
+    with pytest.raises(OutputError, match=r"^folder memory://tables: must be one of this machine$"):
+        write_parquet(dataset, "memory://tables")
 
 
 def test_hugging_face_gets_the_images_of_each_part_with_their_rows(dataset, tmp_path):

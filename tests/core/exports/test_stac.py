@@ -15,29 +15,33 @@ from pathlib import Path
 import pytest
 from osgeo import gdal, ogr
 from pyproj import Geod
+from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
-from terrainav.core.dataset.dataset import Dataset, ImageSet
-from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports import tables
-from terrainav.core.exports.croissant import CROISSANT_FILE, describe_files, own_folder
+from terrainav.core.exports.croissant import CROISSANT_FILE, write_croissant
 from terrainav.core.exports.kinds import export_as
-from terrainav.core.exports.stac import COLLECTION_FILE, ITEMS_FILE, describe, write_stac
-from terrainav.core.imagery.opening import open_source
+from terrainav.core.exports.stac import COLLECTION_FILE, ITEMS_FILE, write_stac
+from terrainav.core.imagery.opening import named_source, open_source
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.stores import store_path
 
 from tests.support.command import command
 from tests.support.datasets import write_dataset
 from tests.support.objects import s3_store
-from tests.support.shards import write_shards
 
 pyarrow = pytest.importorskip("pyarrow", reason="needs pyarrow")
 parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
 #: Across the antimeridian, where a footprint has two pieces.
 PLACES = ((35.0, 179.9999, 90.0), (35.0, 179.99, 100.0), (35.0001, 179.99, 100.5))
 YAWS = (10.0, 20.0, -170.0)
+MAPPED = Mission(
+    Box(35.16, -89.9, 35.1584, -89.8978), 100.0, image_px=64, max_px=64, map_types=("satellite", "roadmap")
+)
+#: Columns that images in shards have beside those of others.
+IN_SHARDS = {"shard", "offset_bytes", "size_bytes"}
 
 
 @pytest.fixture(scope="module")
@@ -51,14 +55,7 @@ def flown(tmp_path_factory):
 @pytest.fixture(scope="module")
 def mapped(tmp_path_factory):
     """Map frames of two map types, 4 of each."""
-    asked = Mission(
-        Box(35.16, -89.9, 35.1584, -89.8978),
-        100.0,
-        image_px=64,
-        max_px=64,
-        map_types=("satellite", "roadmap"),
-    )
-    return captured(tmp_path_factory.mktemp("mapped") / "out", asked)
+    return captured(tmp_path_factory.mktemp("mapped") / "out", MAPPED)
 
 
 def captured(folder: Path, asked: Mission) -> Path:
@@ -305,24 +302,22 @@ def test_what_cannot_be_described_is_one_line(mapped, tmp_path, monkeypatch):
         write_stac(mapped, mapped)
 
 
-@pytest.fixture
-def sharded(mapped, tmp_path):
+@pytest.fixture(scope="module")
+def sharded(tmp_path_factory):
     """The same images in shards of 3."""
-    return write_shards(tmp_path / "out", mapped, 3)
+    return in_shards(tmp_path_factory.mktemp("sharded") / "out")
 
 
-def opened(place: Path, mapped: Path, folder: Path) -> Dataset:
-    """Dataset at an address, or in shards, whose tables are copied to be read."""
-    sets = {}
-    for one in ("roadmap", "satellite"):
-        copy = folder / f"{one}.csv"
-        copy.write_bytes((place / one / "meta_data.csv").read_bytes())
-        sets[one] = ImageSet(one, place / one, Table.load(copy), place / one)
-    return Dataset(place, "TerrAInav", sets)
+def in_shards(place: Path | str) -> Path:
+    """Capture the map frames in blocks of 3 images, each a shard."""
+    source = open_source("world")
+    blocks = Blocks(3, "webdataset")
+    assert not capture(plan(MAPPED, source.grid), named_source("world"), place, blocks=blocks).failed
+    return store_path(place)
 
 
-def test_images_in_shards_are_found_in_them(mapped, sharded, tmp_path):
-    describe(opened(sharded, mapped, tmp_path))
+def test_images_in_shards_are_found_in_them(mapped, sharded):
+    write_stac(sharded, sharded)
     write_stac(mapped, mapped)
     found, whole = items_of(sharded), items_of(mapped)
     assert len(found) == len(whole) == 8
@@ -330,7 +325,8 @@ def test_images_in_shards_are_found_in_them(mapped, sharded, tmp_path):
         assert faults_of("item", one) == []
         said, known = one["properties"], same["properties"]
         assert (one["id"], one["geometry"], one["bbox"]) == (same["id"], same["geometry"], same["bbox"])
-        assert {**known, **said} == {**said, **known}
+        assert {name: value for name, value in said.items() if name not in IN_SHARDS} == known
+        assert said.keys() == known.keys() | IN_SHARDS
         assert one["assets"]["image"]["href"] == f"./{said['map_type']}/{said['shard']}"
         assert one["assets"]["image"]["type"] == "application/x-tar"
         tar = sharded / one["assets"]["image"]["href"]
@@ -346,8 +342,8 @@ def test_images_in_shards_are_found_in_them(mapped, sharded, tmp_path):
         assert (part.ReadAsArray() == file.ReadAsArray()).all()
 
 
-def test_croissant_describes_what_lies_in_shards(mapped, sharded, tmp_path):
-    path = describe_files(opened(sharded, mapped, tmp_path))
+def test_croissant_describes_what_lies_in_shards(sharded):
+    (path,) = write_croissant(sharded, sharded)
     told = json.loads(path.read_text(encoding="utf-8"))
     files = {one["@id"]: one for one in told["distribution"]}
     fields = [field for record in told["recordSet"] for field in record["field"]]
@@ -365,8 +361,8 @@ def test_croissant_describes_what_lies_in_shards(mapped, sharded, tmp_path):
         assert files[f"{name}/shards"]["encodingFormat"] == "application/x-tar"
         members = []
         for tar in tars:
-            with tarfile.open(tar) as opened_tar:
-                members += opened_tar.getnames()
+            with tarfile.open(tar) as opened:
+                members += opened.getnames()
         inside = {}
         for one in ("files", "json"):
             assert files[f"{name}/{one}"]["containedIn"] == {"@id": f"{name}/shards"}
@@ -396,25 +392,21 @@ def test_croissant_describes_what_lies_in_shards(mapped, sharded, tmp_path):
 
 
 @pytest.mark.parametrize("store", ["memory", "s3"])
-def test_datasets_in_stores_are_described_there(store, mapped, tmp_path, monkeypatch):
+def test_datasets_in_stores_are_described_there(store, mapped, sharded, tmp_path, monkeypatch):
     pytest.importorskip("upath", reason="needs universal_pathlib")
     arrow = pytest.importorskip("stac_geoparquet.arrow", reason="needs stac-geoparquet")
     with s3_store(monkeypatch) if store == "s3" else nullcontext("memory://stac") as address:
-        place = write_shards(f"{address}/{tmp_path.name}/out", mapped, 3)
-        dataset = opened(place, mapped, tmp_path)
-        assert own_folder(dataset, f"{address}/{tmp_path.name}/out/", COLLECTION_FILE) is dataset
-        with pytest.raises(InvalidInput, match="give the dataset's own"):
-            own_folder(dataset, f"{address}/{tmp_path.name}", COLLECTION_FILE)
-        written = describe(dataset)
+        where = f"{address}/{tmp_path.name}/out"
+        place = in_shards(where)
+        written = export_as(where, None, "stac").paths
         assert [str(one) for one in written] == [
-            f"{address}/{tmp_path.name}/out/{name}" for name in (ITEMS_FILE, COLLECTION_FILE, CROISSANT_FILE)
+            f"{where}/{name}" for name in (ITEMS_FILE, COLLECTION_FILE, CROISSANT_FILE)
         ]
-        found = list(
-            arrow.stac_table_to_items(parquet.read_table(pyarrow.BufferReader(written[0].read_bytes())))
-        )
-        told = json.loads(written[1].read_bytes())
-        assert faults_of("collection", told) == []
-        assert told["id"] == "out"
+        texts = [one.read_bytes() for one in written]
+        found = list(arrow.stac_table_to_items(parquet.read_table(pyarrow.BufferReader(texts[0]))))
+        with pytest.raises(InvalidInput, match="give the dataset's own"):
+            write_stac(where, f"{address}/{tmp_path.name}")
+        assert write_stac(f"{where}/", where) == [*written]
         if store == "s3":
             # GDAL asks for one image's bytes alone.
             for name, value in (
@@ -429,25 +421,34 @@ def test_datasets_in_stores_are_described_there(store, mapped, tmp_path, monkeyp
             image = gdal.Open(f"/vsisubfile/{said['offset_bytes']}_{said['size_bytes']},{tar}")
             same = gdal.Open(str(mapped / said["map_type"] / said["img_names"]))
             assert (image.ReadAsArray() == same.ReadAsArray()).all()
-    here = opened(write_shards(tmp_path / "out", mapped, 3), mapped, tmp_path)
-    describe(here)
-    assert found == items_of(tmp_path / "out")
-    for name, one in zip((COLLECTION_FILE, CROISSANT_FILE), (told, None)):
-        assert one is None or json.loads((tmp_path / "out" / name).read_text()) == one
+    # Byte for byte what it is in a folder.
+    write_stac(sharded, sharded)
+    assert texts == [(sharded / one.name).read_bytes() for one in written]
 
 
-def test_a_store_that_refuses_is_one_line(mapped, tmp_path, monkeypatch):
+def test_images_in_stores_that_are_in_no_shards_are_objects(mapped, tmp_path):
+    pytest.importorskip("upath", reason="needs universal_pathlib")
+    place = store_path(f"memory://stac/{tmp_path.name}/out")
+    for one in mapped.rglob("*"):
+        if one.is_file():
+            (place / one.relative_to(mapped).as_posix()).write_bytes(one.read_bytes())
+    written = write_stac(place, place)
+    assert [one.read_bytes() for one in written] == [one.read_bytes() for one in write_stac(mapped, mapped)]
+
+
+def test_a_store_that_refuses_is_one_line(monkeypatch):
+    def refuse(*_, **__):
+        raise PermissionError("AccessDenied")
+
     with s3_store(monkeypatch) as address:
-        dataset = opened(write_shards(f"{address}/out", mapped, 3), mapped, tmp_path)
-        monkeypatch.setattr(dataset.folder.fs, "pipe_file", lambda *_, **__: refuse())
+        place = in_shards(f"{address}/out")
+        monkeypatch.setattr(place.fs, "pipe_file", refuse)
         with pytest.raises(
             OutputError, match=r"^s3://data/out/items\.parquet: access is refused: the credentials"
         ):
-            describe(dataset)
-
-
-def refuse():
-    raise PermissionError("AccessDenied")
+            write_stac(place, place)
+    with pytest.raises(OutputError, match=r"^memory://stac/nothing: is not there"):
+        write_stac("memory://stac/nothing", "memory://stac/nothing")
 
 
 def test_the_command(mapped, tmp_path, monkeypatch, capsys):
