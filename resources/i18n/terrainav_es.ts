@@ -7282,7 +7282,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
-        <source>workers: have gone ({0})</source>
+        <source>workers: went away ({0})</source>
         <translation>procesos de trabajo: han desaparecido ({0})</translation>
     </message>
     <message>

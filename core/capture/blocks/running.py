@@ -383,7 +383,7 @@ def _died(wrong: BaseException) -> Message:
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    return OutputError("workers: have gone ({0})", str(wrong)[:120])
+    return OutputError("workers: went away ({0})", str(wrong)[:120])
 
 
 def _write_plan(plan: Plan, path: Path) -> None:
