@@ -60,7 +60,9 @@ def found_copy(source: str) -> str:
     file, bar, options = source.replace("\\", "/").partition("|")
     path = _copies().joinpath(*PurePosixPath(file.rpartition(f"{COPIES}/")[2]).parts)
     # Projects come from elsewhere: nothing is written outside.
-    if ".." not in path.parts and path.name == FOOTPRINTS_FILE and not path.exists():
+    if _copies() not in path.parents or ".." in path.parts:
+        return source
+    if path.name == FOOTPRINTS_FILE and not path.exists():
         try:
             _make_folder(path.parent)
             write_whole(path, _NONE_YET)

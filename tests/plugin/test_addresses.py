@@ -16,7 +16,7 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.remote import geoparquet
 from terrainav.terrainav_plugin.remote.address import Address
-from terrainav.terrainav_plugin.remote.copies import address_of, copy_of
+from terrainav.terrainav_plugin.remote.copies import address_of, copy_of, found_copy
 
 from tests.plugin.test_project import choose_in_menu
 from tests.plugin.test_viewer import pixel_of, pixels
@@ -447,3 +447,21 @@ def test_a_table_of_all_images_that_cannot_be_read_is_done_without(desk, server,
     assert open_address(desk, address) == ""
     assert captured(desk).featureCount() == 20
     assert not desk.messages()
+
+
+@pytest.mark.parametrize("inside", ["/{outside}/", "../../../{outside}/", "a/../../../{outside}/", ""])
+def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside):
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    rest = inside.format(outside=str(outside).lstrip("/"))
+    source = f"/home/other/TerrAInav/addresses/{rest}footprints.geojson"
+    found = found_copy(source)
+    assert not list(outside.iterdir())
+    if inside:
+        assert found == source
+    # A project of another profile leads to this one's copy, with its options.
+    ours = found_copy("../x/TerrAInav/addresses/0123/run/footprints.geojson|layername=footprints")
+    assert (
+        ours
+        == f"{copy_of(Address('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"
+    )
