@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from .errors import InvalidInput, OutputError
-from .stores import is_address, put, store_path
+from .stores import get_range, is_address, put, store_path
 
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
@@ -34,12 +34,22 @@ if sys.platform == "win32":
         os.lseek(file, _LOCKED_BYTE, os.SEEK_SET)
         msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
 
+    def _unlock(file: int) -> None:
+        os.lseek(file, _LOCKED_BYTE, os.SEEK_SET)
+        with contextlib.suppress(OSError):
+            msvcrt.locking(file, msvcrt.LK_UNLCK, 1)
+
 else:
     import fcntl
 
     def _lock(file: int) -> None:
         # flock and not lockf, whose locks do not keep two captures of one process apart.
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+    def _unlock(file: int) -> None:
+        # Said, as processes that were forked meanwhile have the file open, too.
+        with contextlib.suppress(OSError):
+            fcntl.flock(file, fcntl.LOCK_UN)
 
 
 def is_there(path: str | os.PathLike[str]) -> bool:
@@ -71,7 +81,9 @@ def make_folder(folder: str | os.PathLike[str]) -> None:
 
 
 def new_folder(folder: str | os.PathLike[str]) -> Path:
-    """Make a folder; raises OutputError where it cannot be made, or is not empty."""
+    """Make a folder of this machine; raises OutputError where it cannot be made, or is not empty."""
+    if is_address(folder):
+        raise OutputError("folder {0}: must be one of this machine", folder)
     path = Path(folder)
     make_folder(path)
     if any(path.iterdir()):
@@ -115,10 +127,13 @@ def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:
     InvalidInput
         Longer than that; says so in a few words, to be put into a message of what was read.
     OSError
-        Where it cannot be read.
+        Where it cannot be read; an OutputError of an object.
     """
-    with Path(path).open("rb") as file:
-        data = file.read(most_bytes + 1)
+    if is_address(path):
+        data = get_range(store_path(path), 0, most_bytes + 1)
+    else:
+        with Path(path).open("rb") as file:
+            data = file.read(most_bytes + 1)
     if len(data) > most_bytes:
         raise InvalidInput("larger than {0:,.0f} MB", most_bytes / 1000000.0)
     return data
@@ -261,14 +276,37 @@ def open_locked(path: Path) -> IO[bytes]:
         raise OutputError(
             "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
         ) from wrong
+    if not _is_locked_by(file):
+        file.close()
+        raise OutputError(
+            "folder {0}: another run is at work in it",
+            path.parent,
+            remedy="wait until it has ended or choose another folder",
+        )
+    return file
+
+
+@contextlib.contextmanager
+def lock_tried(path: Path) -> Iterator[bool]:
+    """Hold a file's lock, unless another thread or process has it; whether it is held here.
+
+    Raises
+    ------
+    OSError
+        Where there can be no such file.
+    """
+    with open_own(path, "ab", buffering=0) as file:
+        held = _is_locked_by(file)
+        try:
+            yield held
+        finally:
+            if held:
+                _unlock(file.fileno())
+
+
+def _is_locked_by(file: IO[bytes]) -> bool:
     try:
         _lock(file.fileno())
     except OSError as wrong:
-        if wrong.errno in _HELD:
-            file.close()
-            raise OutputError(
-                "folder {0}: another run is at work in it",
-                path.parent,
-                remedy="wait until it has ended or choose another folder",
-            ) from wrong
-    return file
+        return wrong.errno not in _HELD
+    return True

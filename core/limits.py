@@ -26,6 +26,12 @@ MAX_LATE_PARTS = 5
 MAX_TEXT_CHARACTERS = 16384
 #: Those of it that are shown, in one line.
 MAX_LINE_CHARACTERS = 300
+#: Largest answer for which a file at an address is read from a server that sends whole files only; it is in memory.
+MAX_WHOLE_ANSWER_BYTES = 1 << 30
+#: Longest file that is copied from an address: footprints and tables of ten million images take some GB.
+MAX_FETCHED_FILE_BYTES = 16 << 30
+#: Longest file of one image that is fetched to be looked at; it is in memory.
+MAX_FETCHED_IMAGE_BYTES = 512 << 20
 
 
 # --- Pictures

@@ -7,13 +7,15 @@ all.
 
 from __future__ import annotations
 
+import errno
 import importlib
+import io
 import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Union
+from typing import IO, Any, Union
 
 from .errors import InvalidInput, Message, OutputError
 
@@ -130,6 +132,24 @@ def get(path: Path) -> bytes | None:
             return None
 
 
+def opened(path: Path, buffering: int = -1) -> IO[bytes]:
+    """File of this machine, or an object, which is taken into memory, to be read.
+
+    Raises
+    ------
+    OSError
+        A file that cannot be opened, or no such object.
+    OutputError
+        A store that cannot be asked.
+    """
+    if not is_address(path):
+        return path.open("rb", buffering=buffering)
+    data = get(path)
+    if data is None:
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+    return io.BytesIO(data)
+
+
 def get_range(path: Path, start: int, length: int) -> bytes:
     """Part of an object.
 
@@ -166,6 +186,41 @@ def sizes_in(folder: Path) -> dict[str, int]:
         except FileNotFoundError:
             return {}
         return {one["name"].rpartition("/")[2]: int(one["size"]) for one in found if one["type"] == "file"}
+
+
+def folders_in(folder: Path) -> list[Path]:
+    """Folders right inside a folder, by name: a store's names have slashes where those of others have folders.
+
+    Raises
+    ------
+    OutputError
+        Also where there is nothing at all.
+    """
+    with store_errors(folder):
+        store = _of_store(folder)
+        store.invalidate_cache()
+        found = store.ls(_key(folder), detail=True)
+        names = sorted(one["name"].rstrip("/").rpartition("/")[2] for one in found if one["type"] != "file")
+    return [folder / name for name in names]
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file of this machine, or such an object.
+
+    Raises
+    ------
+    OutputError
+        Where a store does not say.
+    """
+    if not is_address(path):
+        return path.is_file()
+    with store_errors(path):
+        store = _of_store(path)
+        store.invalidate_cache()
+        try:
+            return bool(store.info(_key(path))["type"] == "file")
+        except FileNotFoundError:
+            return False
 
 
 def remove(path: Path) -> None:
@@ -227,7 +282,11 @@ def _root(path: Path) -> str:
 
 
 def _of_store(path: Any) -> Any:
-    return path.fs
+    store = path.fs
+    if getattr(store, "_pid", os.getpid()) == os.getpid():
+        return store
+    # What asks a store is of one process; those that were forked from it make their own.
+    return type(store)(**path.storage_options)
 
 
 def _key(path: Any) -> str:

@@ -10,6 +10,8 @@ from pathlib import Path
 from qgis.PyQt.QtCore import QUrl
 from qgis.PyQt.QtGui import QDesktopServices, QIcon
 
+#: Folder of the user's profile with what was copied of datasets at addresses.
+COPIES = "TerrAInav/addresses"
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
 

@@ -6,7 +6,7 @@ import importlib
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from qgis.core import QgsApplication, QgsProject
+from qgis.core import QgsApplication, QgsPathResolver, QgsProject
 from qgis.gui import QgisInterface, QgsOptionsWidgetFactory
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QMenu, QWidget
@@ -15,7 +15,7 @@ from .compat import QAction
 from .i18n import install_translator, remove_translator, tr
 from .messages import LogPanelHandler, Messages
 from .packages import NEEDED
-from .paths import icon
+from .paths import COPIES, icon
 
 if TYPE_CHECKING:
     from qgis.PyQt.QtCore import QTranslator
@@ -49,6 +49,7 @@ class TerrAInavPlugin:
         self._session: Session | None = None
         self._provider: Provider | None = None
         self._processing_soon: QTimer | None = None
+        self._path_finder = ""
 
     def initProcessing(self) -> None:
         """Add the provider of algorithms; QGIS itself calls this where it has no windows (``qgis_process``)."""
@@ -93,6 +94,8 @@ class TerrAInavPlugin:
         self._add("help", tr("&Help"), self._show_help, in_toolbar=False)
         self._options = OptionsFactory(self._settings_changed)
         self.iface.registerOptionsWidgetFactory(self._options)
+        # QGIS looks for a layer's file before it tells anybody of the project.
+        self._path_finder = QgsPathResolver.setPathPreprocessor(_found)
         self.iface.projectRead.connect(self._project_read)
         self.iface.newProjectCreated.connect(self._project_begun)
         # QGIS need not wait for it while it starts: nothing is run before there is a window.
@@ -123,6 +126,7 @@ class TerrAInavPlugin:
     def _remove_from_window(self) -> None:
         from .help import close_help
 
+        QgsPathResolver.removePathPreprocessor(self._path_finder)
         self.iface.projectRead.disconnect(self._project_read)
         self.iface.newProjectCreated.disconnect(self._project_begun)
         self.iface.unregisterOptionsWidgetFactory(self._options)
@@ -279,6 +283,15 @@ class OptionsFactory(QgsOptionsWidgetFactory):
         page = OptionsPage(parent, self._applied)
         page.setObjectName(PAGE)
         return page
+
+
+def _found(source: str) -> str:
+    """Where a file of a project is, of a dataset that was copied from an address; any other as it is."""
+    if COPIES not in source.replace("\\", "/"):
+        return source
+    from .remote.copies import found_copy
+
+    return found_copy(source)
 
 
 def _importable(module: str) -> bool:

@@ -39,6 +39,7 @@ from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
+from .remote.copies import why_unchangeable
 from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
@@ -335,8 +336,9 @@ class Session(QObject):
     # --- smaller reactions
 
     def _datasets(self) -> list[Path]:
-        """Folders of the datasets captured last, and of the mission in the panel."""
-        return [*reversed(self.runs.folders), folder_of(self.state().folder)]
+        """Folders of the datasets captured last, and of the mission in the panel, unless it can only be looked at."""
+        in_panel = folder_of(self.state().folder)
+        return [*reversed(self.runs.folders), *([] if why_unchangeable(in_panel) else [in_panel])]
 
     def _capture_into(self, folder: Path) -> None:
         self.missions.restore_dataset(folder_of(self.state().folder))

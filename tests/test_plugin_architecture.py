@@ -20,7 +20,7 @@ SOURCES = {"planner", "sources"}
 FLOORS = (
     {"base"},
     {"form", "map", "network"},
-    {"dataset", "qgis_source"},
+    {"dataset", "qgis_source", "remote"},
     {"sources"},
     {"area", "preview", "capture", "results", "missions", "dataset_window"},
     {"panel", "processing"},
@@ -33,10 +33,11 @@ NARROW = {
     "network": {"base"},
     "dataset": {"base", "map"},
     "qgis_source": {"base", "map", "network"},
+    "remote": {"base", "network"},
     "sources": {"base", "form", "qgis_source", "network"},
 }
 #: What stays loadable without a window's classes.
-WITHOUT_WIDGETS = ("form", "dataset", "qgis_source", "network")
+WITHOUT_WIDGETS = ("form", "dataset", "qgis_source", "network", "remote")
 
 
 def module_of(path: Path) -> str:

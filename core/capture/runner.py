@@ -144,9 +144,7 @@ def capture(
     if only_failed:
         check_captured(folder)
     if has_blocks(Path(folder)):
-        raise OutputError(
-            "folder {0}: was captured in blocks", folder, remedy="go on with blocks, or choose another folder"
-        )
+        raise OutputError("folder {0}: was captured in blocks", folder, remedy="choose another folder")
     path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
     listener = Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:

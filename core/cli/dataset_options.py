@@ -346,7 +346,7 @@ def _add_export(commands: Any) -> None:
         "target",
         nargs="?",
         metavar="FOLDER",
-        help="folder of the files, not there yet or empty; without it parquet and croissant are written into OUT",
+        help="folder of the files, not there yet or empty; without it parquet, croissant and stac are written into OUT",
     )
     exporting.add_argument(
         "--as",
@@ -354,13 +354,13 @@ def _add_export(commands: Any) -> None:
         required=True,
         choices=tuple(KINDS),
         help="of camera frames: COLMAP's model, nerfstudio's, or a trajectory; of a dataset: tables as Parquet, "
-        "folders of images for Hugging Face's datasets, or a description of the files; of a benchmark: the layout of "
-        "a set that localisers are judged on",
+        "folders of images for Hugging Face's datasets, a description of the files, or STAC items and their "
+        "collection; of a benchmark: the layout of a set that localisers are judged on",
     )
     exporting.add_argument(
         "--map-type",
         metavar="TYPE",
-        help="default satellite, or the first of others; all for parquet, huggingface and croissant",
+        help="default satellite, or the first of others; all for formats of datasets",
     )
 
 

@@ -353,6 +353,8 @@ def run_capture(arguments: argparse.Namespace) -> int:
         each = mission.by_imagery or {"": mission}
         how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
         result = _run(mission, each, sources, values, arguments, lambda: bool(signals), how)
+    if in_blocks and not result.cancelled and result.written + result.skipped:
+        _describe(values["data_dir"])
     _print_result(result, arguments.json)
     if result.cancelled:
         print("terrainav: stopped; what is finished is kept, go on with --resume", file=sys.stderr)
@@ -370,6 +372,18 @@ def _engine(arguments: argparse.Namespace, opened: ExitStack) -> dict[str, Any]:
         shown = f"; dashboard at {engine.dashboard}" if engine.dashboard else ""
         print(f"cluster of {engine.slots()} workers{shown}", file=sys.stderr)
     return how
+
+
+def _describe(place: str) -> None:
+    """Describe a dataset that others are to find their way in: as STAC does, in one table."""
+    from importlib.util import find_spec
+
+    if find_spec("pyarrow") is None:
+        print("no items.parquet, as the Python package pyarrow is not installed", file=sys.stderr)
+        return
+    from ..exports.kinds import export_as
+
+    export_as(place, None, "stac")
 
 
 def _blocks(arguments: argparse.Namespace, worked_out: Plan, source: NamedSource, values: Any) -> Blocks:

@@ -3,6 +3,7 @@
 folder     what files and folders are called, and what commands choose among
 cells      cells of a table in CSV, and the numbers in them
 table      ``meta_data.csv``, in and out
+stored     images that are objects, or ranges of shards
 geotiff    images of other bands than 8-bit grey or colours
 dataset    a dataset as it is read: map types, tables, image files
 published  what names say beside the tables of the paper's published data

@@ -15,6 +15,7 @@ from pathlib import Path
 from ..drawing import check_matplotlib
 from ..errors import Cancelled, InvalidInput
 from ..files import clear_partial, open_locked
+from ..stores import is_address
 from .dataset import Images, Move
 from .entropy import GREY, HIGHEST_ENTROPY, Deciding, Report, deciding_entropies, otsu, parts_groups
 from .figures import draw_all
@@ -145,7 +146,7 @@ def undo(
         results, steps = [], []
         for map_type, path in folders.items():
             table = Table.load(path / TABLE_FILE)
-            images = Images(image_folder(path, table.img_names))
+            images = Images(image_folder(path, table))
             moves = images.all_back()
             marks = table.other.get(REJECTED, ())
             failed = table.status.count("failed")
@@ -166,10 +167,13 @@ def undo(
 def held(folder: str | os.PathLike[str], *, only_read: bool) -> Iterator[None]:
     """Keep captures and other runs out of a dataset's folder, unless it is only read; raises OutputError."""
     with ExitStack() as locks:
-        # Imageries beside each other have a journal each, below that of their folder.
-        for journal in (Path(folder) / JOURNAL_FILE, *sorted(Path(folder).glob(f"*/{JOURNAL_FILE}"))):
-            if not only_read and journal.is_file():
-                locks.enter_context(open_locked(journal))
+        # Object stores know no locks.
+        folders = [] if only_read or is_address(folder) else [Path(folder)]
+        for path in folders:
+            # Imageries beside each other have a journal each, below that of their folder.
+            for journal in (path / JOURNAL_FILE, *sorted(path.glob(f"*/{JOURNAL_FILE}"))):
+                if journal.is_file():
+                    locks.enter_context(open_locked(journal))
         yield
 
 

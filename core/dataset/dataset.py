@@ -10,15 +10,16 @@ import re
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
 from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..stores import Address, is_address, sizes_in, store_path
 from .folder import (
     LAYOUTS,
     NAME,
@@ -27,11 +28,13 @@ from .folder import (
     image_folder,
     map_type_folders,
     map_type_of,
+    no_files,
     place_of,
     raster_folders,
 )
 from .geotiff import GeoTiff, geotiff_of
 from .published import check_names
+from .stored import ImageFile, Range, StoredImage, is_name, shards_of
 from .table import Table
 from .vbn import read_vbn
 
@@ -52,10 +55,10 @@ _GREY, _COLOUR = (
 #: with less, the result begins to differ from that of the whole one.
 _SPARE = 2
 _GEOTIFF = (".tif", ".tiff")
-#: What no name of a file in a folder holds.
-_NO_NAME = re.compile(r"[/\\:\x00]")
 #: A size that is not known.
 _UNKNOWN_PX = (math.nan, math.nan)
+#: What an image is read from.
+Place = Union[str, "os.PathLike[str]", StoredImage]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +73,18 @@ class ImageSet:
         Where the table lies, or would lie.
     table : Table
         All rows.
-    image_folder : Path
-        Where the images lie; those that cleaning has moved are in ``rejected`` inside.
+    files : Path or None
+        Folder of this machine where the images lie; those that cleaning has moved are in ``rejected`` inside. None for
+        images that are objects of a store, or in shards.
+    shards : mapping of str to int
+        Bytes of the tars that images are in, by their names; none where images are files or objects.
     """
 
     map_type: str
     folder: Path
     table: Table
-    image_folder: Path
+    files: Path | None
+    shards: Mapping[str, int] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.table)
@@ -87,20 +94,47 @@ class ImageSet:
         """Rows (n,) whose image exists: those that have not failed."""
         return self.table.made
 
+    @property
+    def image_folder(self) -> Path:
+        """Where the images' files lie; raises InvalidInput where there are none."""
+        if self.files is None:
+            raise no_files(self.folder)
+        return self.files
+
+    def file(self, index: int) -> ImageFile:
+        """What the bytes of a row's image are read from, wherever they are."""
+        if self.files is not None:
+            return self.path(index)
+        table, name = self.table, self.table.img_names[index]
+        if not self.shards:
+            return StoredImage(name, self.folder / name)
+        place = Range(int(table.offset_bytes[index]), int(table.size_bytes[index]))
+        return StoredImage(name, self.folder / table.shard[index], place)
+
     def path(self, index: int) -> Path:
-        """Where the file of a row lies now: in its folder, or among the rejected ones."""
+        """Where the file of a row lies now: in its folder, or among the rejected ones.
+
+        Raises
+        ------
+        InvalidInput
+            Where images are no files of a folder of this machine.
+        """
         name = self.table.img_names[index]
         kept = self.image_folder / name
         moved = self.image_folder / REJECTED_FOLDER / name
         return moved if not kept.exists() and moved.exists() else kept
 
-    def pixels(self, index: int, channels: int | None = None) -> NDArray[Any]:
+    def pixels(
+        self, index: int, channels: int | None = None, *, file: ImageFile | None = None
+    ) -> NDArray[Any]:
         """Pixels of a row's image, without a mask.
 
         Parameters
         ----------
         channels : int or None
             1 for grey (ITU-R 601), 3 for red, green, blue, both of 8 bits; as the file has it for None.
+        file : path, StoredImage or None
+            What the image is read from; None for `file`.
 
         Returns
         -------
@@ -113,11 +147,12 @@ class ImageSet:
         """
         if channels is not None and channels not in _MODES:
             raise InvalidInput("channels {0}: must be 1 or 3", channels)
+        file = self.file(index) if file is None else file
         if channels is None:
-            stored = open_bands(self.path(index), self.said_px(index))
+            stored = open_bands(file, self.said_px(index))
             if stored is not None:
                 return stored.values()
-        image = open_image(self.path(index), said_px=self.said_px(index), as_shown=True)
+        image = open_image(file, said_px=self.said_px(index), as_shown=True)
         mode = image.mode if channels is None else _MODES[channels]
         return np.asarray(image if image.mode == mode else image.convert(mode), np.uint8)
 
@@ -156,14 +191,15 @@ class Dataset:
         return self.image_sets[map_type]
 
 
-def read_dataset(folder: str | os.PathLike[str], layout: str = "TerrAInav") -> Dataset:
+def read_dataset(folder: Address, layout: str = "TerrAInav") -> Dataset:
     """Dataset in a folder, whose tables and files agree; reads no pixels.
 
     Parameters
     ----------
     folder : path
-        Of a capture, of the paper's published data (``Memphis_Agricenter`` with ``satellite`` or ``satellite_0`` in it,
-        or one of these where it stands alone), or of the Night Vision supplement.
+        Also as an address of an object store. Of a capture, of the paper's published data (``Memphis_Agricenter`` with
+        ``satellite`` or ``satellite_0`` in it, or one of these where it stands alone), or of the Night Vision
+        supplement.
     layout : str
         One of `LAYOUTS`.
 
@@ -172,11 +208,17 @@ def read_dataset(folder: str | os.PathLike[str], layout: str = "TerrAInav") -> D
     InvalidInput
         A folder that is no such dataset, rows that cannot be read, or a table that says
         otherwise than the files: they are named.
+    OutputError
+        An object store that cannot be asked.
     """
-    path = Path(folder)
+    path = store_path(folder)
     if layout not in LAYOUTS:
         raise InvalidInput("layout {0!r}: must be one of {1}", layout, ", ".join(LAYOUTS))
     if layout == "VBN":
+        if is_address(path):
+            raise InvalidInput(
+                "layout VBN: {0} is in an object store; must be a folder of this machine", path
+            )
         table, images = read_vbn(path)
         return Dataset(path, layout, {VBN_MAP_TYPE: ImageSet(VBN_MAP_TYPE, images, table, images)})
     folders = map_type_folders(path)
@@ -194,9 +236,12 @@ def _read_set(map_type: str, folder: Path) -> ImageSet:
     table = Table.load(folder / TABLE_FILE)
     _check_positions(table, folder / TABLE_FILE)
     check_names(table, folder / TABLE_FILE)
-    images = image_folder(folder, table.img_names)
-    Images(images).check(table.img_names, table.made)
-    return ImageSet(map_type, folder, table, images)
+    if any(table.shard):
+        _check_names(folder, table.img_names)
+        return ImageSet(map_type, folder, table, None, shards_of(folder, table))
+    files = None if is_address(folder) else image_folder(folder, table)
+    Images(files or folder).check(table.img_names, table.made)
+    return ImageSet(map_type, folder, table, files)
 
 
 def _check_positions(table: Table, path: Path) -> None:
@@ -250,7 +295,7 @@ class Images:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        there = (folder / REJECTED_FOLDER).is_dir()
+        there = is_address(folder) or (folder / REJECTED_FOLDER).is_dir()
         self._kept, others = _files_and_others(folder)
         self._rejected, beside = _files_and_others(folder / REJECTED_FOLDER) if there else (set(), set())
         self._blocked = REJECTED_FOLDER in self._kept | others and not there
@@ -276,20 +321,8 @@ class Images:
         there : array of bool
             Those that have been made.
         """
-        foreign = [name for name in names if name in ("", ".", "..") or _NO_NAME.search(name)]
-        if foreign:
-            raise InvalidInput(
-                "folder {0}: {1!r} in the table is no name of a file in it", self._folder, foreign[0]
-            )
-        endings = {name[len(_own_stem(name)) :] for name in names}
-        # A name for each image, which there is already where all end alike.
+        endings, stems = _check_names(self._folder, names)
         alike = len(endings) == 1
-        stems = set(names) if alike else set(map(_own_stem, names))
-        if len(stems) < len(names):
-            twice = [stem for stem, count in Counter(map(_own_stem, names)).items() if count > 1]
-            raise InvalidInput(
-                "folder {0}: the table has {1} in more than one row", self._folder, some(twice)
-            )
         files = self._kept | self._rejected if self._rejected else self._kept
         lost = [name for name, made in zip(names, there.tolist()) if made and name not in files]
         if lost:
@@ -380,6 +413,25 @@ class Images:
                 (one / REJECTED_FOLDER).rmdir()
 
 
+def _check_names(folder: Path, names: Sequence[str]) -> tuple[set[str], set[str]]:
+    """Endings of images' names, and a name for each image: without its ending, unless all end alike.
+
+    Raises
+    ------
+    InvalidInput
+        A name that no file has, or one in several rows.
+    """
+    foreign = [name for name in names if not is_name(name)]
+    if foreign:
+        raise InvalidInput("folder {0}: {1!r} in the table is no name of a file in it", folder, foreign[0])
+    endings = {name[len(_own_stem(name)) :] for name in names}
+    stems = set(names) if len(endings) == 1 else set(map(_own_stem, names))
+    if len(stems) < len(names):
+        twice = [stem for stem, count in Counter(map(_own_stem, names)).items() if count > 1]
+        raise InvalidInput("folder {0}: the table has {1} in more than one row", folder, some(twice))
+    return endings, stems
+
+
 def _own_stem(name: str) -> str:
     """Name of a file without its ending: what `Path.stem` gives, in a fraction of its time."""
     end = name.rfind(".")
@@ -398,6 +450,8 @@ def _stem(name: str, known: Callable[[str], object]) -> str:
 
 def _files_and_others(folder: Path) -> tuple[set[str], set[str]]:
     """Names of files in a folder, and of all else."""
+    if is_address(folder):
+        return set(sizes_in(folder)), set()
     try:
         files: set[str] = set()
         others: set[str] = set()
@@ -417,7 +471,7 @@ def some(names: Sequence[str]) -> str:
 
 
 def open_image(
-    path: str | os.PathLike[str],
+    path: Place,
     img_size: tuple[int, int, int] | None = None,
     said_px: tuple[float, float] = _UNKNOWN_PX,
     *,
@@ -430,7 +484,7 @@ def open_image(
 
     Parameters
     ----------
-    path : path
+    path : path or StoredImage
         GeoTIFF, JPEG, PNG or another format of Pillow's.
     img_size : tuple (width, height, channels) or None
         In px, and 1 (grey) or 3 (colour); None leaves both as they are.
@@ -447,7 +501,7 @@ def open_image(
     try:
         # From memory: a compressed TIFF's file is closed by libtiff and by Pillow, and the second of them may close
         # what another thread has opened in between.
-        data = Path(path).read_bytes()
+        data = _read(path)
         stored = _bands_of(path, data, said_px)
         if stored is not None:
             return _shown(path, stored, img_size, as_shown=as_shown)
@@ -489,7 +543,7 @@ def open_image(
 
 
 def open_masked(
-    path: str | os.PathLike[str], said_px: tuple[float, float] = _UNKNOWN_PX
+    path: Place, said_px: tuple[float, float] = _UNKNOWN_PX
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8] | None]:
     """Pixels (h, w, 1 or 3) of a file as they are shown, and its mask (h, w), 0 where it shows nothing, or None.
 
@@ -504,12 +558,12 @@ def open_masked(
     if stored is not None:
         seen = stored.seen()
         return pixels, None if seen is None else seen.astype(np.uint8) * np.uint8(255)
-    with Image.open(io.BytesIO(Path(path).read_bytes())) as image:
+    with Image.open(io.BytesIO(_read(path))) as image:
         masked = "A" in image.getbands()
         return pixels, np.asarray(image.getchannel("A"), np.uint8) if masked else None
 
 
-def open_bands(path: str | os.PathLike[str], said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTiff | None:
+def open_bands(path: Place, said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTiff | None:
     """GeoTIFF of other bands than 8-bit grey or colours; None for every other file, also one that cannot be read.
 
     Raises
@@ -517,16 +571,16 @@ def open_bands(path: str | os.PathLike[str], said_px: tuple[float, float] = _UNK
     InvalidInput
         Such a file that is damaged, or has another size than is said.
     """
-    if Path(path).suffix.lower() not in _GEOTIFF:
+    if _suffix(path) not in _GEOTIFF:
         return None
     try:
-        data = Path(path).read_bytes()
+        data = _read(path)
     except OSError:
         return None
     return _bands_of(path, data, said_px)
 
 
-def _bands_of(path: str | os.PathLike[str], data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
+def _bands_of(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
     try:
         stored = geotiff_of(data)
         if stored is not None:
@@ -539,7 +593,7 @@ def _bands_of(path: str | os.PathLike[str], data: bytes, said_px: tuple[float, f
 
 
 def _shown(
-    path: str | os.PathLike[str], stored: GeoTiff, img_size: tuple[int, int, int] | None, *, as_shown: bool
+    path: Place, stored: GeoTiff, img_size: tuple[int, int, int] | None, *, as_shown: bool
 ) -> Image.Image:
     if not as_shown:
         raise InvalidInput(
@@ -558,20 +612,26 @@ def _shown(
     return found if found.size == (width, height) else found.resize((width, height), Image.BILINEAR)
 
 
-def size_of(path: str | os.PathLike[str]) -> tuple[int, int]:
+def size_of(path: Place) -> tuple[int, int]:
     """Width and height of an image in px; raises one of `UNREADABLE`, or InvalidInput, where it cannot be read."""
-    if Path(path).suffix.lower() in _GEOTIFF:
+    if _suffix(path) in _GEOTIFF:
         # Not unpacked: many are asked for their sizes.
-        stored = geotiff_of(Path(path).read_bytes())
+        stored = geotiff_of(_read(path))
         if stored is not None:
             return stored.size
-    with Image.open(Path(path)) as image:
+    with Image.open(io.BytesIO(_read(path)) if isinstance(path, StoredImage) else Path(path)) as image:
         return image.size
 
 
-def _check_size(
-    path: str | os.PathLike[str], image: Image.Image | GeoTiff, said_px: tuple[float, float]
-) -> None:
+def _read(path: Place) -> bytes:
+    return path.read_bytes() if isinstance(path, StoredImage) else Path(path).read_bytes()
+
+
+def _suffix(path: Place) -> str:
+    return (path if isinstance(path, StoredImage) else Path(path)).suffix.lower()
+
+
+def _check_size(path: Place, image: Image.Image | GeoTiff, said_px: tuple[float, float]) -> None:
     if any(said == said and said != size for said, size in zip(said_px, image.size)):
         raise InvalidInput(
             "image {0}: has {1} x {2} px, and {3:g} x {4:g} px in the table",

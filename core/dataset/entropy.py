@@ -237,7 +237,7 @@ def deciding_entropies(
     place = place_of(folder, folders.values())
     for name, path in folders.items():
         table = Table.load(path / TABLE_FILE)
-        own[name] = _Own(path, table, image_folder(path, table.img_names))
+        own[name] = _Own(path, table, image_folder(path, table))
     measures = {name: one.measure() for name, one in own.items()}
     _fill_in(list(own.values()), progress)
     found = {}

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
+from ..stores import Address, folders_in, is_address, is_file, store_path
+
+if TYPE_CHECKING:
+    from .table import Table
 
 MISSION_FILE = "mission.json"
 JOURNAL_FILE = "journal.jsonl"
@@ -44,7 +48,7 @@ TARGETS = IMAGE, CAMERA, HEIGHT, ATTITUDE = ("image", "camera", "height", "attit
 FRAMES = ("utm", "mercator", "mission")
 
 
-def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
+def map_type_folders(folder: Address) -> dict[str, Path]:
     """Folders of a dataset's map types by name: those with a table, or the folder itself where it has one.
 
     Of imageries beside each other, each a dataset of one map type in a folder of its name, they go by those names.
@@ -53,28 +57,30 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
     ------
     InvalidInput
         A folder that is no dataset, or one map type of a dataset of which the others may matter.
+    OutputError
+        An object store that cannot be asked.
     """
-    path = Path(folder)
+    path = store_path(folder)
     try:
-        if (path / TABLE_FILE).is_file():
+        if is_file(path / TABLE_FILE):
             # A name like `.` tells nothing.
             parent = path.resolve().parent
             deciding = deciding_name(path.resolve().name)
-            if (parent / MISSION_FILE).is_file() or (
-                deciding != path.resolve().name and (parent / deciding / TABLE_FILE).is_file()
+            if is_file(parent / MISSION_FILE) or (
+                deciding != path.resolve().name and is_file(parent / deciding / TABLE_FILE)
             ):
                 raise InvalidInput(
                     "folder {0}: is one map type of the dataset {1}", folder, parent, remedy="give that one"
                 )
             return {path.resolve().name: path}
-        found = sorted(one for one in path.iterdir() if (one / TABLE_FILE).is_file())
+        found = [one for one in _inside(path) if is_file(one / TABLE_FILE)]
     except OSError as wrong:
         raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
-    if not found and (path / MISSION_FILE).is_file():
+    if not found and is_file(path / MISSION_FILE):
         inside = _of_imageries(path)
         if inside:
             return inside
-    if not found and (path / SUPPLEMENT_FOLDER).is_dir():
+    if not found and not is_address(path) and (path / SUPPLEMENT_FOLDER).is_dir():
         raise InvalidInput(
             "folder {0}: is laid out as the Night Vision supplement is",
             folder,
@@ -92,15 +98,21 @@ def map_type_folders(folder: str | os.PathLike[str]) -> dict[str, Path]:
 
 def _of_imageries(path: Path) -> dict[str, Path]:
     """Folders of the one map type of each dataset inside a folder, by the datasets' names."""
-    tables = sorted(path.glob(f"*/*/{TABLE_FILE}"))
     return {
-        table.parent.parent.name: table.parent
-        for table in tables
-        if (table.parent.parent / MISSION_FILE).is_file()
+        dataset.name: one
+        for dataset in _inside(path)
+        if is_file(dataset / MISSION_FILE)
+        for one in _inside(dataset)
+        if is_file(one / TABLE_FILE)
     }
 
 
-def place_of(folder: str | os.PathLike[str], folders: Iterable[Path]) -> Callable[[str], str]:
+def _inside(path: Path) -> list[Path]:
+    """What may be a folder inside a folder, by name."""
+    return folders_in(path) if is_address(path) else sorted(path.iterdir())
+
+
+def place_of(folder: Address, folders: Iterable[Path]) -> Callable[[str], str]:
     """Return what tells the place of an image by its name, which images of one place have in common.
 
     It is the name without ending; of imageries beside each other, whose zooms and pixels differ, column and row.
@@ -112,7 +124,7 @@ def place_of(folder: str | os.PathLike[str], folders: Iterable[Path]) -> Callabl
     folders : iterable of Path
         Its map types', as `map_type_folders` gives them.
     """
-    if not any(one.parent.parent == Path(folder) for one in folders):
+    if not any(one.parent.parent == store_path(folder) for one in folders):
         return lambda name: Path(name).stem
 
     def by_grid(name: str) -> str:
@@ -157,25 +169,27 @@ def raster_folders(folder: Path) -> list[Path]:
     return sorted(one for one in folder.glob(_RASTERS) if one.is_dir())
 
 
-def image_folder(folder: Path, names: Sequence[str]) -> Path:
+def image_folder(folder: Path, table: Table) -> Path:
     """Where the images of a map type lie: beside the table, or in the one folder of images that holds them.
 
     Parameters
     ----------
     folder : Path
         Of a map type.
-    names : sequence of str
-        Images of its table.
+    table : Table
+        What names the images.
 
     Raises
     ------
     InvalidInput
-        Where several folders hold as many of them, or one cannot be read.
+        Where they are no files of a folder, several folders hold as many of them, or one cannot be read.
     """
+    if is_address(folder) or any(table.shard):
+        raise no_files(folder)
     inside = raster_folders(folder)
     if not inside:
         return folder
-    counts = {one: len(_listed(one).intersection(names)) for one in (folder, *inside)}
+    counts = {one: len(_listed(one).intersection(table.img_names)) for one in (folder, *inside)}
     most = max(counts.values())
     best = [one for one, count in counts.items() if count == most]
     if most and len(best) > 1:
@@ -188,6 +202,14 @@ def image_folder(folder: Path, names: Sequence[str]) -> Path:
             remedy="move one of the two away",
         )
     return best[0]
+
+
+def no_files(folder: Path) -> InvalidInput:
+    """What is said where images have to be files of a folder of this machine, and are in shards or objects."""
+    return InvalidInput(
+        "folder {0}: its images are in shards or in an object store, and here have to be files of a folder",
+        folder,
+    )
 
 
 def _listed(folder: Path) -> set[str]:

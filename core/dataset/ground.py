@@ -9,6 +9,7 @@ ground whatever the blocks are like, as every image is compared with all that ar
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -23,9 +24,11 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
+from ..stores import is_file, opened
 from .dataset import UNREADABLE, ImageSet, open_bands, size_of
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
+from .stored import ImageFile, has_beside
 from .table import Table
 
 Floats = NDArray[np.float64]
@@ -193,7 +196,7 @@ def _published(images: ImageSet, rows: NDArray[np.intp]) -> Table:
     width, height = table.image_width_px.copy(), table.image_height_px.copy()
     for row in rows.tolist():
         if not (np.isfinite(width[row]) and np.isfinite(height[row])):
-            width[row], height[row] = _size(images.path(row))
+            width[row], height[row] = _size(images.file(row))
     return framed(replace(table, image_width_px=width, image_height_px=height), images.image_folder.name)
 
 
@@ -251,21 +254,21 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     most = max(float(np.abs(angle).max()) for angle in angles)
     if most > _NEARLY_DEG:
         return True
-    path = images.path(int(rows[0]))
+    path = images.file(int(rows[0]))
     if path.suffix.lower() in (".tif", ".tiff"):
         stored = open_bands(path)
         if stored is not None:
             return not stored.is_placed
         try:
-            with Image.open(path) as image:
+            with Image.open(io.BytesIO(path.read_bytes())) as image:
                 return _PLACE_TAGS.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
-    captured = any((dataset / name).is_file() for name in (MISSION_FILE, PLAN_FILE))
-    return (captured or most > 0.0) and not any(path.with_suffix(ending).exists() for ending in _WORLD_FILES)
+    captured = any(is_file(dataset / name) for name in (MISSION_FILE, PLAN_FILE))
+    return (captured or most > 0.0) and not has_beside(path, _WORLD_FILES)
 
 
-def _size(path: Path) -> tuple[int, int]:
+def _size(path: ImageFile) -> tuple[int, int]:
     """Width and height of an image in px."""
     try:
         return size_of(path)
@@ -279,7 +282,7 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
     corners = np.full((len(names), len(headers)), np.nan)
     missing = {name: at for at, name in enumerate(names)}
     try:
-        with plan.open(encoding="utf-8", newline="") as file:
+        with io.TextIOWrapper(opened(plan), encoding="utf-8", newline="") as file:
             reader = csv.reader(file, strict=True)
             present = next(reader, [])
             name_at, *columns = (present.index(header) for header in ("name", *headers))

@@ -146,7 +146,7 @@ def split(
                 "folder {0}: has no image that is there and not rejected, so there is nothing to split",
                 folder,
             )
-        boxes = _ground_if_known(Path(folder), sets, places, needed=how == "blocks")
+        boxes = _ground_if_known(dataset.folder, sets, places, needed=how == "blocks")
         _check_goes_on(progress, _GROUND)
         if how == AUTO:
             how = (
@@ -159,7 +159,7 @@ def split(
         unknown = 0
         if how == "blocks":
             of_place, block_side, count, unknown = _by_blocks(
-                Path(folder), boxes, places, wanted, seed, block_m, float(gap_m)
+                dataset.folder, boxes, places, wanted, seed, block_m, float(gap_m)
             )
         else:
             order = shuffled(places, seed) if how == "shuffled" else list(places)
@@ -169,10 +169,10 @@ def split(
         _check_goes_on(progress, _PARTED)
         if not dry_run:
             # Tables are written one by one: until the last, parts of one map type may be other than another's.
-            mark_unfinished(Path(folder) / LABELS_FILE)
+            mark_unfinished(dataset.folder / LABELS_FILE)
             for images, table in zip(sets, tables):
                 table.save(images.folder / TABLE_FILE)
-            labels.save(Path(folder) / LABELS_FILE)
+            labels.save(dataset.folder / LABELS_FILE)
     parts = list(of_place.values())
     everything = {place(name) for images in sets for name in images.table.img_names}
     return Split(

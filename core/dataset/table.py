@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
+from ..stores import Address, opened, store_path
 from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
 
@@ -254,10 +255,10 @@ class Table:
         return gathered.table()
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Table:
+    def load(cls, path: Address) -> Table:
         """Table from a file; raises InvalidInput where it cannot be read, as a whole or in some rows."""
         try:
-            texts = _texts_of(Path(path))
+            texts = _texts_of(store_path(path))
             try:
                 return cls._of_texts(texts, Message("table {0}", path))
             except InvalidInput:
@@ -364,7 +365,7 @@ _FIELD_OF = dict(zip(HEADERS, FIELDS))
 def _texts_of(path: Path) -> Iterator[str]:
     """Text of a file, some whole lines at a time, with the ends that Python gives them, whatever system wrote them."""
     start = 0
-    with path.open("rb", buffering=_BLOCK_BYTES) as file:
+    with opened(path, _BLOCK_BYTES) as file:
         while raw := file.read(_BLOCK_BYTES) + file.readline():
             try:
                 text = raw.decode("utf-8")

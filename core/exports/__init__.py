@@ -8,6 +8,7 @@ In reading order:
 - `tables`: tables of any dataset as Parquet, with footprints
 - `huggingface`: folders of images with a card, for Hugging Face's datasets
 - `croissant`: a description of a dataset's files and records
+- `stac`: all images as items of STAC, in one table of GeoParquet, and their collection
 - `scenes`: the ground of a benchmark in metres, as its queries see it and as its reference shows it
 - `localisers`: benchmarks in the layouts of the sets that localisers are judged on
 """

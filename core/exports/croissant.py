@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import io
 import os
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
@@ -13,10 +14,12 @@ from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, write_whole
+from ..stores import Address
 from .huggingface import credit_of
-from .tables import chosen_sets, is_same, relative_folder
+from .tables import chosen_sets, is_same, reading, relative_folder
 
 CROISSANT_FILE = "croissant.json"
+DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
 CONFORMS_TO = "http://mlcommons.org/croissant/1.0"
 #: Types of fields by the kinds of columns; texts otherwise.
 _TYPES = {WHOLE: "sc:Integer", NUMBER: "sc:Float", TIME: "sc:DateTime"}
@@ -68,6 +71,9 @@ _MEDIA = {
     ".jpeg": "image/jpeg",
 }
 _BLOCK_BYTES = 1 << 20
+#: Tars of images, as WebDataset has them: their members have keys of nine digits, and endings.
+TAR = "application/x-tar"
+_KEYS, _KEY = "[0-9]" * 9, r"^(\d{9})\."
 
 
 def write_croissant(
@@ -91,14 +97,33 @@ def write_croissant(
     OutputError
         A folder that cannot be written.
     """
-    dataset = read_dataset(folder)
+    return [describe_files(own_folder(read_dataset(folder), target, CROISSANT_FILE), map_type)]
+
+
+def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
+    """Return the dataset if a place is its folder; raises InvalidInput for another, where a ``file`` says nothing."""
     if not is_same(dataset.folder, target):
         raise InvalidInput(
             "folder {0}: a {1} describes the files beside it",
             target,
-            CROISSANT_FILE,
+            file,
             remedy="give the dataset's own",
         )
+    return dataset
+
+
+def name_of(dataset: Dataset) -> str:
+    """What a dataset is called: as its folder."""
+    return dataset.folder.resolve().name or "dataset"
+
+
+def media_of(name: str) -> str:
+    """Media type of an image by its file's name."""
+    return _MEDIA.get(PurePosixPath(name).suffix.lower(), "application/octet-stream")
+
+
+def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
+    """Write the description of a dataset as `write_croissant` does; returns it."""
     sets = chosen_sets(dataset, map_type)
     files: list[dict[str, Any]] = []
     records = []
@@ -106,12 +131,13 @@ def write_croissant(
         headers, sha256 = _headers_and_sum(images.folder / TABLE_FILE)
         files += _files(dataset, name, images, sha256)
         records.append(_records(name, images, headers))
+        records += [_samples(name)] if images.shards else []
     description = {
         "@context": _CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": CONFORMS_TO,
-        "name": dataset.folder.resolve().name,
-        "description": "Georeferenced images of the ground with the poses of a virtual UAV's camera.",
+        "name": name_of(dataset),
+        "description": DESCRIPTION,
         "license": "Terms of who made the imagery: "
         + "; ".join(f"{name}: {credit_of(images)}" for name, images in sets.items()),
         "distribution": files,
@@ -119,48 +145,90 @@ def write_croissant(
     }
     path = dataset.folder / CROISSANT_FILE
     write_whole(path, json_bytes(description))
-    return [path]
+    return path
 
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
-    """The table of a map type, with its checksum, and the set of its images."""
-    place = relative_folder(dataset, images)
-    pictures = images.image_folder.resolve().relative_to(dataset.folder.resolve())
-    endings = dict.fromkeys(Path(one).suffix for one in images.table.img_names)
+    """The table of a map type, with its checksum, and the sets of its images and shards."""
+    place = relative_folder(dataset, images.folder)
+    endings = {PurePosixPath(one).suffix: media_of(one) for one in images.table.img_names}
+    table = {
+        "@type": "cr:FileObject",
+        "@id": f"{name}/table",
+        "name": TABLE_FILE,
+        "contentUrl": (place / TABLE_FILE).as_posix(),
+        "encodingFormat": "text/csv",
+        "sha256": sha256,
+    }
+    files = {
+        "@type": "cr:FileSet",
+        "@id": f"{name}/files",
+        "name": f"images of {name}",
+        "encodingFormat": [*endings.values()],
+    }
+    if not images.shards:
+        pictures = relative_folder(dataset, images.files or images.folder)
+        return [table, {**files, "includes": [(pictures / f"*{one}").as_posix() for one in endings]}]
+    shards = {
+        "@type": "cr:FileSet",
+        "@id": f"{name}/shards",
+        "name": f"tars of {name}",
+        "encodingFormat": TAR,
+        "includes": (place / "*.tar").as_posix(),
+    }
+    inside = {"containedIn": {"@id": shards["@id"]}}
+    rows = {
+        "@type": "cr:FileSet",
+        "@id": f"{name}/json",
+        "name": f"rows of the table of {name}",
+        "encodingFormat": "application/json",
+        "includes": f"{_KEYS}.json",
+    }
+    # Products have the key and two endings.
     return [
-        {
-            "@type": "cr:FileObject",
-            "@id": f"{name}/table",
-            "name": TABLE_FILE,
-            "contentUrl": (place / TABLE_FILE).as_posix(),
-            "encodingFormat": "text/csv",
-            "sha256": sha256,
-        },
-        {
-            "@type": "cr:FileSet",
-            "@id": f"{name}/files",
-            "name": f"images of {name}",
-            "encodingFormat": [_MEDIA.get(one.lower(), "application/octet-stream") for one in endings],
-            "includes": [(pictures / f"*{one}").as_posix() for one in endings],
-        },
+        table,
+        shards,
+        {**files, **inside, "includes": [f"{_KEYS}{one}" for one in endings]},
+        {**rows, **inside},
     ]
 
 
+def _samples(name: str) -> dict[str, Any]:
+    """Record set of what the tars of a map type hold: an image, and its row of the table, by their key."""
+    keys = {"extract": {"fileProperty": "filename"}, "transform": {"regex": _KEY}}
+    files, rows = ({"fileSet": {"@id": f"{name}/{one}"}} for one in ("files", "json"))
+    content = {"extract": {"fileProperty": "content"}}
+    record = f"{name}/samples"
+    return {
+        "@type": "cr:RecordSet",
+        "@id": record,
+        "name": record,
+        "key": {"@id": f"{record}/key"},
+        "field": [
+            {**_field(record, "key", "sc:Text"), "source": {**files, **keys}, "references": {**rows, **keys}},
+            {**_field(record, "image", "sc:ImageObject"), "source": {**files, **content}},
+            {**_field(record, "row", "sc:Text"), "source": {**rows, **content}},
+        ],
+    }
+
+
 def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
-    """Record set of a map type: an image and its row of the table."""
+    """Record set of a map type: its table, with the images where they are files."""
     table, files = {"@id": f"{name}/table"}, {"@id": f"{name}/files"}
     # Tables of others have some of our columns.
     first, *columns = (one for one in columns_of(images.table) if one.header in headers)
-    names = {
-        **_field(name, "file", "sc:Text"),
-        "source": {"fileSet": files, "extract": {"fileProperty": "filename"}},
-        "references": {"fileObject": table, "extract": {"column": first.header}},
-    }
-    image = {
-        **_field(name, "image", "sc:ImageObject"),
-        "source": {"fileSet": files, "extract": {"fileProperty": "content"}},
-    }
-    fields = [
+    of_table = {"fileObject": table, "extract": {"column": first.header}}
+    fields = [{**_field(name, "file", "sc:Text"), "source": of_table}]
+    if not images.shards:
+        of_files = {"fileSet": files, "extract": {"fileProperty": "filename"}}
+        fields = [
+            {**fields[0], "source": of_files, "references": of_table},
+            {
+                **_field(name, "image", "sc:ImageObject"),
+                "source": {"fileSet": files, "extract": {"fileProperty": "content"}},
+            },
+        ]
+    fields += [
         {
             **_field(name, one.header, _TYPES.get(one.kind, "sc:Text")),
             "source": {"fileObject": table, "extract": {"column": one.header}},
@@ -172,7 +240,7 @@ def _records(name: str, images: ImageSet, headers: list[str]) -> dict[str, Any]:
         "@id": name,
         "name": name,
         "key": {"@id": f"{name}/file"},
-        "field": [names, image, *fields],
+        "field": fields,
     }
 
 
@@ -184,9 +252,9 @@ def _headers_and_sum(path: Path) -> tuple[list[str], str]:
     """Headers of a table, and the checksum of its file."""
     digest = hashlib.sha256()
     try:
-        with path.open(encoding="utf-8-sig", newline="") as text:
+        with reading(path) as file, io.TextIOWrapper(file, encoding="utf-8-sig", newline="") as text:
             headers = next(csv.reader(text))
-        with path.open("rb") as file:
+        with reading(path) as file:
             while block := file.read(_BLOCK_BYTES):
                 digest.update(block)
     except OSError as wrong:

@@ -25,6 +25,7 @@ DATASETS = {
     "parquet": "Parquet tables",
     "huggingface": "Hugging Face datasets",
     "croissant": "Croissant description",
+    "stac": "STAC items and collection",
 }
 BENCHMARKS = {
     "university-1652": "University-1652",
@@ -36,7 +37,9 @@ BENCHMARKS = {
 }
 KINDS = {**VIEWS, **DATASETS, **BENCHMARKS}
 #: Those that go into the dataset's own folder unless another is named.
-BESIDE_TABLES = ("parquet", "croissant")
+BESIDE_TABLES = ("parquet", "croissant", "stac")
+#: Those that pyarrow writes.
+_OF_PYARROW = ("parquet", "stac")
 
 
 class Exported(NamedTuple):
@@ -127,10 +130,11 @@ def refusals(folder: str | os.PathLike[str]) -> dict[str, TerrAInavError | None]
         except TerrAInavError as wrong:
             reason = wrong
         found.update(dict.fromkeys(kinds, reason))
-    if found["parquet"] is None and find_spec("pyarrow") is None:
-        found["parquet"] = InvalidInput(
-            "format parquet: needs the Python package pyarrow, which is not installed"
-        )
+    for kind in _OF_PYARROW:
+        if found[kind] is None and find_spec("pyarrow") is None:
+            found[kind] = InvalidInput(
+                "format {0}: needs the Python package pyarrow, which is not installed", kind
+            )
     return found
 
 
@@ -143,11 +147,12 @@ def _export_dataset(
 ) -> Exported:
     from .croissant import write_croissant
     from .huggingface import write_huggingface
+    from .stac import write_stac
     from .tables import write_parquet
 
     if kind == "huggingface":
         paths = tuple(write_huggingface(folder, target, map_type, progress))
     else:
-        write = {"parquet": write_parquet, "croissant": write_croissant}
+        write = {"parquet": write_parquet, "croissant": write_croissant, "stac": write_stac}
         paths = tuple(write[kind](folder, target, map_type))
     return Exported(len(paths), paths)

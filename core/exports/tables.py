@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import struct
-from collections.abc import Sequence
+from array import array
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
@@ -17,6 +21,10 @@ from ..dataset.table import NUMBER, TEXT, TIME, Column, columns_of
 from ..errors import InvalidInput, OutputError
 from ..files import make_folder, new_folder, write_whole
 from ..safe_json import parse_json
+from ..stores import Address, is_address, is_file, store_errors, store_path
+
+if TYPE_CHECKING:
+    from _typeshed import ReadableBuffer
 
 #: Beside ``meta_data.csv``, or in a folder of the same name elsewhere.
 PARQUET_FILE = TABLE_FILE.replace(".csv", ".parquet")
@@ -27,6 +35,8 @@ _LITTLE, _POLYGON, _MULTIPOLYGON = 1, 3, 6
 #: How the lines of features in a capture's GeoJSON begin.
 _FEATURE = b'{"type": "Feature",'
 _BLOCK_BYTES = 1 << 20
+#: Rows of a row group: readers skip groups by the bounds of their columns, and writers hold one in memory.
+_ROWS_A_GROUP = 1 << 16
 
 
 def write_parquet(
@@ -52,17 +62,15 @@ def write_parquet(
     OutputError
         A folder that cannot be written or is not empty, or no pyarrow.
     """
-    arrow, parquet = _pyarrow()
+    arrow = pyarrow_for("parquet")
     dataset = read_dataset(folder)
     sets = chosen_sets(dataset, map_type).values()
     root = dataset.folder if is_same(dataset.folder, target) else new_folder(target)
     written = []
     for images in sets:
-        buffer = arrow.BufferOutputStream()
-        parquet.write_table(_table(arrow, images), buffer, compression="zstd")
-        path = root / relative_folder(dataset, images) / PARQUET_FILE
+        path = root / relative_folder(dataset, images.folder) / PARQUET_FILE
         make_folder(path.parent)
-        write_whole(path, buffer.getvalue().to_pybytes())
+        write_whole(path, _blocks(arrow, images))
         written.append(path)
     return written
 
@@ -72,117 +80,258 @@ def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
     return dict(dataset.image_sets) if map_type is None else {map_type: dataset.image_set(map_type)}
 
 
-def relative_folder(dataset: Dataset, images: ImageSet) -> Path:
-    """Folder of a table in its dataset's: ``satellite``, ``2014/satellite``, or ``.`` where they are one."""
-    return images.folder.resolve().relative_to(dataset.folder.resolve())
+def relative_folder(dataset: Dataset, folder: Path) -> Path:
+    """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own."""
+    return folder.resolve().relative_to(dataset.folder.resolve())
 
 
-def is_same(folder: Path, other: str | os.PathLike[str]) -> bool:
-    """Whether two paths are of one folder."""
-    return folder.resolve() == Path(other).resolve()
+def is_same(folder: Path, other: Address) -> bool:
+    """Whether two places are one folder."""
+    return folder.resolve() == store_path(other).resolve()
 
 
-def _pyarrow() -> tuple[Any, Any]:
+def stem_of(name: str) -> str:
+    """Name of an image without its ending: what `Path.stem` gives, in a fraction of its time."""
+    return name.rpartition(".")[0] or name
+
+
+def pyarrow_for(kind: str) -> Any:
+    """Return pyarrow with its Parquet; raises OutputError where it is not installed."""
     try:
         import pyarrow as pa
-        import pyarrow.parquet as pq
+        import pyarrow.compute
+        import pyarrow.parquet
     except ImportError as missing:
         raise OutputError(
-            "format parquet: pyarrow cannot be imported ({0})",
+            "format {0}: pyarrow cannot be imported ({1})",
+            kind,
             missing,
             remedy="get it with: pip install 'terrainav[parquet]'",
         ) from missing
-    return pa, pq
+    return pa
 
 
-def _table(arrow: Any, images: ImageSet) -> Any:
-    """Arrow table of a map type."""
+def groups_of(count: int) -> Iterator[slice]:
+    """Rows of each row group of a table; one without rows has one of none."""
+    for start in range(0, max(count, 1), _ROWS_A_GROUP):
+        yield slice(start, min(start + _ROWS_A_GROUP, count))
+
+
+def parquet_blocks(
+    arrow: Any, schema: Any, about: Mapping[str, Any], groups: Iterator[Mapping[str, Any]]
+) -> Iterator[bytes]:
+    """File of Parquet, a row group at a time.
+
+    Parameters
+    ----------
+    schema : pyarrow.Schema
+    about : mapping
+        What the file says of itself, by key, JSON-ready.
+    groups : iterator of mapping
+        Arrays of each row group, by column.
+    """
+    sink = _Sink()
+    schema = schema.with_metadata(
+        {key: json.dumps(value, ensure_ascii=False) for key, value in about.items()}
+    )
+    with arrow.parquet.ParquetWriter(arrow.PythonFile(sink, "w"), schema, compression="zstd") as writer:
+        for columns in groups:
+            writer.write_table(arrow.table([columns[name] for name in schema.names], schema=schema))
+            yield sink.taken()
+    yield sink.taken()
+
+
+class _Sink(io.RawIOBase):
+    """File that is written to, and whose content is taken as it comes."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._blocks: list[bytes] = []
+        self._written = 0
+
+    def writable(self) -> bool:
+        return True
+
+    def tell(self) -> int:
+        return self._written
+
+    def write(self, data: ReadableBuffer) -> int:
+        self._blocks.append(bytes(data))
+        self._written += len(self._blocks[-1])
+        return len(self._blocks[-1])
+
+    def taken(self) -> bytes:
+        """What has been written since it was last taken."""
+        data, self._blocks = b"".join(self._blocks), []
+        return data
+
+
+def _blocks(arrow: Any, images: ImageSet) -> Iterator[bytes]:
+    """File of a map type's table."""
     columns = columns_of(images.table)
-    arrays = {one.header: _array(arrow, one) for one in columns}
-    shown = _Footprints.read(images)
-    if shown is None:
-        return arrow.table(arrays)
-    if GEOMETRY not in arrays:
-        arrays[GEOMETRY] = arrow.array(shown.shapes, arrow.binary())
-    return arrow.table(arrays).replace_schema_metadata({"geo": json.dumps(shown.about())})
+    fields = [(one.header, kind_of(arrow, one.kind)) for one in columns]
+    shown = Footprints.read(images.folder.parent)
+    about: dict[str, Any] = {}
+    places = None if shown is None else shown.places(images.table.img_names)
+    if shown is not None and places is not None:
+        about["geo"] = shown.about(places)
+        if GEOMETRY not in dict(fields):
+            fields.append((GEOMETRY, arrow.binary()))
+
+    def groups() -> Iterator[dict[str, Any]]:
+        for rows in groups_of(len(images)):
+            found = {}
+            if shown is not None and places is not None:
+                found[GEOMETRY] = shown.shapes(arrow, places[rows])
+            yield {**found, **{one.header: array_of(arrow, one, rows) for one in columns}}
+
+    return parquet_blocks(arrow, arrow.schema(fields), about, groups())
 
 
-def _array(arrow: Any, column: Column) -> Any:
-    """Arrow array of a column."""
-    if column.kind == TEXT:
-        return arrow.array([text or None for text in column.values], arrow.string())
-    values = np.asarray(column.values)
+def kind_of(arrow: Any, kind: str) -> Any:
+    """Arrow's type of a kind of columns."""
+    types = {TEXT: arrow.string(), NUMBER: arrow.float64(), TIME: arrow.timestamp("us", tz="UTC")}
+    return types.get(kind, arrow.int64())
+
+
+def array_of(arrow: Any, column: Column, rows: slice | NDArray[np.intp]) -> Any:
+    """Arrow array of some rows of a column, null for what is not known."""
+    if isinstance(column.values, tuple):
+        at = range(len(column.values))[rows] if isinstance(rows, slice) else rows.tolist()
+        return arrow.array([column.values[row] or None for row in at], arrow.string())
+    values = np.asarray(column.values)[rows]
     unknown = np.isnan(values) if values.dtype.kind == "f" else np.zeros(len(values), bool)
     if column.kind == NUMBER:
-        return arrow.array(values, arrow.float64(), mask=unknown)
-    scale, kind = (1e6, arrow.timestamp("us", tz="UTC")) if column.kind == TIME else (1.0, arrow.int64())
+        return arrow.array(values.astype(np.float64), arrow.float64(), mask=unknown)
+    scale = 1e6 if column.kind == TIME else 1.0
     whole = np.rint(np.where(unknown, 0.0, values) * scale).astype(np.int64)
-    return arrow.array(whole, arrow.int64(), mask=unknown).cast(kind)
+    return arrow.array(whole, arrow.int64(), mask=unknown).cast(kind_of(arrow, column.kind))
 
 
-class _Footprints(NamedTuple):
-    """Footprints of the rows of a table, and their bounds: west, south, east, north."""
+class Footprints(NamedTuple):
+    """Footprints that a capture has left, as well-known binary, one after the other.
 
-    shapes: list[bytes | None]
-    kinds: set[str]
-    bounds: tuple[float, float, float, float]
+    Parameters
+    ----------
+    place_of : mapping of str to int
+        Which of them is an image's, by its name without ending.
+    data, ends : bytes, array (m + 1,) of int64
+        The footprints, and where in the data each ends and the next begins.
+    kinds : array (m,)
+        3 for a polygon, 6 for several.
+    bounds : array (m, 4)
+        West, south, east, north. Those that cross the antimeridian have a polygon on either side and reach from -180 to
+        180 degrees.
+    """
+
+    place_of: dict[str, int]
+    data: bytes
+    ends: NDArray[np.int64]
+    kinds: NDArray[np.uint8]
+    bounds: NDArray[np.float64]
 
     @classmethod
-    def read(cls, images: ImageSet) -> _Footprints | None:
-        """Those that a capture has left beside a map type; None where it has not."""
-        path = images.folder.parent / FOOTPRINTS_FILE
-        if not path.is_file():
+    def read(cls, folder: Path) -> Footprints | None:
+        """Those of the capture in a folder; None where it has left none.
+
+        Raises
+        ------
+        InvalidInput
+            A file that is none of a capture's.
+        OutputError
+            A store that refuses.
+        """
+        path = folder / FOOTPRINTS_FILE
+        if not is_file(path):
             return None
-        row_of = {Path(name).stem: row for row, name in enumerate(images.table.img_names)}
-        shapes: list[bytes | None] = [None] * len(images.table)
-        kinds: set[str] = set()
-        edges: list[tuple[float, float, float, float]] = []
+        place_of: dict[str, int] = {}
+        data, ends, kinds, bounds = bytearray(), array("q", [0]), bytearray(), array("d")
         try:
-            with path.open("rb", buffering=_BLOCK_BYTES) as file:
-                for line in file:
-                    if line.startswith(_FEATURE):
-                        feature = parse_json(line.rstrip().rstrip(b","))
-                        row, shape = row_of.get(feature["properties"]["name"]), feature["geometry"]
-                        if row is not None and shape is not None:
-                            shapes[row] = _binary(shape["type"], shape["coordinates"])
-                            kinds.add(shape["type"])
-                            edges.append(_bounds(shape["type"], shape["coordinates"]))
-        except (OSError, InvalidInput, KeyError, TypeError, ValueError) as wrong:
+            for feature in _features(path):
+                name, shape = feature["properties"]["name"], feature["geometry"]
+                if shape is not None:
+                    place_of[name] = len(kinds)
+                    binary, edges = _packed(shape["type"], shape["coordinates"])
+                    data += binary
+                    ends.append(len(data))
+                    kinds.append(_MULTIPOLYGON if shape["type"] == "MultiPolygon" else _POLYGON)
+                    bounds.extend(edges)
+        except (OSError, InvalidInput, KeyError, TypeError, ValueError, struct.error) as wrong:
             raise InvalidInput("{0}: cannot be read ({1})", path, wrong) from wrong
-        west, south, east, north = zip(*edges) if edges else ((0.0,),) * 4
-        return cls(shapes, kinds, (min(west), min(south), max(east), max(north)))
+        return cls(
+            place_of,
+            bytes(data),
+            np.frombuffer(ends, np.int64),
+            np.frombuffer(bytes(kinds), np.uint8),
+            np.frombuffer(bounds, np.float64).reshape(-1, 4),
+        )
 
-    def about(self) -> dict[str, Any]:
-        """What GeoParquet has to say of the column."""
-        column = {
-            "encoding": "WKB",
-            "geometry_types": sorted(self.kinds),
-            "orientation": "counterclockwise",
-            "bbox": list(self.bounds),
-        }
-        return {"version": GEOPARQUET, "primary_column": GEOMETRY, "columns": {GEOMETRY: column}}
+    def places(self, img_names: Sequence[str]) -> NDArray[np.intp]:
+        """Footprints (n,) of images by their names; -1 where there is none."""
+        found = (self.place_of.get(stem_of(name), -1) for name in img_names)
+        return np.fromiter(found, np.intp, len(img_names))
 
+    def shapes(self, arrow: Any, places: NDArray[np.intp]) -> Any:
+        """Arrow array of footprints, null where there is none."""
+        buffers = [None, arrow.py_buffer(self.ends), arrow.py_buffer(self.data)]
+        whole = arrow.Array.from_buffers(arrow.large_binary(), len(self.kinds), buffers)
+        return whole.take(arrow.array(places, mask=places < 0)).cast(arrow.binary())
 
-def _polygons(kind: str, coordinates: Any) -> Sequence[Any]:
-    return coordinates if kind == "MultiPolygon" else [coordinates]
+    def about(self, places: NDArray[np.intp]) -> dict[str, Any]:
+        """What GeoParquet has to say of a column of them."""
+        return about_geometry(self.names_of(places), self.bounds[places[places >= 0]])
 
-
-def _bounds(kind: str, coordinates: Any) -> tuple[float, float, float, float]:
-    places = np.concatenate([np.asarray(rings[0], np.float64) for rings in _polygons(kind, coordinates)])
-    (west, south), (east, north) = places.min(axis=0).tolist(), places.max(axis=0).tolist()
-    return west, south, east, north
-
-
-def _binary(kind: str, coordinates: Any) -> bytes:
-    """Well-known binary of a GeoJSON polygon or several."""
-    polygons = [_polygon(rings) for rings in _polygons(kind, coordinates)]
-    if kind != "MultiPolygon":
-        return polygons[0]
-    return struct.pack("<BII", _LITTLE, _MULTIPOLYGON, len(polygons)) + b"".join(polygons)
+    def names_of(self, places: NDArray[np.intp]) -> set[str]:
+        """Kinds of some footprints, by GeoJSON's names."""
+        kinds = np.unique(self.kinds[places[places >= 0]]).tolist()
+        return {"MultiPolygon" if kind == _MULTIPOLYGON else "Polygon" for kind in kinds}
 
 
-def _polygon(rings: Sequence[Any]) -> bytes:
-    parts = [struct.pack("<BII", _LITTLE, _POLYGON, len(rings))]
-    for ring in rings:
-        parts += [struct.pack("<I", len(ring)), np.asarray(ring, "<f8").tobytes()]
-    return b"".join(parts)
+def about_geometry(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str, Any]:
+    """What GeoParquet has to say of a column of geometries of some kinds, with their bounds (n, 4)."""
+    whole = [*bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0)] if len(bounds) else [0.0] * 4
+    column = {
+        "encoding": "WKB",
+        "geometry_types": sorted(kinds),
+        "orientation": "counterclockwise",
+        "bbox": [float(edge) for edge in whole],
+    }
+    return {"version": GEOPARQUET, "primary_column": GEOMETRY, "columns": {GEOMETRY: column}}
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[IO[bytes]]:
+    """Open a file of this machine or a store to read it in blocks.
+
+    Raises
+    ------
+    OSError
+    OutputError
+        Of a store.
+    """
+    with store_errors(path) if is_address(path) else nullcontext(), path.open("rb", _BLOCK_BYTES) as file:
+        yield file
+
+
+def _features(path: Path) -> Iterator[Any]:
+    """Features of a capture's GeoJSON, which has each in a line."""
+    with reading(path) as file:
+        for line in file:
+            if line.startswith(_FEATURE):
+                yield parse_json(line.rstrip().rstrip(b","))
+
+
+def _packed(kind: str, coordinates: Any) -> tuple[bytes, tuple[float, float, float, float]]:
+    """Well-known binary of a GeoJSON polygon or several, and their bounds: west, south, east, north."""
+    polygons = coordinates if kind == "MultiPolygon" else [coordinates]
+    parts, lons, lats = [], [], []
+    for rings in polygons:
+        parts.append(struct.pack("<BII", _LITTLE, _POLYGON, len(rings)))
+        for ring in rings:
+            flat = [value for place in ring for value in place]
+            parts.append(struct.pack(f"<I{len(flat)}d", len(ring), *flat))
+            lons += flat[::2]
+            lats += flat[1::2]
+    if kind == "MultiPolygon":
+        parts.insert(0, struct.pack("<BII", _LITTLE, _MULTIPOLYGON, len(polygons)))
+    return b"".join(parts), (min(lons), min(lats), max(lons), max(lats))

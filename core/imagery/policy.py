@@ -10,7 +10,7 @@ from typing import Any
 from ..errors import InvalidInput, Message, OptionName, SourceError
 
 BULK = ("yes", "ask", "no")
-#: Share of a second that requests may be late or early on their way, so that one more of them falls into it.
+#: Share of a second that requests may be late on their way, so that one more of them would fall into it.
 _APART = 0.1
 
 
@@ -115,8 +115,8 @@ class Policy:
 
         No second has more requests in it than the provider allows, whenever these runs come and go, if the shares of
         those under way are never more than the whole: a share is a whole number of requests a second, a little more
-        than evenly apart, and the first comes a second after the run has begun, when what was asked for before it with
-        the same share is past.
+        than evenly apart, and the first comes a good second after the run has begun, when what was asked for before it
+        with the same share is past.
 
         Parameters
         ----------
@@ -127,12 +127,12 @@ class Policy:
             return self
         rate, connections = self.requests_per_s, self.max_connections
         if rate is not None:
-            rate = (rate if sharers == 1 else max(rate // sharers, 1.0)) / (1.0 + _APART)
+            rate = (max(rate // sharers, 1.0) if rate >= 1.0 else rate) / (1.0 + _APART)
         return replace(
             self,
             requests_per_s=rate,
             max_connections=None if connections is None else max(connections // sharers, 1),
-            rest_s=0.0 if rate is None else 1.0,
+            rest_s=0.0 if rate is None else 1.0 + _APART,
         )
 
     def check(

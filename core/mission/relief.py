@@ -162,9 +162,20 @@ class ReliefBelow:
                 self._check_whole(surface)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What images depend on; the heights themselves are opened anew, and set, where it is unpickled."""
+        """What images depend on, but the heights, which are large: see `opened`."""
         kept = ("mission", "radius_m", "lowest_m", "highest_m", "has_holes")
-        return {name: getattr(self, name) for name in kept}
+        without = replace(self._surface, heights_m=np.empty((0, 0), np.float32), holes=None)
+        return {**{name: getattr(self, name) for name in kept}, "_surface": without}
+
+    @property
+    def heights_m(self) -> NDArray[Any]:
+        """Heights of the surface that captures see, as they are known here, (rows, columns)."""
+        return self._surface.heights_m
+
+    def opened(self, heights: Heights, heights_m: NDArray[Any]) -> None:
+        """Have the heights again where it was unpickled: those that are read for each image, and `heights_m`."""
+        self.heights = heights
+        self._surface = replace(self._surface, heights_m=heights_m)
 
     def _read(self, lat_deg: Floats, lon_deg: Floats) -> None:
         """Read the relief about positions (n,) as far as images there see it."""

@@ -501,11 +501,20 @@ def frames_of(
     if not len(rows):
         raise InvalidInput("folder {0}: has no image to make a mosaic of", images.folder)
     if of_camera(images, rows, Path(folder)):
-        return _camera_frames(folder, images, rows, open_heights), images, rows
+        return camera_frames(folder, images, rows, open_heights), images, rows
     return _map_frames(images, rows), images, rows
 
 
-def _camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: OpenHeights) -> CameraFrames:
+def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: OpenHeights) -> CameraFrames:
+    """Camera frames of a dataset, of some rows of a map type's table; their files are not looked at.
+
+    Raises
+    ------
+    InvalidInput
+        A folder that has no mission, which tells the camera.
+    SourceError
+        Heights that cannot be had.
+    """
     if not (folder / MISSION_FILE).is_file():
         raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
     mission, table = Mission.load(folder / MISSION_FILE), images.table

@@ -175,8 +175,9 @@ def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes
 
 
 def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
-    """Lay the first image of some on the map, as a GeoTIFF of so many pixels along its longer side.
+    """Lay the first image of some on the map, as a GeoTIFF of so many pixels along its longer side at most.
 
+    Its pixels are no finer than half of the camera's straight below it: finer ones show nothing more.
     An image with the horizon in it reaches hundreds of kilometres: it is laid on the map as far as a pixel there is no
     wider than `_COARSEST` pixels of the camera straight below it.
 
@@ -197,7 +198,9 @@ def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
     alone = replace(alone, flattest_deg=_LEVEL_DEG)
     if not (west < east and south < north):
         raise _no_ground(alone)
-    pixel = max(east - west, north - south) / longest_px
+    lat, lon = places(frames.plane, *(at[:1] for at in frames.nadirs))
+    finest = alone.gsd_m / (2.0 * unit_m(frames.plane, float(lat[0]), float(lon[0])))
+    pixel = max(max(east - west, north - south) / longest_px, finest)
     width, height = (max(math.floor(length / pixel), 1) for length in (east - west, north - south))
     raster = Raster(west, north, pixel, pixel, width, height, frames.plane)
     write_orthomosaic(alone, raster, boxes, target)

@@ -2225,8 +2225,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out.</source>
-        <translation>Que aún no exista o esté vacía; si se omite, parquet y croissant van a la del propio conjunto de datos.</translation>
+        <source>Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out.</source>
+        <translation>Que aún no exista o esté vacía; si se omite, parquet, croissant y stac van a la del propio conjunto de datos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
@@ -2887,6 +2887,37 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Detalles</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
+        <source>&amp;Address</source>
+        <translation>&amp;Dirección</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
+        <source>Applied to requests to this web server; object stores take what AWS's tools are set to</source>
+        <translation>Se aplica a las peticiones a este servidor web; los almacenes de objetos usan lo que tengan configurado las herramientas de AWS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
+        <location filename="../../terrainav_plugin/panel/imagery.py"/>
+        <source>Authentication</source>
+        <translation>Autenticación</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
+        <source>TerrAInav: open dataset at an address</source>
+        <translation>TerrAInav: abrir un conjunto de datos en una dirección</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
+        <source>The dataset's folder, or its collection.json, items.parquet or meta_data.csv</source>
+        <translation>La carpeta del conjunto de datos, o su collection.json, items.parquet o meta_data.csv</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
+        <source>datasets-at-an-address</source>
+        <translation>conjuntos-de-datos-en-una-dirección</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>&amp;Dataset…</source>
         <translation>Con&amp;junto de datos…</translation>
@@ -2964,6 +2995,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>On a web server or in an object store, such as https://host/run or s3://bucket/run</source>
+        <translation>En un servidor web o en un almacén de objetos, como https://host/run o s3://bucket/run</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Open &amp;dataset folder…</source>
         <translation>Abrir carpeta de conjunto de &amp;datos…</translation>
     </message>
@@ -2971,6 +3007,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Open &amp;recent</source>
         <translation>Abrir &amp;reciente</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Open dataset at an &amp;address…</source>
+        <translation>Abrir conjunto de datos en una d&amp;irección…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3807,11 +3848,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
         <source>Address of the tiles with {z}, {x} and {y} or {-y}; also {s}, {q}, {r}, {map_type}, {date}</source>
         <translation>Dirección de las teselas con {z}, {x} e {y} o {-y}; también {s}, {q}, {r}, {map_type}, {date}</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/imagery.py"/>
-        <source>Authentication</source>
-        <translation>Autenticación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/imagery.py"/>
@@ -5497,8 +5533,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a description of its files. A benchmark becomes the layout of a published one.</source>
-        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face o una descripción de sus archivos. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
+        <source>Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets, a description of its files, or STAC items and their collection. A benchmark becomes the layout of a published one.</source>
+        <translation>Las vistas de cámara se convierten en un modelo de COLMAP, las transformaciones de nerfstudio o una trayectoria; las imágenes quedan donde están. Cualquier conjunto de datos se convierte en tablas de Parquet, carpetas para los datasets de Hugging Face, una descripción de sus archivos, o ítems STAC y su colección. Un conjunto de evaluación toma la estructura de uno publicado.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -5732,8 +5768,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
-        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,benchmark</source>
-        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,evaluación</translation>
+        <source>dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark</source>
+        <translation>conjunto de datos,exportar,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,evaluación</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -6311,6 +6347,96 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>capa {name}: su servicio tiene teselas de {size} px; elija una capa con teselas de 256, 512 o 1024 px</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address {address}: must begin with https://, http:// or s3://</source>
+        <translation>dirección {address}: debe empezar por https://, http:// o s3://</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address {address}: names no server or bucket</source>
+        <translation>dirección {address}: no indica ningún servidor ni «bucket»</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address: holds ? or #; it must be that of the dataset's folder alone</source>
+        <translation>dirección: contiene ? o #; debe ser solo la de la carpeta del conjunto de datos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address: holds a user's name or password; it must not, as QGIS's authentication is for these</source>
+        <translation>dirección: contiene un nombre de usuario o una contraseña; no debe ser así, para eso está la autenticación de QGIS</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address: is missing; it must be such as https://host/run or s3://bucket/run</source>
+        <translation>dirección: falta; debe ser como https://host/run o s3://bucket/run</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
+        <source>{address}: has no {name}</source>
+        <translation>{address}: no tiene {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
+        <source>{address}: has no {name}, so it is no dataset of a capture, or is not there</source>
+        <translation>{address}: no tiene {name}, de modo que no es el conjunto de datos de una captura, o no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
+        <source>{name} has its images in shards and can be looked at only</source>
+        <translation>{name} tiene sus imágenes en fragmentos y solo se puede ver</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
+        <source>{name} is at an address and can be looked at only: {address}</source>
+        <translation>{name} está en una dirección y solo se puede ver: {address}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>There is no image (yet) at {address}</source>
+        <translation>(Todavía) no hay ninguna imagen en {address}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>image {name}: has more than {most} bytes</source>
+        <translation>imagen {name}: tiene más de {most} bytes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>image {name}: its row of the table names no part of a shard</source>
+        <translation>imagen {name}: su fila de la tabla no indica ninguna parte de un fragmento</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>shard {shard}: cannot be read ({reason})</source>
+        <translation>fragmento {shard}: no se puede leer ({reason})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>shard {shard}: holds no image where the table says; it is torn, or another one</source>
+        <translation>fragmento {shard}: no contiene ninguna imagen donde dice la tabla; está dañado o es otro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>shard {shard}: is not there</source>
+        <translation>fragmento {shard}: no existe</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>shard {shard}: is torn, it ends before the image does</source>
+        <translation>fragmento {shard}: está dañado, acaba antes que la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
+        <source>{shard}, bytes {first} to {last}</source>
+        <translation>{shard}, bytes {first} a {last}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/store.py"/>
+        <source>fetching: stopped</source>
+        <translation>obtención: detenida</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/results/compare.py"/>
         <source> s</source>
         <translation> s</translation>
@@ -6434,6 +6560,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>Failed</source>
         <translation>Fallida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>Fetching {name}…</source>
+        <translation>Obteniendo {name}…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -6893,6 +7024,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
         <location filename="../../core/files.py"/>
@@ -7063,6 +7195,117 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: clasifican {1}, que es de otra parte que las consultas</translation>
     </message>
     <message>
+        <location filename="../../core/capture/blocks/block.py"/>
+        <source>{0}: has no {1} any more</source>
+        <translation>{0}: ya no tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>address {0}: another run has taken over, as this one gave no sign of life for {1:g} s</source>
+        <translation>dirección {0}: otra ejecución ha tomado el relevo, porque esta no dio señales de vida durante {1:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>address {0}: another run is at work there</source>
+        <translation>dirección {0}: otra ejecución está trabajando ahí</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <location filename="../../core/capture/folder.py"/>
+        <source>choose another one</source>
+        <translation>elija otra</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>folder {0}: was captured without blocks</source>
+        <translation>carpeta {0}: se capturó sin bloques</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>wait until it has ended</source>
+        <translation>espere a que termine</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>{0}: holds this mission with other images, because the source or the version was another</source>
+        <translation>{0}: contiene esta misión con otras imágenes, porque la fuente o la versión era otra</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>{0}: was begun with the layout {1} and blocks of {2} images: it goes on with the same</source>
+        <translation>{0}: se empezó con la disposición {1} y bloques de {2} imágenes: continúa con las mismas</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/division.py"/>
+        <source>block {0!r}: must be 1 to {1:,} images, such as 256, or their size in MB, such as 200MB</source>
+        <translation>bloque {0!r}: debe tener de 1 a {1:,} imágenes, como 256, o su tamaño en MB, como 200MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT</source>
+        <translation>clúster {0!r}: debe ser local:N, N procesos de este equipo hasta {1:,}, o dask://HOST:PORT</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cluster {0}: no scheduler answers there</source>
+        <translation>clúster {0}: ahí no responde ningún planificador</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>clusters: Dask's distributed cannot be imported ({0})</source>
+        <translation>clústeres: no se puede importar distributed de Dask ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>get it with: pip install 'terrainav[cluster]'</source>
+        <translation>instálelo con: pip install 'terrainav[cluster]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>block {0}: {1}, {2} times: given up</source>
+        <translation>bloque {0}: {1}, {2} veces: se abandona</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>block {0}: {1}: it is begun again</source>
+        <translation>bloque {0}: {1}: se empieza de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>its worker died</source>
+        <translation>su proceso de trabajo murió</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: TerrAInav is not installed on all of them</source>
+        <translation>procesos de trabajo: TerrAInav no está instalado en todos</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: went away ({0})</source>
+        <translation>procesos de trabajo: han desaparecido ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>{0} on its worker ({1})</source>
+        <translation>{0} en su proceso de trabajo ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>address {0}: already holds this mission</source>
+        <translation>dirección {0}: ya contiene esta misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>address {0}: holds another mission</source>
+        <translation>dirección {0}: contiene otra misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>address {0}: holds {1} but no {2}, so it is not this mission's</source>
+        <translation>dirección {0}: contiene {1} pero no {2}, de modo que no es de esta misión</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/folder.py"/>
         <source>capture it first</source>
         <translation>captúrela primero</translation>
@@ -7087,6 +7330,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
+        <location filename="../../core/stores.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
     </message>
@@ -7104,6 +7348,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/folder.py"/>
         <source>folder {0}: holds {1} but no {2}, so it is not this mission's</source>
         <translation>carpeta {0}: contiene {1} pero no {2}, así que no es la de esta misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/folder.py"/>
+        <source>resume it{0} or choose another one</source>
+        <translation>reanúdela{0} o elija otra</translation>
     </message>
     <message>
         <location filename="../../core/capture/georeference.py"/>
@@ -7133,14 +7382,42 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>diario {0}: no está abierto</translation>
     </message>
     <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>capture {0} of the plan: it has 0 to {1}</source>
+        <translation>captura {0} del plan: tiene de 0 a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}</source>
+        <translation>formato de imagen {0}: tiene gris, o rojo, verde y azul de 8 bits, y {1} da {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each</source>
+        <translation>imágenes de {0:,} px con {1} bandas de {2}: más de {3:,} bytes cada una</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/imagery/staticmap.py"/>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>map type {0!r}: {1} has {2}</source>
+        <translation>tipo de mapa {0!r}: {1} tiene {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/making.py"/>
+        <source>plan is for another pixel grid than that of {0}: plan with the source's own</source>
+        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planifique con la de la fuente</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/pipeline.py"/>
         <source>not begun: the run was stopped</source>
         <translation>no se ha empezado: se detuvo la ejecución</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
-        <source>capture {0} of the plan: it has 0 to {1}</source>
-        <translation>captura {0} del plan: tiene de 0 a {1}</translation>
+        <source>capture in blocks: needs a source by its name, and is of all captures of a plan</source>
+        <translation>captura en bloques: necesita una fuente por su nombre, y abarca todas las capturas de un plan</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -7154,26 +7431,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
-        <source>image format {0}: has grey, or red, green and blue of 8 bits, and {1} gives {2}</source>
-        <translation>formato de imagen {0}: tiene gris, o rojo, verde y azul de 8 bits, y {1} da {2}</translation>
+        <source>folder {0}: was captured in blocks</source>
+        <translation>carpeta {0}: se capturó en bloques</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
-        <source>images of {0:,} px with {1} bands of {2}: more than {3:,} bytes each</source>
-        <translation>imágenes de {0:,} px con {1} bandas de {2}: más de {3:,} bytes cada una</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <location filename="../../core/dataset/dataset.py"/>
-        <location filename="../../core/imagery/staticmap.py"/>
-        <location filename="../../core/imagery/xyz.py"/>
-        <source>map type {0!r}: {1} has {2}</source>
-        <translation>tipo de mapa {0!r}: {1} tiene {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/runner.py"/>
-        <source>plan is for another pixel grid than that of {0}: plan with the source's own</source>
-        <translation>el plan es para otra cuadrícula de píxeles que la de {0}: planifique con la de la fuente</translation>
+        <source>source {0!r}: must be opened, but for a capture in blocks</source>
+        <translation>fuente {0!r}: debe estar abierta, salvo para una captura en bloques</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -7350,6 +7614,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/stored.py"/>
         <source>image {0}: is not there</source>
         <translation>imagen {0}: no está</translation>
     </message>
@@ -7357,6 +7622,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>its pixels are damaged or cut off</source>
         <translation>sus píxeles están dañados o cortados</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>layout VBN: {0} is in an object store; must be a folder of this machine</source>
+        <translation>disposición VBN: {0} está en un almacén de objetos; debe ser una carpeta de este equipo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -7437,6 +7707,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/folder.py"/>
         <source>folder {0}: is one map type of the dataset {1}</source>
         <translation>carpeta {0}: es un tipo de mapa del conjunto de datos {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/folder.py"/>
+        <source>folder {0}: its images are in shards or in an object store, and here have to be files of a folder</source>
+        <translation>carpeta {0}: sus imágenes están en fragmentos o en un almacén de objetos, y aquí deben ser archivos de una carpeta</translation>
     </message>
     <message>
         <location filename="../../core/dataset/folder.py"/>
@@ -7699,6 +7974,41 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>detenido mientras se dividían las imágenes: nada ha cambiado</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>folder {0}: the shard {1} of the table is not there</source>
+        <translation>carpeta {0}: el fragmento {1} de la tabla no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>folder {0}: the table does not say where in a shard {1} is</source>
+        <translation>carpeta {0}: la tabla no dice en qué parte de un fragmento está {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>image {0}: is not where the table says it is, as the shard is torn or another one</source>
+        <translation>imagen {0}: no está donde dice la tabla, porque el fragmento está dañado o es otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>put back the shard that belongs to the table</source>
+        <translation>devuelva a su sitio el fragmento que corresponde a la tabla</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: cannot be read ({1})</source>
+        <translation>fragmento {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: is cut short, as it has {1:,} bytes of {2:,.0f} that its images need</source>
+        <translation>fragmento {0}: está cortado, porque tiene {1:,} bytes de los {2:,.0f} que necesitan sus imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: is not there</source>
+        <translation>fragmento {0}: no existe</translation>
+    </message>
+    <message>
         <location filename="../../core/dataset/table.py"/>
         <source>and {0:,} more</source>
         <translation>y {0:,} más</translation>
@@ -7874,8 +8184,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
-        <source>format parquet: needs the Python package pyarrow, which is not installed</source>
-        <translation>formato parquet: necesita el paquete de Python pyarrow, que no está instalado</translation>
+        <source>format {0}: needs the Python package pyarrow, which is not installed</source>
+        <translation>formato {0}: necesita el paquete de Python pyarrow, que no está instalado</translation>
     </message>
     <message>
         <location filename="../../core/exports/kinds.py"/>
@@ -7890,6 +8200,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/exports/localisers.py"/>
         <location filename="../../core/files.py"/>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>folder {0}: cannot be made ({1})</source>
         <translation>carpeta {0}: no se puede crear ({1})</translation>
     </message>
@@ -7914,9 +8225,15 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>banco de pruebas {0}: no dice cómo se tomaron sus consultas</translation>
     </message>
     <message>
+        <location filename="../../core/exports/stac.py"/>
+        <location filename="../../core/exports/views.py"/>
+        <source>folder {0}: has no image to export</source>
+        <translation>carpeta {0}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
         <location filename="../../core/exports/tables.py"/>
-        <source>format parquet: pyarrow cannot be imported ({0})</source>
-        <translation>formato parquet: no se puede importar pyarrow ({0})</translation>
+        <source>format {0}: pyarrow cannot be imported ({1})</source>
+        <translation>formato {0}: no se puede importar pyarrow ({1})</translation>
     </message>
     <message>
         <location filename="../../core/exports/tables.py"/>
@@ -7927,11 +8244,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/views.py"/>
         <source>capture camera frames ({0} camera)</source>
         <translation>capture imágenes de cámara ({0} camera)</translation>
-    </message>
-    <message>
-        <location filename="../../core/exports/views.py"/>
-        <source>folder {0}: has no image to export</source>
-        <translation>carpeta {0}: no tiene imágenes que exportar</translation>
     </message>
     <message>
         <location filename="../../core/exports/views.py"/>
@@ -8048,6 +8360,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>folder {0}: is not empty</source>
         <translation>carpeta {0}: no está vacía</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: must be one of this machine</source>
+        <translation>carpeta {0}: debe ser una de este equipo</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
@@ -13383,6 +13700,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>más de {0} MB o {1:,} elementos</translation>
     </message>
     <message>
+        <location filename="../../core/stores.py"/>
+        <source>address {0!r}: must be a folder, or begin with {1}</source>
+        <translation>dirección {0!r}: debe ser una carpeta o empezar por {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>addresses of object stores: {0} cannot be imported ({1})</source>
+        <translation>direcciones de almacenes de objetos: no se puede importar {0} ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>file {0}: cannot be read ({1})</source>
+        <translation>archivo {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>get it with: pip install {0}</source>
+        <translation>instálelo con: pip install {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>make the bucket first</source>
+        <translation>cree antes el «bucket»</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0}: access is refused: the credentials do not allow it</source>
+        <translation>{0}: se deniega el acceso: las credenciales no lo permiten</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0}: cannot be reached ({1})</source>
+        <translation>{0}: no se puede acceder ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0}: is not there, or {1} is not</source>
+        <translation>{0}: no existe, o no existe {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0}: no valid credentials: they are taken from where the store's own tools have them</source>
+        <translation>{0}: no hay credenciales válidas: se toman de donde las tienen las herramientas propias del almacén</translation>
+    </message>
+    <message>
         <location filename="../../core/text.py"/>
         <source>{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970</source>
         <translation>{0} hora {1!r}: debe ser como 2024-06-21T10:30:00Z, o segundos desde 1970</translation>
@@ -13515,6 +13877,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/rectify.py"/>
+        <location filename="../../terrainav_plugin/remote/images.py"/>
         <source>image {0}: cannot be written ({1})</source>
         <translation>imagen {0}: no se puede escribir ({1})</translation>
     </message>
@@ -13572,6 +13935,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/qgis_source/source.py"/>
         <source>{0} shows nothing here</source>
         <translation>{0} no muestra nada aquí</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>environment variable AWS_ENDPOINT_URL: must be such as {0}</source>
+        <translation>variable de entorno AWS_ENDPOINT_URL: debe ser como {0}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/store.py"/>
+        <source>{0}: has changed while it was read</source>
+        <translation>{0}: ha cambiado mientras se leía</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/store.py"/>
+        <source>{0}: has {1} bytes, more than {2}</source>
+        <translation>{0}: tiene {1} bytes, más de {2}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/store.py"/>
+        <source>{0}: sends whole files only, and images in shards are parts of files</source>
+        <translation>{0}: solo envía archivos enteros, y las imágenes en fragmentos son partes de archivos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/store.py"/>
+        <source>{0}: the server sent another part than asked for</source>
+        <translation>{0}: el servidor envió una parte distinta de la solicitada</translation>
     </message>
 </context>
 </TS>

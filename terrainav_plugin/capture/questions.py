@@ -13,6 +13,7 @@ from qgis.PyQt.QtWidgets import QMessageBox, QWidget
 from ...core.errors import TerrAInavError
 from ..i18n import tr, translate
 from ..paths import folder_of, next_folder, place_of
+from ..remote.copies import why_unchangeable
 from ..settings import Settings
 from ..sources import credentials_problem, terms_problem
 
@@ -51,10 +52,11 @@ class Questions:
         self._mark, self._capture_into, self._taken = mark, capture_into, taken
 
     def folder_is_given(self, text: str) -> bool:
-        """Whether there is a folder to write to; says so at the field where there is none."""
-        if text.strip():
+        """Whether there is a folder that can be written to; says so at the field where there is none."""
+        if not text.strip():
+            message = tr("no folder: choose where to save the images")
+        elif not (message := why_unchangeable(folder_of(text))):
             return True
-        message = tr("no folder: choose where to save the images")
         self._mark({"folder": message})
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False

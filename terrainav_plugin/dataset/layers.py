@@ -47,13 +47,15 @@ _NAME = re.compile(rb'"name": "([^"]*)"')
 class OpenedResults(NamedTuple):
     """Layers of a dataset that are in no project yet; they belong to the main thread.
 
-    A mosaic has none that is still to be put in its place, or that the main thread alone can open.
+    A mosaic has none that is still to be put in its place, or that the main thread alone can open. Images that are no
+    files in the folder have no paths.
     """
 
     folder: Path
     mission: Mission
     footprints: QgsVectorLayer
     mosaics: list[tuple[Mosaic, QgsRasterLayer | None]]
+    has_paths: bool = True
 
 
 def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> OpenedResults:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
+from uuid import uuid4
 
 import numpy as np
 from osgeo import gdal
@@ -88,18 +90,28 @@ class Depth(NamedTuple):
         return float(self.least_m ** (1.0 - share) * self.most_m**share)
 
 
-def read_depth(path: Path, longest_px: int) -> Depth | None:
-    """Read the depth of a picture, made smaller as `read_picture` does, but never mixed; None where there is none."""
-    if not path.is_file():
+def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth | None:
+    """Read the depth of a picture, made smaller as `read_picture` does, but never mixed; None where there is none.
+
+    Parameters
+    ----------
+    path : Path
+    longest_px : int
+    data : bytes or None
+        Of the file, where it is not on this machine.
+    """
+    if data is None and not path.is_file():
         return None
     try:
-        file = gdal.Open(str(path))
-        if file is None:
-            raise RuntimeError(gdal.GetLastErrorMsg())
-        band, size = file.GetRasterBand(1), _size(file, longest_px)
-        read, mask = band.ReadAsArray(**size), band.GetMaskBand().ReadAsArray(**size)
-        if read is None or mask is None:
-            raise RuntimeError(gdal.GetLastErrorMsg())
+        with _openable(path, data) as name:
+            file = gdal.Open(name)
+            if file is None:
+                raise RuntimeError(gdal.GetLastErrorMsg())
+            band, size = file.GetRasterBand(1), _size(file, longest_px)
+            read, mask = band.ReadAsArray(**size), band.GetMaskBand().ReadAsArray(**size)
+            if read is None or mask is None:
+                raise RuntimeError(gdal.GetLastErrorMsg())
+            del band, file
     except RuntimeError as wrong:
         # The picture is shown all the same.
         problem = tr("The depth cannot be read: {reason}").format(reason=one_line(str(wrong)))
@@ -127,23 +139,49 @@ def depth_colours(share: np.ndarray) -> np.ndarray:
     return np.rint(colours).astype(np.uint8)
 
 
-def read_picture(path: Path, longest_px: int) -> Picture:
-    """Read a GeoTIFF, JPEG or PNG, made smaller where its longer side has more than ``longest_px``."""
-    if not path.is_file():
+def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Picture:
+    """Read a GeoTIFF, JPEG or PNG, made smaller where its longer side has more than ``longest_px``.
+
+    Parameters
+    ----------
+    path : Path
+    longest_px : int
+    data : bytes or None
+        Of the file, where it is not on this machine.
+    """
+    if data is None and not path.is_file():
         return Picture(path, None, problem=tr("There is no image (yet)."))
     try:
-        file = open_shown(path)
-        if file is None:
-            raise RuntimeError(gdal.GetLastErrorMsg())
-        width, height = file.RasterXSize, file.RasterYSize
-        bands = file.ReadAsArray(resample_alg=gdal.GRIORA_Average, **_size(file, longest_px))
-        metadata = dict(file.GetMetadata())
+        with _openable(path, data) as name:
+            file = open_shown(name)
+            if file is None:
+                raise RuntimeError(gdal.GetLastErrorMsg())
+            width, height = file.RasterXSize, file.RasterYSize
+            bands = file.ReadAsArray(resample_alg=gdal.GRIORA_Average, **_size(file, longest_px))
+            metadata = dict(file.GetMetadata())
+            # Before what it reads is gone.
+            del file
     except RuntimeError as wrong:
         return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
     if bands is None:
         reason = gdal.GetLastErrorMsg()
         return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=reason))
     return Picture(path, _image(bands), width, height, metadata)
+
+
+@contextmanager
+def _openable(path: Path, data: bytes | None) -> Iterator[str]:
+    """Name that GDAL opens a file by; one of memory for bytes that were fetched."""
+    if data is None:
+        yield str(path)
+        return
+    folder = f"/vsimem/terrainav-{uuid4().hex}"
+    name = f"{folder}/{path.name}"
+    gdal.FileFromMemBuffer(name, data)
+    try:
+        yield name
+    finally:
+        gdal.Unlink(name)
 
 
 def _size(file: gdal.Dataset, longest_px: int) -> dict[str, int]:

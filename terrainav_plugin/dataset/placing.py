@@ -77,6 +77,13 @@ def show_results(group: MissionGroup, opened: OpenedResults, changed: bool = Tru
     return [footprints, *mosaics]
 
 
+def reread_footprints(group: MissionGroup) -> None:
+    """Have the layer of a group's footprints, if there is one, show what its file holds now."""
+    layer = group.layer(CAPTURED)
+    if layer is not None:
+        layer.setDataSource(layer.source(), layer.name(), "ogr", QgsDataProvider.ProviderOptions())
+
+
 def show_failed(group: MissionGroup, layer: QgsVectorLayer | None) -> None:
     """Show the images that have failed, in place of those that had before; none, where nothing has."""
     if layer is None:
@@ -164,7 +171,7 @@ def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
         return layer
     opened.footprints.loadNamedStyle(style("captured"))
     hide_antimeridian(opened.footprints)
-    _name_pictures(opened.footprints, opened.mission)
+    _name_pictures(opened.footprints, opened.mission, opened.has_paths)
     if layer is not None:
         group.replace(layer, opened.footprints, CAPTURED)
     else:
@@ -172,13 +179,14 @@ def _show_footprints(group: MissionGroup, opened: OpenedResults) -> QgsMapLayer:
     return opened.footprints
 
 
-def _name_pictures(layer: QgsVectorLayer, mission: Mission) -> None:
+def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> None:
     """Give footprints the paths of their pictures: as attributes, in map tips, and to be opened.
 
-    Paths follow the layer: a folder can be moved together with its project.
+    Paths follow the layer: a folder can be moved together with its project. Where images are no files here, map tips
+    show poses alone.
     """
     tips = []
-    for map_type in mission.imagery.map_types:
+    for map_type in mission.imagery.map_types if has_paths else ():
         ending = mission.output.image_format
         path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{ending}'"
         name = f"{map_type}_file"

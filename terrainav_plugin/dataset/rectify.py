@@ -7,15 +7,20 @@ those put an image tilted by 60 degrees a hundred pixels off, or its corners for
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from osgeo import gdal
 
+from ...core.dataset.dataset import ImageSet, read_dataset
+from ...core.dataset.folder import TABLE_FILE
+from ...core.dataset.ground import of_camera
+from ...core.dataset.table import Table, taken
 from ...core.errors import InvalidInput, Message, OutputError
 from ...core.files import partial_file
-from ...core.mosaic.frames import CameraFrames, frames_of
+from ...core.mosaic.frames import CameraFrames, camera_frames
 from ...core.mosaic.orthomosaic import Orthomosaic, make_orthomosaic, orthorectify
 from ..i18n import tr
 
@@ -30,6 +35,8 @@ _LONGEST_PX = 2000
 _MOST_PX = 1 << 28
 #: Folder in a dataset of the images that are laid on the map one by one.
 ON_MAP_FOLDER = "on-map"
+#: Folder in that of images that are none of the dataset's folder: at an address, or in a shard.
+_FETCHED_FOLDER = "fetched"
 #: Overviews go on until the map fits about a thumbnail.
 _LAST_PX = 256
 
@@ -56,27 +63,56 @@ def lay_on_map(plan: Plan, picture: Path, target: Path) -> None:
     _lay_on_map(CameraFrames.of_plan(plan, 0, picture), target)
 
 
-def lay_image_on_map(folder: Path, map_type: str, file: str, open_heights: OpenHeights) -> Path:
+def lay_image_on_map(
+    folder: Path,
+    map_type: str,
+    file: str,
+    open_heights: OpenHeights,
+    fetch: Callable[[Path], None] | None = None,
+) -> Path:
     """Make what shows one image of a dataset on the map; returns its file, of a map frame the image itself.
+
+    Parameters
+    ----------
+    folder : Path
+    map_type, file : str
+    open_heights : callable
+    fetch : callable or None
+        Writes the image into a file, where it is none of the dataset's folder.
 
     Raises
     ------
     InvalidInput, OutputError, SourceError
         As `lay_on_map` does; an image that is not in the dataset, or is rejected.
     """
-    frames, _, _ = frames_of(folder, map_type, open_heights)
-    index = next((at for at, path in enumerate(frames.paths) if path.name == file), None)
-    if index is None:
+    if fetch is not None:
+        picture = fetched_file(folder, map_type, file)
+        fetch(picture)
+        if _is_placed(picture):
+            return picture
+        table = folder / map_type / TABLE_FILE
+        images = ImageSet(map_type, table.parent, Table.load(table), table.parent)
+    else:
+        images = read_dataset(folder).image_set(map_type)
+    rows = np.array([row for row, name in enumerate(images.table.img_names) if name == file], np.int64)
+    if not len(rows) or not taken(images.table)[rows[0]]:
         raise InvalidInput(tr("image {name}: is not in the dataset, or is rejected").format(name=file))
-    if not isinstance(frames, CameraFrames):
-        return frames.paths[index]
+    if fetch is None:
+        picture = images.path(int(rows[0]))
+        if not of_camera(images, rows, folder):
+            return picture
     target = folder / ON_MAP_FOLDER / map_type / f"{Path(file).stem}.tif"
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
     except OSError as wrong:
         raise OutputError("image {0}: cannot be written ({1})", target, wrong.strerror) from wrong
-    _lay_on_map(frames.take(np.array([index])), target)
+    _lay_on_map(replace(camera_frames(folder, images, rows, open_heights), paths=(picture,)), target)
     return target
+
+
+def fetched_file(folder: Path, map_type: str, file: str) -> Path:
+    """Where an image that is none of a dataset's folder is written once it was fetched."""
+    return folder / ON_MAP_FOLDER / map_type / _FETCHED_FOLDER / file
 
 
 def write_mosaic(
@@ -127,6 +163,12 @@ def _add_overviews(path: Path) -> None:
     if factors and raster.BuildOverviews("AVERAGE", factors) != gdal.CE_None:
         raise _failed(path)
     del raster
+
+
+def _is_placed(path: Path) -> bool:
+    """Whether an image has a place on the map of its own, as map frames alone have."""
+    image = gdal.Open(str(path))
+    return image is not None and image.GetGeoTransform(can_return_null=True) is not None
 
 
 def _failed(path: Path) -> OutputError:

@@ -61,7 +61,7 @@ def how_shown(image: gdal.Dataset) -> Shown:
     return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask)
 
 
-def open_shown(path: Path) -> gdal.Dataset | None:
+def open_shown(path: str | Path) -> gdal.Dataset | None:
     """Image of 8 bits, grey or colours, and a mask where the file has one; None where GDAL opens none."""
     image = gdal.Open(str(path))
     if image is None:

@@ -75,7 +75,9 @@ class ExportTab(Tab):
         self.target = folder_entry(
             "export_folder",
             tr("TerrAInav: folder of the export"),
-            tr("Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out."),
+            tr(
+                "Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."
+            ),
         )
         self.target.fileChanged.connect(lambda _path: self.enable())
         self.export = push_button("export", tr("E&xport"), tr("Write the dataset in this format"))

@@ -23,6 +23,8 @@ from ..tasks import single_shot
 
 #: Custom properties of the group, saved with the project.
 _FOLDER, _MISSION, _CURRENT = "terrainav/folder", "terrainav/mission", "terrainav/current"
+#: Custom property of the group of a dataset that is at an address: without credentials.
+_ADDRESS = "terrainav/address"
 #: Custom property of a group that holds several datasets of one mission.
 _SEVERAL = "terrainav/several"
 #: Custom property of each layer: what it shows. A reopened project is recognised by it.
@@ -69,6 +71,16 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
         current = bool(group.customProperty(_CURRENT))
         missions.append(SavedMission(group.name(), group.customProperty(_FOLDER), text, current))
     return missions
+
+
+def addresses(project: QgsProject) -> list[tuple[Path, str]]:
+    """Folders of the datasets of a project that were copied from an address, and these."""
+    groups = project.layerTreeRoot().findGroups(True)
+    return [
+        (Path(group.customProperty(_FOLDER)), group.customProperty(_ADDRESS))
+        for group in groups
+        if group.customProperty(_ADDRESS)
+    ]
 
 
 def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapLayer]]:
@@ -234,6 +246,12 @@ class MissionGroup:
         group = self.find()
         if group is not None:
             group.setCustomProperty(_MISSION, text)
+
+    def remember_address(self, address: str) -> None:
+        """Keep where the dataset is from with the group."""
+        group = self.find()
+        if group is not None:
+            group.setCustomProperty(_ADDRESS, address)
 
     def gather(self, is_same: Callable[[str], bool]) -> None:
         """Put this group and those of the same mission, of other sources or dates, under one parent.

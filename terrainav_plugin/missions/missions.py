@@ -10,24 +10,28 @@ from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsVectorLayer
 from qgis.PyQt.QtCore import QObject, pyqtSignal
-from qgis.PyQt.QtWidgets import QFileDialog, QMenu, QToolButton
+from qgis.PyQt.QtWidgets import QDialog, QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
 from ..dataset.mosaic import Mosaic, build_any_mosaics, mosaics_there
-from ..dataset.placing import show_failed, show_results
+from ..dataset.placing import reread_footprints, show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
 from ..form.state import BOX_FIELDS, DECLARED
 from ..i18n import tr, translate
-from ..map.mission_group import SavedMission, mission_layers, saved_missions
+from ..map.mission_group import SavedMission, addresses, mission_layers, saved_missions
 from ..paths import folder_of, next_folder
 from ..plain import shown_plain
+from ..remote.address import Address
+from ..remote.copies import address_of, copy_dataset, copy_of, has_images_elsewhere, why_unchangeable
+from ..remote.store import Store
 from ..settings import Settings, recent, remember
 from ..sources import grid_finder
 from ..tasks import Task
+from .address_dialog import AddressDialog
 from .plan_export import PlanExport
 
 if TYPE_CHECKING:
@@ -63,7 +67,7 @@ class DatasetTask(Task):
     def __init__(
         self,
         folder: Path,
-        mission: Mission,
+        mission: Mission | None,
         missions: Mapping[Path, Mission],
         find_grids: Mapping[Path, Callable[[], PixelGrid]],
     ) -> None:
@@ -77,12 +81,13 @@ class DatasetTask(Task):
     def work(self) -> None:
         """Open."""
         for folder, mission in self._missions.items():
-            mosaics = mosaics_there(folder, mission)
+            elsewhere = has_images_elsewhere(folder)
+            mosaics = [] if elsewhere else mosaics_there(folder, mission)
             if mosaics is None:
                 mosaics = self._made_mosaics(folder, mission)
             if self.isCanceled():
                 return
-            self.opened.append(open_results(folder, mission, mosaics))
+            self.opened.append(open_results(folder, mission, mosaics)._replace(has_paths=not elsewhere))
             self.failed.append(self._open_failed(folder))
             if self.isCanceled():
                 return
@@ -105,6 +110,39 @@ class DatasetTask(Task):
             # The footprints can be had without the source.
             self.left_out = translate(wrong)
             return []
+
+
+class AddressTask(DatasetTask):
+    """Opens a dataset at an address: copies what its footprints need, and opens the copy.
+
+    Parameters
+    ----------
+    address : Address
+    again : bool
+        Whether the project knows it already: the panel stays as it is.
+    """
+
+    def __init__(self, address: Address, again: bool = False) -> None:
+        super().__init__(copy_of(address), None, {}, {})
+        self.address, self.again = address, again
+        self._store = Store(address)
+
+    def work(self) -> None:
+        """Copy and open."""
+        self.folder, self.mission = copy_dataset(self._store, self.go_on)
+        self._missions = _missions_inside(self.mission, self.folder)
+        super().work()
+
+    def cancel(self) -> None:
+        """End the requests as well."""
+        super().cancel()
+        self._store.close()
+
+    def finished(self, result: bool) -> None:
+        """Tell; on the main thread."""
+        # A task that is cancelled before its turn does not run.
+        self._store.close()
+        super().finished(result)
 
 
 class Missions(QObject):
@@ -161,6 +199,8 @@ class Missions(QObject):
         self._read, self._write, self._captures = read, write, captures
         self._settings = Settings()
         self._task: DatasetTask | None = None
+        #: Addresses that were asked again, by the number of the project that shows them.
+        self._sought: set[tuple[int, str]] = set()
         self.plan_export = PlanExport(
             button, messages, self._folder, lambda: self._read().drone != DECLARED["drone"].default
         )
@@ -201,11 +241,15 @@ class Missions(QObject):
         menu.addAction(tr("&New mission"), self.begin_new)
         menu.addAction(tr("&Open mission file…"), self.ask_for_file)
         menu.addAction(tr("Open &dataset folder…"), self.ask_for_dataset)
+        at_address = menu.addAction(tr("Open dataset at an &address…"), self.ask_for_address)
+        at_address.setToolTip(
+            tr("On a web server or in an object store, such as https://host/run or s3://bucket/run")
+        )
         last = menu.addMenu(tr("Open &recent"))
         for path in recent():
-            last.addAction(_plain(str(path)), partial(self.open_path, path)).setToolTip(
-                shown_plain(str(path))
-            )
+            address = address_of(path)
+            text = str(path) if address is None else address.url
+            last.addAction(_plain(text), partial(self.open_path, path)).setToolTip(shown_plain(text))
         last.setEnabled(not last.isEmpty())
         menu.addAction(tr("&Save mission as file…"), self.save_as)
         export = menu.addAction(tr("&Export plan…"), self.plan_export.ask)
@@ -218,9 +262,12 @@ class Missions(QObject):
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
         failed.setEnabled((self._folder() / FAILED_FILE).is_file())
+        unchangeable = why_unchangeable(self._folder())
         clean = menu.addAction(tr("&Dataset…"), self.clean)
         clean.setToolTip(tr("Clean, split, export and look at the dataset of the panel's mission"))
-        clean.setEnabled((self._folder() / MISSION_FILE).is_file())
+        clean.setEnabled((self._folder() / MISSION_FILE).is_file() and not unchangeable)
+        for action in (failed, clean) if unchangeable else ():
+            action.setToolTip(shown_plain(unchangeable))
         compare = menu.addAction(tr("Co&mpare images…"), self.compare_wanted.emit)
         compare.setToolTip(tr("Flicker between two images on the map, such as two dates of one mission"))
         compare.setEnabled(len(mission_layers(self._open_project.project, RASTER)) > 1)
@@ -232,6 +279,7 @@ class Missions(QObject):
         saved = saved_missions(self._open_project.project)
         if saved:
             self._open_saved(next((mission for mission in saved if mission.current), saved[0]), zoom=False)
+        self._open_lost()
 
     def open_saved(self, saved: SavedMission) -> None:
         """Make a mission of the project the one in the panel."""
@@ -258,9 +306,49 @@ class Missions(QObject):
         if path:
             self.open_path(Path(path))
 
+    def ask_for_address(self) -> None:
+        """Let the user enter the address of a dataset, and open it."""
+        dialog = AddressDialog(self._button.window())
+        if dialog.exec() == QDialog.DialogCode.Accepted:
+            if dialog.address is None:
+                self.open_path(folder_of(dialog.entry.text()))
+            else:
+                self.open_address(dialog.address)
+        dialog.deleteLater()
+
+    def open_address(self, address: Address, again: bool = False) -> None:
+        """Take the mission of a dataset at an address into the panel, and its footprints onto the map.
+
+        Parameters
+        ----------
+        address : Address
+        again : bool
+            Whether the project shows it already: the panel stays as it is.
+        """
+        if self._task is not None:
+            return
+        begun_in = self._open_project.number
+        self._task = task = AddressTask(address, again)
+        task.begin(lambda task: self._dataset_opened(task, None, begun_in))
+
+    def _open_lost(self) -> None:
+        """Copy what the project shows of addresses and is not on this machine, one after the other; each once."""
+        number = self._open_project.number
+        for folder, text in addresses(self._open_project.project):
+            if address_of(folder) is None and (number, text) not in self._sought:
+                self._sought.add((number, text))
+                try:
+                    self.open_address(Address.of(text), again=True)
+                except InvalidInput as wrong:
+                    self._tell_broken(folder.name, wrong)
+                return
+
     def open_path(self, path: Path) -> None:
-        """Open a dataset's folder, its mission file, or any other mission file."""
-        if path.is_dir():
+        """Open a dataset's folder, its mission file, or any other mission file; of a copy, what is at its address."""
+        address = address_of(path)
+        if address is not None:
+            self.open_address(address)
+        elif path.is_dir():
             self.open_dataset(path)
         elif path.name == MISSION_FILE and (path.parent / JOURNAL_FILE).is_file():
             self.open_dataset(path.parent)
@@ -410,23 +498,39 @@ class Missions(QObject):
         if zoom:
             self.zoom_wanted.emit(mission.area.bounds)
 
-    def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState, begun_in: int) -> None:
+    def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState | None, begun_in: int) -> None:
         self._task = None
+        at_address = task if isinstance(task, AddressTask) else None
+        if at_address is not None and begun_in == self._open_project.number:
+            self._open_lost()
         if task.error:
-            self._messages.failed(translate(task.error), task.trace)
+            name = "" if at_address is None else f"{at_address.address.name}: "
+            self._messages.failed(f"{name}{translate(task.error)}", task.trace)
             return
         if task.isCanceled() or begun_in != self._open_project.number:
             return
+        if at_address is not None:
+            try:
+                state = None if at_address.again else self._state_of(task.mission, task.folder)
+            except TerrAInavError as wrong:
+                self._tell_broken(task.folder.name, wrong)
+                return
         remember(task.folder)
         # Each comes above those that are there: the first of them is to be on top.
         for opened, failed in reversed([*zip(task.opened, task.failed)]):
             inside = self._open_project.group_of(opened.folder)
+            if at_address is not None:
+                reread_footprints(inside)
             show_results(inside, opened)
             show_failed(inside, failed)
         # Layers that were not needed keep their files open.
         task.opened, task.failed = [], []
-        self._write(state)
         group = self._open_project.group_of(task.folder)
+        if at_address is not None:
+            group.remember_address(at_address.address.url)
+        if state is None:
+            return
+        self._write(state)
         group.remember_mission(task.mission.to_json())
         self.gather(task.folder)
         group.make_current()

@@ -292,12 +292,15 @@ class Export(Algorithm):
         return Words(
             tr("Export a dataset or benchmark"),
             tr("Writes a dataset or a benchmark in a format of other programs."),
-            tr("dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,university-1652,benchmark"),
+            tr(
+                "dataset,export,colmap,nerfstudio,parquet,hugging face,croissant,stac,university-1652,benchmark"
+            ),
             (
                 tr(
                     "Camera frames become a COLMAP model, nerfstudio's transforms or a trajectory; the images stay "
-                    "where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets or a "
-                    "description of its files. A benchmark becomes the layout of a published one."
+                    "where they are. Any dataset becomes tables of Parquet, folders for Hugging Face's datasets, a "
+                    "description of its files, or STAC items and their collection. A benchmark becomes the layout of "
+                    "a published one."
                 ),
             ),
         )
@@ -322,7 +325,9 @@ class Export(Algorithm):
             QgsProcessingParameterFolderDestination(
                 "FOLDER", tr("Folder of the export"), optional=True, createByDefault=False
             ),
-            tr("Not there yet, or empty; parquet and croissant go into the dataset's own if it is left out."),
+            tr(
+                "Not there yet, or empty; parquet, croissant and stac go into the dataset's own if it is left out."
+            ),
         )
         self.add_numbers({"COUNT": tr("Images, files or queries written")})
 

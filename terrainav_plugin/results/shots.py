@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
 
 from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
-from ...core.errors import InvalidInput
+from ...core.errors import Cancelled, InvalidInput, TerrAInavError
 from ...core.mission.mission import Mission
 from ..dataset.footprints import FootprintFile, rings_of, stamp_of
 from ..dataset.picture import Depth, Picture, read_depth, read_picture
-from ..i18n import tr
+from ..i18n import tr, translate
 from ..map.mission_group import dataset_of
+from ..remote.images import DEPTH, Fetched, Images
 
 #: Most images under one click that are offered.
 _MOST = 200
@@ -82,6 +83,8 @@ class Seen(NamedTuple):
         Whether cleaning has moved it out of the way.
     depth : Depth or None
         Where the mission wrote it.
+    fetched : Fetched or None
+        The image's file, where it is none of the dataset's folder.
     """
 
     shot: Shot
@@ -91,6 +94,7 @@ class Seen(NamedTuple):
     row: dict[str, str]
     rejected: bool
     depth: Depth | None = None
+    fetched: Fetched | None = None
 
 
 class Finder:
@@ -152,13 +156,23 @@ class Finder:
         return Shot(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
 
 
-def see(shot: Shot, map_type: str, longest_px: int) -> Seen:
+def see(shot: Shot, map_type: str, longest_px: int, images: Images) -> Seen:
     """Read what is to be shown of an image: picture and depth, no larger than shown, and its row of the table.
+
+    Parameters
+    ----------
+    shot : Shot
+    map_type : str
+    longest_px : int
+    images : Images
+        Fetch what is at an address or in a shard; why that cannot be had is the picture's problem.
 
     Raises
     ------
     InvalidInput
         Where the dataset's mission cannot be read.
+    Cancelled
+        Where nobody waits for it any more.
     """
     folder = shot.footprints.folder
     mission = Mission.load(folder / MISSION_FILE)
@@ -166,10 +180,28 @@ def see(shot: Shot, map_type: str, longest_px: int) -> Seen:
     file = f"{shot.name}.{mission.output.image_format}"
     path, rejected = folder / map_type / file, folder / map_type / REJECTED_FOLDER / file
     moved = rejected.is_file() and not path.is_file()
-    picture = read_picture(rejected if moved else path, longest_px)
     row = _row(folder / map_type / TABLE_FILE, file)
-    depth = read_depth(folder / "depth" / f"{shot.name}.tif", longest_px)
-    return Seen(shot, mission.imagery.map_types, map_type, picture, row, moved, depth)
+    depth_path = folder / DEPTH / f"{shot.name}.tif"
+    try:
+        fetched = images.fetch(folder, map_type, file, row, DEPTH in mission.output.products)
+    except Cancelled:
+        raise
+    except TerrAInavError as wrong:
+        return Seen(
+            shot,
+            mission.imagery.map_types,
+            map_type,
+            Picture(path, None, problem=translate(wrong)),
+            row,
+            False,
+        )
+    if fetched is not None:
+        picture = read_picture(path, longest_px, fetched.data)
+        depth = None if fetched.depth is None else read_depth(depth_path, longest_px, fetched.depth)
+    else:
+        picture = read_picture(rejected if moved else path, longest_px)
+        depth = read_depth(depth_path, longest_px)
+    return Seen(shot, mission.imagery.map_types, map_type, picture, row, moved, depth, fetched)
 
 
 def _row(table: Path, name: str) -> dict[str, str]:

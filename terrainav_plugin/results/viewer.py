@@ -107,6 +107,14 @@ class Viewer(QgsDockWidget):
             button.setEnabled(False)
         self.on_map.setChecked(False)
 
+    def show_fetching(self, name: str) -> None:
+        """Say that an image is being fetched; the buttons go on to others meanwhile."""
+        self.view.show_image(None, tr("Fetching {name}…").format(name=name))
+        self.depth.show_depth(None)
+        self.details.setText("")
+        self.open.setEnabled(False)
+        self.on_map.setEnabled(False)
+
     def offer(self, shots: Sequence[Shot], index: int) -> None:
         """Offer the images under a click."""
         self.under_click.clear()
@@ -438,7 +446,7 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
     for name, value in metadata.items():
         if name not in _TOLD and not name.startswith(("TIFFTAG_", "EXIF_")):
             yield name.replace("_", " ").capitalize(), value
-    yield tr("File"), str(seen.picture.path)
+    yield tr("File"), str(seen.picture.path) if seen.fetched is None else seen.fetched.place
 
 
 def _metres(value: float) -> str:

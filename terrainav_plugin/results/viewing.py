@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
@@ -30,6 +30,7 @@ from ..tasks import LatestWorker, reason_of
 from ..widgets import add_docked
 
 if TYPE_CHECKING:
+    from ..remote.images import Images
     from .shots import Finder, Footprints, Seen, Shot
     from .viewer import Viewer
 
@@ -56,6 +57,7 @@ class Viewing(QObject):
         self.seen: Seen | None = None
         self._shots: list[Shot] = []
         self._finder: Finder | None = None
+        self._images: Images | None = None
         self._band: QgsRubberBand | None = None
         self._worker = LatestWorker("viewer")
         self._worker.failed.connect(self._refused)
@@ -90,6 +92,8 @@ class Viewing(QObject):
     def close(self) -> None:
         """End for good."""
         self._project.layersRemoved.disconnect(self._layers_removed)
+        if self._images is not None:
+            self._images.interrupt()
         self._worker.close()
         self._layer_worker.close()
         self.tool.stop()
@@ -123,7 +127,7 @@ class Viewing(QObject):
         finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
         if self.seen is None:
             self._shown_viewer().show_hint(tr("Looking for images…"))
-        self._worker.ask(lambda _: find(finder, footprints), self._found)
+        self._ask(lambda _: find(finder, footprints), self._found)
 
     def _found(self, shots: list[Shot]) -> None:
         viewer = self._shown_viewer()
@@ -141,13 +145,24 @@ class Viewing(QObject):
         self._look_at(shots[0])
 
     def _look_at(self, shot: Shot | None, map_type: str = "") -> None:
+        from ..remote.copies import has_images_elsewhere
+        from ..remote.images import Images
         from .shots import see
 
         if shot is None:
             return
         wanted = map_type or (self.seen.map_type if self.seen is not None else "")
         self._outline(shot)
-        self._worker.ask(lambda _: see(shot, wanted, _LONGEST_PX), self._show)
+        images = self._images = self._images or Images()
+        if has_images_elsewhere(shot.footprints.folder):
+            self._shown_viewer().show_fetching(shot.name)
+        self._ask(lambda _: see(shot, wanted, _LONGEST_PX, images), self._show)
+
+    def _ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
+        """Have the worker do something; an image that is still being fetched is waited for no longer."""
+        if self._images is not None and self._worker.busy:
+            self._images.interrupt()
+        self._worker.ask(work, answer)
 
     def _show(self, seen: Seen) -> None:
         self.seen = seen
@@ -173,12 +188,18 @@ class Viewing(QObject):
             self._canvas.refresh()
             return
         folder, map_type, file = seen.shot.footprints.folder, seen.map_type, seen.picture.path.name
+        fetched = seen.fetched
+
+        def save(path: Path) -> None:
+            from ..remote.images import with_places
+
+            with_places(fetched, folder, map_type, file).save(path)
 
         def laid(_: object) -> Path:
             from ..dataset.rectify import lay_image_on_map
             from ..sources import heights_for
 
-            return lay_image_on_map(folder, map_type, file, heights_for)
+            return lay_image_on_map(folder, map_type, file, heights_for, None if fetched is None else save)
 
         self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
 
@@ -209,7 +230,7 @@ class Viewing(QObject):
             return
         shot, finder = self.seen.shot, self._finder
         self.viewer.leave_click()
-        self._worker.ask(lambda _: finder.neighbour(shot, step), self._look_at)
+        self._ask(lambda _: finder.neighbour(shot, step), self._look_at)
 
     def _refused(self, error: Exception) -> None:
         if self.viewer is not None:
@@ -239,8 +260,19 @@ class Viewing(QObject):
             self._look_at(self.seen.shot, map_type)
 
     def _open(self) -> None:
-        if self.seen is not None:
-            open_in_system(self.seen.picture.path)
+        if self.seen is None:
+            return
+        path, fetched = self.seen.picture.path, self.seen.fetched
+        if fetched is not None:
+            from ..dataset.rectify import fetched_file
+
+            path = fetched_file(self.seen.shot.footprints.folder, self.seen.map_type, path.name)
+            try:
+                fetched.save(path)
+            except TerrAInavError as wrong:
+                self._messages.warning(translate(wrong))
+                return
+        open_in_system(path)
 
     def _zoom(self) -> None:
         if self._band is None:

@@ -275,6 +275,12 @@ def test_the_command_imports_nothing_that_it_may_not_need():
     assert {name.partition(".")[0] for name in loaded} & ON_DEMAND == set()
 
 
+def test_the_options_need_no_numerics():
+    loaded = in_fresh_interpreter("import sys, terrainav.core.cli.options\nprint(*sys.modules)")
+    assert "terrainav.core.cli.options" in loaded
+    assert {name.partition(".")[0] for name in loaded} & {"numpy", "PIL", "pyproj", "requests"} == set()
+
+
 def test_importing_the_package_imports_nothing_else_of_it():
     loaded = in_fresh_interpreter("import sys, terrainav\nprint(*sys.modules)")
     assert [name for name in loaded if name.startswith("terrainav.")] == []

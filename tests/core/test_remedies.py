@@ -6,6 +6,7 @@ import pytest
 
 from tests.core.remedies import (  # noqa: F401
     benchmarks,
+    blocks,
     commands,
     datasets,
     files,

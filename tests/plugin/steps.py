@@ -17,8 +17,9 @@ PATIENCE_MS = 60_000
 STEADY_S = 0.3
 # Nine by nine images of 646 x 487 px.
 SMALL_BOX = {"north": "35.14", "west": "-89.87", "south": "35.131", "east": "-89.856"}
-# Half the camera's resolution, and so a quarter of the work, for tests of what becomes of the images.
+# Half the camera's resolution over half the area, for tests of what becomes of the images: six by six.
 COARSE = {"resolution": "zoom", "zoom": 18}
+COARSE_BOX = {"north": "35.14", "west": "-89.87", "south": "35.134", "east": "-89.8605"}
 
 
 class Desk:
@@ -43,16 +44,16 @@ class Desk:
         for name, text in {"north": north, "west": west, "south": south, "east": east}.items():
             self.type_text(self.form.edges[name], text)
 
-    def enter_small_mission(self):
+    def enter_small_mission(self, box=SMALL_BOX):
         """Enter a mission of a few dozen images of the embedded world."""
-        self.enter_box(**SMALL_BOX)
+        self.enter_box(**box)
         self.form.folder.setFilePath(str(self.folder))
         self.wait_planned()
 
     def enter_coarse_mission(self):
-        """Enter the same with images of half as many pixels along each side."""
+        """Enter a smaller one with images of half as many pixels along each side."""
         self.form.set_state(replace(self.session.state(), **COARSE))
-        self.enter_small_mission()
+        self.enter_small_mission(COARSE_BOX)
 
     def choose(self, combo, value):
         index = combo.findData(value)

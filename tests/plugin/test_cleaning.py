@@ -681,7 +681,7 @@ def test_capture_s_row_menu_and_toolbar_lead_to_its_dataset(desk, cleaning, qtbo
     desk.wait(lambda: not desk.session.datasets.busy)
     assert cleaning.cleaning.panel.isVisible()
     assert desk.session.datasets.folder == desk.folder
-    assert len(cleaning.cleaning.panel.entropies) == 81
+    assert len(cleaning.cleaning.panel.entropies) == 36
     desk.session.datasets.window.hide()
     desk.session.datasets.folder = None
     desk.plugin.actions["clean_dataset"].trigger()

@@ -49,7 +49,7 @@ def test_date_is_not_asked_for_where_the_source_has_none(desk):
 
 
 def test_capture_of_an_undated_source_follows_a_wrong_date(desk):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.choose(desk.form.source, DATED)
     type_date(desk, WRONG["date"])
     desk.choose(desk.form.source, UNDATED)

@@ -27,7 +27,7 @@ PLUGIN = "terrainav"
 #: What is left behind by one round is left by each of them.
 ROUNDS = 10
 #: Of all that takes long to use.
-USES = 4
+USES = 3
 
 
 def settle():
@@ -381,7 +381,7 @@ def test_help_is_the_guide_or_the_homepage(plugin, tmp_path, monkeypatch, qtbot)
 
 def test_messages_still_shown_go_with_the_plugin(unloaded, iface, qtbot):
     """Nothing of the plugin is called by an item that the message bar deletes afterwards."""
-    for _ in range(5):
+    for _ in range(3):
         load()
         plugin = qgis.utils.plugins[PLUGIN]
         for number in range(3):

@@ -592,7 +592,7 @@ def test_whole_map_is_captured_from_the_panel(desk, server):
     """From the chooser to georeferenced files whose pixels are where they say."""
     tiles_layer(server, "my orthophoto")
     desk.wait(lambda: desk.form.source.findData(PROJECT_SOURCE) >= 0)
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.choose(desk.form.source, PROJECT_SOURCE)
     planned = desk.wait_planned()
     desk.click(desk.dock.capture)

@@ -12,6 +12,7 @@ from terrainav.terrainav_plugin.panel.options_page import OptionsPage
 from terrainav.terrainav_plugin.panel.source_dialogs import AddSourceDialog
 from terrainav.terrainav_plugin.settings import Settings
 
+from tests.plugin.steps import SMALL_BOX
 from tests.plugin.test_capture import capture, images
 from tests.plugin.test_processing import Feedback, run
 from tests.plugin.test_processing import provider as _provider  # noqa: F401  (a fixture)
@@ -51,6 +52,7 @@ def grey_images(folder):
 
 def test_it_is_said_and_treated_as_missing_by_a_press(desk, server, settings, screenshot):
     desk.enter_coarse_mission()
+    desk.enter_box(**SMALL_BOX)
     desk.use_template(server.url_template)
     total = len(desk.wait_planned().plan)
     capture(desk)

@@ -137,7 +137,7 @@ def test_a_margin_is_flown(desk):
 
 
 def test_images_that_are_turned_are_captured_and_make_a_mosaic(desk):
-    desk.enter_small_mission()
+    desk.enter_coarse_mission()
     desk.choose(desk.form.flight.entries["facing"].choice, "track")
     made = desk.wait_planned()
     desk.session.capture()

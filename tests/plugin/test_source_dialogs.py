@@ -267,7 +267,7 @@ def test_source_by_url_is_captured_and_again_without_the_network(source_list, tm
         assert desk.form.source.currentText() == "My tiles"
         assert "zoom 0 to 19" in desk.form.imagery.limits.text()
         assert "CC BY 4.0" in desk.form.imagery.limits.text()
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         screenshot("own-source")
         capture(desk, tmp_path / "first")
         asked = sum(server.requests.values())
@@ -286,7 +286,7 @@ def test_source_by_url_is_captured_and_again_without_the_network(source_list, tm
 def test_cache_is_listed_and_cleared(source_list, tmp_path, screenshot):
     desk = source_list
     with TileServer() as server:
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         desk.use_template(server.url_template)
         capture(desk, tmp_path / "first")
     seen = []

@@ -168,7 +168,7 @@ def test_key_of_an_own_source_is_used_and_found_nowhere(desk, tmp_path, configur
         add("keyed", described(server.url_template + "?token={key}", title="Keyed", requests_per_s=10_000.0))
         desk.session.source_list.refresh()
         desk.choose(desk.form.source, "keyed")
-        desk.enter_small_mission()
+        desk.enter_coarse_mission()
         assert desk.form.key.isVisibleTo(desk.dock)
         # Without a key no run begins, and the field says so.
         desk.click(desk.dock.capture)

@@ -139,6 +139,7 @@ def test_next_and_previous_follow_the_flight(desk, captured, viewing):
 
 def test_several_images_under_one_click_are_listed(desk, captured, viewing):
     def overlap():
+        desk.enter_box("35.14", "-89.87", "35.137", "-89.865")
         desk.form.overlap_along.setValue(60)
         desk.form.overlap_across.setValue(60)
 
@@ -300,6 +301,7 @@ def test_an_image_is_shown_on_the_map_and_removed_again(
     desk, captured, viewing, screenshot, tilt_deg, yaw_deg
 ):
     def tilt():
+        desk.enter_box("35.14", "-89.87", "35.138", "-89.867")
         desk.form.set_state(replace(desk.session.state(), tilt_deg=tilt_deg, yaw_deg=yaw_deg))
 
     plan = captured(tilt)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+import requests
 
 #: What a test's store takes for credentials; the second is looked for where none may be printed.
 KEY, SECRET = "TESTKEY", "TESTSECRETNOBODYMAYSEE"
@@ -32,6 +33,8 @@ def s3_store(monkeypatch: pytest.MonkeyPatch, bucket: str = "data") -> Iterator[
         ):
             monkeypatch.setenv(name, value)
         s3fs.S3FileSystem.clear_instance_cache()
+        # Servers of one process have their objects in common.
+        requests.post(f"http://{host}:{port}/moto-api/reset", timeout=10).raise_for_status()
         boto3.client("s3").create_bucket(Bucket=bucket)
         yield f"s3://{bucket}"
     finally:

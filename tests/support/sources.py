@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 from terrainav.core.errors import PartError
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.imagery.opening import NamedSource, SourceOptions
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import Window, tile_parts
 
@@ -86,3 +87,36 @@ class CentredSource(PatternSource):
 def missing(reason: str = "no imagery (404)") -> PartError:
     """Error of a tile that is not there."""
     return PartError(reason)
+
+
+class NamedPattern(NamedSource):
+    """`PatternSource`, or another of this module, as a mission names it: a plain value, which other processes open."""
+
+    def __init__(self, options=SourceOptions(), opens=None, policy=None, **how):  # noqa: B008
+        super().__init__("pattern", options)
+        self._given = {"_opens": opens or PatternSource, "_policy": policy or Policy(), "_how": how}
+        self.__dict__.update(self._given)
+
+    def _described(self):
+        return {**self._given, "_given": self._given}
+
+    @property
+    def _known(self):
+        return self._opens(**self._how)
+
+    @property
+    def policy(self):
+        return self._policy
+
+    @property
+    def grid(self):
+        return self._known.grid
+
+    @property
+    def date(self):
+        return ""
+
+    def open(self):
+        source = self._known
+        source.close = lambda: None
+        return source

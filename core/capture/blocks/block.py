@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import json
 import pickle  # nosec B403  (blocks come from the run that made them, over the engine's own connections)
 import platform
 import threading
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -23,7 +25,7 @@ from ...mission.plan import Plan
 from ...picture.heights import heights_of
 from ...picture.optics import Exposures
 from ...resources import version
-from ...stores import store_path
+from ...stores import get, store_path
 from ..choices import FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making
@@ -34,6 +36,8 @@ Numbers = NDArray[np.int64]
 
 #: Folder of the blocks' records, which are the journal.
 BLOCKS_FOLDER = "blocks"
+#: Heights of the relief that blocks of other processes see.
+RELIEF_FILE = "relief.npy"
 #: Digits of blocks' numbers in names of files, and of captures' indices in shards.
 _DIGITS, _KEY_DIGITS = 6, 9
 
@@ -185,12 +189,11 @@ def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
     ):
         if own != wanted:
             raise WrongWorker(
-                "worker on {0}: has {1} {2}, and the run has {3}",
+                "worker on {0}: has {1} {2}, and the run has {3}: both need the same",
                 platform.node(),
                 what,
                 own,
                 wanted,
-                remedy="install the same on both",
             )
     block: Block = pickle.loads(data)  # noqa: S301  # nosec B301  (as above)
     return make_block(block)
@@ -261,9 +264,9 @@ def make_block(block: Block) -> BlockResult:
 
 
 def _with_heights(block: Block) -> Plan:
-    """Plan of a block, whose relief has its heights again."""
+    """Plan of a block, whose relief has its heights again where it comes from another process."""
     plan, options = block.plan, block.source.options
-    if plan.relief is None:
+    if plan.relief is None or plan.relief.heights_m.size:
         return plan
     asked = SourceOptions(
         seed=plan.mission.imagery.seed,
@@ -275,8 +278,26 @@ def _with_heights(block: Block) -> Plan:
     )
     heights = heights_of(plan.mission, asked)
     if heights is not None:
-        plan.relief.heights = heights
+        plan.relief.opened(heights, _surface(block.destination, block.run))
     return plan
+
+
+@lru_cache(maxsize=1)
+def _surface(destination: str, _run: str) -> NDArray[Any]:
+    """Heights that a run has left for its workers."""
+    data = get(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE)
+    if data is None:
+        raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)
+    heights_m: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    return heights_m
+
+
+def write_relief(plan: Plan, destination: Path) -> None:
+    """Leave the heights of a plan's relief for workers, which need them all for each block."""
+    if plan.relief is not None:
+        data = io.BytesIO()
+        np.save(data, plan.relief.heights_m, allow_pickle=False)
+        write_whole(destination / BLOCKS_FOLDER / RELIEF_FILE, data.getvalue())
 
 
 def _write_shard(

@@ -136,10 +136,10 @@ class Destination:
             raise OutputError(
                 "{0}: holds this mission with other images, because the source or the version was another",
                 address,
-                remedy="choose another place",
+                remedy="choose another one",
             )
         raise OutputError(
-            "{0}: was begun with the layout {1} and blocks of {2} images: go on with these",
+            "{0}: was begun with the layout {1} and blocks of {2} images: it goes on with the same",
             address,
             found.get("layout_of_files"),
             found.get("images"),
@@ -194,18 +194,19 @@ class _Lease:
             time.sleep(BEAT_S / 5.0)
             now = get(self._path)
             if now != found and now is not None:
-                raise OutputError(
-                    "{0}: another run is at work there", self._path.parent, remedy="wait until it has ended"
-                )
+                raise self._busy()
             if now is None:
                 break
         # Of two that take over at once the last one to put has it; the other finds that out before it begins.
         put(self._path, self._content())
         time.sleep(BEAT_S / 5.0)
         if get(self._path) != self._content():
-            raise OutputError(
-                "{0}: another run has just begun there", self._path.parent, remedy="wait until it has ended"
-            )
+            raise self._busy()
+
+    def _busy(self) -> OutputError:
+        return OutputError(
+            "address {0}: another run is at work there", self._path.parent, remedy="wait until it has ended"
+        )
 
     def _beat(self) -> None:
         try:
@@ -213,7 +214,7 @@ class _Lease:
                 found = get(self._path)
                 if found is not None and self._token.encode("ascii") not in found:
                     raise OutputError(
-                        "{0}: another run has taken over, as this one gave no sign of life for {1:g} s",
+                        "address {0}: another run has taken over, as this one gave no sign of life for {1:g} s",
                         self._path.parent,
                         DEAD_S,
                     )

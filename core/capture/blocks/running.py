@@ -43,6 +43,7 @@ from .block import (
     make_block,
     make_packed,
     packed_block,
+    write_relief,
 )
 from .destination import Destination
 from .division import Numbers, divide
@@ -160,6 +161,8 @@ class _Run:
         self._total = pending if only_failed else len(self._plan) * len(self._map_types)
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             _write_plan(self._plan, self._place.root / name)
+        if not self._engine.in_process:
+            write_relief(self._plan, self._place.root)
 
     def _is_placeholder(self, record: Record) -> bool:
         """Whether a block has a file that counts as placeholder by now."""
@@ -266,9 +269,7 @@ class _Run:
         if isinstance(wrong, BrokenExecutor):
             raise _broken(wrong) from wrong
         if isinstance(wrong, ModuleNotFoundError) and "terrainav" in str(wrong):
-            raise OutputError(
-                "workers: TerrAInav is not installed there", remedy="install this version on all of them"
-            ) from wrong
+            raise OutputError("workers: TerrAInav is not installed on all of them") from wrong
         reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
         key, name = (map_type, number), block_name(map_type, number)
         self._tries[key] = self._tries.get(key, 1) + 1
@@ -382,7 +383,7 @@ def _died(wrong: BaseException) -> Message:
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    return OutputError("workers: have gone ({0})", str(wrong)[:120], remedy="resume with others")
+    return OutputError("workers: went away ({0})", str(wrong)[:120])
 
 
 def _write_plan(plan: Plan, path: Path) -> None:

@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import importlib
 import math
-import os
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import replace
+from functools import cached_property
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, TypeVar, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Message, OptionName, OutputError
+from ...stores import Address, is_address, is_file
 from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
 from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
 from ..labels import LABELS_FILE, Labels, labels_of_tables
+from ..stored import ImageFile, StoredImage
 from ..table import GAP, part_of, taken
 from .augment import Augmentation
+from .streaming import ShardCache, Shards, random_numbers
 
+_Batch = TypeVar("_Batch")
 Indices = Union[Sequence[int], NDArray[np.int64]]
 
 #: All images but failed and rejected ones, whether or not the dataset is split.
@@ -34,6 +39,9 @@ DTYPES = FLOATS, BYTES, STORED = ("float32", "uint8", "stored")
 #: Pixels of an image at most: where Pillow, too, begins to warn of files (a quarter of a GB in colour).
 _MOST_PX = 89_478_485
 _WHITE = np.float32(255.0)
+#: Shards that shuffled images are taken from at a time: some thousands of images as captures pack them.
+SHARDS_AT_ONCE = 8
+_BYTES_PER_MB = 1_000_000.0
 #: Columns of labels.
 _COLUMNS = {
     IMAGE: ("easting", "northing"),
@@ -75,6 +83,13 @@ class Samples:
         What the labels are of, in this order: the ``image``'s centre on the ground and the ``camera``'s
         place, as scaled eastings and northings; its ``height`` above ground in metres; its ``attitude``, yaw, tilt and
         roll in degrees. With the last two ``auto`` augments nothing, as turning and zooming would make them wrong.
+    shards_at_once : int
+        Of a dataset in shards: how many of them shuffled images are taken from at a time. Shards are shuffled, and then
+        the images of so many together: with more the order is the more random, and more of them have to be kept of
+        those of an object store.
+    cache_mb : float or None
+        Most disk space that shards of an object store take in the system's temporary folder; None has room for three
+        times as many as are taken at once.
 
     Attributes
     ----------
@@ -95,7 +110,7 @@ class Samples:
 
     def __init__(
         self,
-        dataset: Dataset | str | os.PathLike[str],
+        dataset: Dataset | Address,
         *,
         map_type: str | None = None,
         part: str = TRAIN,
@@ -107,8 +122,14 @@ class Samples:
         layout: str = "TerrAInav",
         labels: Labels | None = None,
         targets: Sequence[str] = (IMAGE,),
+        shards_at_once: int = SHARDS_AT_ONCE,
+        cache_mb: float | None = None,
     ) -> None:
         _check(part, shuffle, augment, dtype)
+        if shards_at_once < 1:
+            raise InvalidInput("shards at once {0}: must be 1 or more", shards_at_once)
+        if cache_mb is not None and not cache_mb >= 0.0:
+            raise InvalidInput("cache of {0} MB: must be 0 MB or more", cache_mb)
         turnable = _check_targets(targets, augment)
         if not isinstance(dataset, Dataset):
             dataset = read_dataset(dataset, layout)
@@ -123,6 +144,7 @@ class Samples:
         self.images = _images(dataset, map_type)
         self._rows = _rows(self.images, part)
         self.names = tuple(Path(self.images.table.img_names[row]).stem for row in self._rows)
+        self._shards, self._cache = _streamed(self.images, self._rows, shards_at_once, cache_mb)
         self.labels = _labels(dataset, self.images) if labels is None else labels
         self.columns = tuple(column for target in targets for column in _COLUMNS[target])
         self.values = np.concatenate(
@@ -140,30 +162,43 @@ class Samples:
         if self._is_stored:
             height, width, channels = self._stored(0).shape
             return height, width, channels
-        first = open_image(self.path(0))
+        first = open_image(self.file(0))
         return first.height, first.width, len(first.getbands())
 
     def _stored(self, index: int) -> NDArray[Any]:
         """Values (h, w, bands) of an image's file."""
-        found = self.images.pixels(int(self._rows[index]))
+        found = self.images.pixels(int(self._rows[index]), file=self.file(index))
         return found[..., np.newaxis] if found.ndim == 2 else found
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def path(self, index: int) -> Path:
-        """File of an image."""
+        """File of an image; raises InvalidInput where images are no files of a folder of this machine."""
         return self.images.path(int(self._rows[index]))
+
+    def file(self, index: int) -> ImageFile:
+        """What an image is read from, wherever it is."""
+        found = self.images.file(int(self._rows[index]))
+        if self._cache is None or not isinstance(found, StoredImage):
+            return found
+        return replace(found, copy=self._cache.copy(found.place.name))
 
     def order(self, epoch: int = 0) -> NDArray[np.int64]:
         """Indices (n,) in the order of an epoch: the same for the same seed and table on every machine.
 
-        A shuffled one sorts the raw stream of numpy's Philox, which numpy keeps the same in all versions (NEP 19).
+        A shuffled one sorts the raw stream of numpy's Philox (see `random_numbers`). Of a dataset in shards, images
+        stand together whose shards are taken at once.
         """
         if not self.shuffle:
             return np.arange(len(self))
-        key = int.from_bytes(blake2b(f"{self.seed}:{epoch}".encode(), digest_size=16).digest(), "little")
-        return np.argsort(np.random.Philox(key=key).random_raw(len(self)), kind="stable")
+        if self._shards is not None:
+            return self._shards.order(self._key(epoch))
+        return np.argsort(random_numbers(self._key(epoch), len(self)), kind="stable")
+
+    def _key(self, epoch: int) -> str:
+        """What the order of an epoch follows from; empty for the table's."""
+        return f"{self.seed}:{epoch}" if self.shuffle else ""
 
     def image(self, index: int, epoch: int = 0) -> NDArray[Any]:
         """Pixels (height, width, channels) of an image as it is in an epoch: of uint8, or as stored.
@@ -174,7 +209,7 @@ class Samples:
             An image that cannot be read, is not of the size that the table says, or of another size than the others,
             where none was asked for.
         """
-        path = self.path(index)
+        path = self.file(index)
         if self._is_stored:
             stored = self._stored(index)
             if stored.shape != self.shape or stored.dtype != self.dtype:
@@ -211,6 +246,17 @@ class Samples:
         if self.augment is not None:
             found = self.augment.applied(found, self.names[index], self.seed, epoch)
         return np.asarray(found).reshape(self.shape)
+
+    def batch(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
+        """What `take` gives of images that follow each other in the order of an epoch.
+
+        Shards of an object store are fetched whole, and those that come next meanwhile.
+        """
+        if self._shards is not None and self._cache is not None:
+            needed, ahead = self._shards.ahead(indices, self._key(epoch))
+            if ahead:
+                self._cache.hold(needed, ahead)
+        return self.take(indices, epoch)
 
     def take(self, indices: Indices, epoch: int = 0) -> tuple[NDArray[Any], NDArray[np.float32]]:
         """Images (b, height, width, channels) and labels (b, k) of some indices, as they are in an epoch.
@@ -262,7 +308,7 @@ class Batches:
 
     def __init__(
         self,
-        dataset: Dataset | str | os.PathLike[str],
+        dataset: Dataset | Address,
         batch_size: int = 8,
         *,
         workers: int = 0,
@@ -273,11 +319,26 @@ class Batches:
         self.samples = Samples(dataset, **choice)
         self.epoch = 0
         self._chunks = chunks(len(self.samples), batch_size)
+        self._position = Position(self.samples, batch_size)
         self._workers = workers
 
     def set_epoch(self, epoch: int) -> None:
         """Say which epoch the next iteration is of: it has its own order and augmentation."""
         self.epoch = epoch
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return the epoch and the number of its batches that have been taken, to go on there another time."""
+        return self._position.state(self.epoch)
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Have the next iteration go on where another one was, whatever the workers of either.
+
+        Raises
+        ------
+        InvalidInput
+            A state of other images, another order or another batch size.
+        """
+        self.epoch = self._position.load(state)
 
     def __len__(self) -> int:
         return len(self._chunks)
@@ -285,21 +346,75 @@ class Batches:
     def __iter__(self) -> Iterator[tuple[NDArray[Any], NDArray[np.float32]]]:
         """Yield images (b, height, width, channels) and labels (b, 2)."""
         epoch, order = self.epoch, self.samples.order(self.epoch)
-        if not self._workers:
-            return (self.samples.take(order[chunk], epoch) for chunk in self._chunks)
-        return self._ahead(epoch, order)
+        self._position.begin(epoch)
+        rest = self._chunks[self._position.first :]
+        if self._workers:
+            return self._position.counted(self._ahead(epoch, order, rest))
+        return self._position.counted(self.samples.batch(order[chunk], epoch) for chunk in rest)
 
     def _ahead(
-        self, epoch: int, order: NDArray[np.int64]
+        self, epoch: int, order: NDArray[np.int64], rest: Sequence[slice]
     ) -> Iterator[tuple[NDArray[Any], NDArray[np.float32]]]:
         waiting: deque[Future[tuple[NDArray[Any], NDArray[np.float32]]]] = deque()
         with _pool(self._workers, waiting) as pool:
-            for chunk in self._chunks:
-                waiting.append(pool.submit(self.samples.take, order[chunk], epoch))
+            for chunk in rest:
+                waiting.append(pool.submit(self.samples.batch, order[chunk], epoch))
                 if len(waiting) > self._workers:
                     yield waiting.popleft().result()
             while waiting:
                 yield waiting.popleft().result()
+
+
+class Position:
+    """Where in an epoch an iteration is: how many batches have been taken, not how many have been made ahead."""
+
+    def __init__(self, samples: Samples, batch_size: int) -> None:
+        self._samples, self._batch_size = samples, batch_size
+        self._epoch = self._taken = self._loaded = 0
+        #: Number of the batch that the iteration began with.
+        self.first = 0
+
+    def begin(self, epoch: int) -> None:
+        """Have an iteration of an epoch begin with its first batch, or where a loaded state says."""
+        self.first = self._taken = self._loaded if epoch == self._epoch else 0
+        self._epoch, self._loaded = epoch, 0
+
+    def counted(self, batches: Iterable[_Batch]) -> Iterator[_Batch]:
+        """Yield batches, counting them."""
+        for one in batches:
+            self._taken += 1
+            yield one
+
+    def state(self, epoch: int) -> dict[str, Any]:
+        """Return the position in an epoch, and what tells whether another loader has the same batches."""
+        return {
+            "epoch": epoch,
+            "batch": self._taken if epoch == self._epoch else 0,
+            "batch_size": self._batch_size,
+            "order": self._order,
+        }
+
+    def load(self, state: Mapping[str, Any]) -> int:
+        """Take a position over; returns its epoch."""
+        try:
+            epoch, batch, batch_size, order = (
+                state[key] for key in ("epoch", "batch", "batch_size", "order")
+            )
+        except (KeyError, TypeError) as wrong:
+            raise InvalidInput("state {0!r}: must be one that state_dict has given", state) from wrong
+        if batch_size != self._batch_size or order != self._order:
+            raise InvalidInput(
+                "state: is of other images, another order or another batch size than those of this loader"
+            )
+        self._epoch, self._taken, self._loaded = epoch, batch, batch
+        return int(epoch)
+
+    @cached_property
+    def _order(self) -> str:
+        """Digest of the images and of an order of theirs, from which all others follow."""
+        digest = blake2b(self._samples.order(0).astype("<i8").tobytes(), digest_size=16)
+        digest.update("\n".join(self._samples.names).encode())
+        return digest.hexdigest()
 
 
 @contextmanager
@@ -400,6 +515,20 @@ def _images(dataset: Dataset, map_type: str | None) -> ImageSet:
     return dataset.image_set(map_type)
 
 
+def _streamed(
+    images: ImageSet, rows: NDArray[np.int64], shards_at_once: int, cache_mb: float | None
+) -> tuple[Shards | None, ShardCache | None]:
+    """The shards that rows are in, and what fetches those of an object store."""
+    if not images.shards:
+        return None, None
+    shards = Shards([images.table.shard[row] for row in rows.tolist()], shards_at_once)
+    if not is_address(images.folder):
+        return shards, None
+    sizes = {name: images.shards[name] for name in shards.names}
+    limit_bytes = None if cache_mb is None else int(cache_mb * _BYTES_PER_MB)
+    return shards, ShardCache(images.folder, sizes, shards_at_once, limit_bytes)
+
+
 def _rows(images: ImageSet, part: str) -> NDArray[np.int64]:
     """Rows of the table that are taken."""
     parts = part_of(images.table)
@@ -439,7 +568,7 @@ def _check_parts(images: ImageSet, parts: Sequence[str]) -> None:
 
 def _labels(dataset: Dataset, images: ImageSet) -> Labels:
     path = dataset.folder / LABELS_FILE
-    if not path.is_file():
+    if not is_file(path):
         return labels_of_tables(one.table for one in dataset.image_sets.values())
     labels = Labels.load(path)
     _check_fit(labels, images, path)

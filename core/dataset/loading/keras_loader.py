@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...stores import Address
 from ..dataset import Dataset
 from . import Samples
 from .batches import chunks, optional_module
@@ -31,7 +31,8 @@ class _KerasSamples:
     workers, use_multiprocessing, max_queue_size
         Of ``keras.utils.PyDataset``: threads, or processes, that make batches, and how many wait at most.
     **choice
-        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels.
+        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
+        shards_at_once, cache_mb.
 
     Raises
     ------
@@ -49,7 +50,7 @@ class _KerasSamples:
 
     def __init__(
         self,
-        dataset: Dataset | str | os.PathLike[str],
+        dataset: Dataset | Address,
         batch_size: int = 8,
         *,
         workers: int = 1,
@@ -84,7 +85,7 @@ class _KerasSamples:
 
     def __getitem__(self, index: int) -> tuple[NDArray[Any], NDArray[np.float32]]:
         epoch, order = self._epoch_and_order
-        images, labels = self.samples.take(order[self._chunks[index]], epoch)
+        images, labels = self.samples.batch(order[self._chunks[index]], epoch)
         return (np.moveaxis(images, 3, 1) if self._channels_first else images), labels
 
 

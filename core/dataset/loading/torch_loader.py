@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from ...errors import InvalidInput
+from ...stores import Address
 from ..dataset import Dataset
 from . import Samples
-from .batches import chunks, optional_module
+from .batches import Position, chunks, optional_module
 
 
 class _Order:
@@ -20,6 +20,7 @@ class _Order:
 
     def __init__(self, dataset: _TorchSamples, batch_size: int, drop_last: bool) -> None:
         self._dataset, self._batch_size, self._drop_last = dataset, batch_size, drop_last
+        self.position = Position(dataset.samples, batch_size)
         len(self)
 
     def __len__(self) -> int:
@@ -27,7 +28,7 @@ class _Order:
 
     def __iter__(self) -> Iterator[list[int]]:
         order = self._dataset.samples.order(self._dataset.epoch)
-        return (order[one].tolist() for one in self._chunks())
+        return (order[one].tolist() for one in self._chunks()[self.position.first :])
 
     def _chunks(self) -> list[slice]:
         return chunks(len(self._dataset.samples), self._batch_size, self._drop_last)
@@ -43,7 +44,8 @@ class _TorchSamples:
     Parameters
     ----------
     **choice
-        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels.
+        As `Samples` takes them: map_type, part, img_size, seed, shuffle, augment, dtype, layout, labels, targets,
+        shards_at_once, cache_mb.
 
     Raises
     ------
@@ -64,7 +66,7 @@ class _TorchSamples:
                 ...
     """
 
-    def __init__(self, dataset: Dataset | str | os.PathLike[str], **choice: Any) -> None:
+    def __init__(self, dataset: Dataset | Address, **choice: Any) -> None:
         torch = _torch()
         self.samples = Samples(dataset, **choice)
         # In memory that workers share: those that stay from one epoch to the next are told of it, too.
@@ -83,7 +85,10 @@ class _TorchSamples:
         return len(self.samples)
 
     def __getitem__(self, index: int | list[int]) -> tuple[Any, Any]:
-        pixels, values = self.samples.take(index if isinstance(index, list) else [index], self.epoch)
+        if isinstance(index, list):
+            pixels, values = self.samples.batch(index, self.epoch)
+        else:
+            pixels, values = self.samples.take([index], self.epoch)
         torch = _torch()
         images = torch.from_numpy(np.ascontiguousarray(pixels.transpose(0, 3, 1, 2)))
         labels = torch.from_numpy(values)
@@ -94,7 +99,8 @@ class _TorchSamples:
     ) -> Any:
         """``torch.utils.data.DataLoader`` of the epoch's batches, in the order that `Batches` has, too.
 
-        Workers make whole batches, two each ahead of what is taken, and stay from one epoch to the next.
+        Workers make whole batches, two each ahead of what is taken, and stay from one epoch to the next. The loader has
+        ``state_dict()`` and ``load_state_dict(state)``, as `Batches` has them, to go on in the middle of an epoch.
 
         Parameters
         ----------
@@ -114,13 +120,37 @@ class _TorchSamples:
         # Each worker is a process: those beyond the batches would have nothing to do.
         workers = min(workers, len(order))
         options = {"persistent_workers": workers > 0, **options}
-        return _torch().utils.data.DataLoader(
-            self, batch_size=None, sampler=order, num_workers=workers, **options
-        )
+        return _loader_class()(self, batch_size=None, sampler=order, num_workers=workers, **options)
 
 
 def _torch() -> Any:
     return optional_module("torch", "PyTorch", "torch")
+
+
+class _Resumable:
+    """What a loader of PyTorch's is given to go on in the middle of an epoch."""
+
+    dataset: _TorchSamples
+    sampler: _Order
+
+    def __iter__(self) -> Iterator[Any]:
+        # Here, as the base asks for its sampler's order twice.
+        self.sampler.position.begin(self.dataset.epoch)
+        return self.sampler.position.counted(super().__iter__())  # type: ignore[misc]
+
+    def state_dict(self) -> dict[str, Any]:
+        """Return the epoch and the number of its batches that have been taken, to go on there another time."""
+        return self.sampler.position.state(self.dataset.epoch)
+
+    def load_state_dict(self, state: Mapping[str, Any]) -> None:
+        """Have the next iteration go on where another one was, whatever the workers of either."""
+        self.dataset.set_epoch(self.sampler.position.load(state))
+
+
+@cache
+def _loader_class() -> Any:
+    base = _torch().utils.data.DataLoader
+    return type("DataLoader", (_Resumable, base), {"__module__": __name__})
 
 
 @cache

@@ -365,7 +365,7 @@ def _row_centres(
         count = int(np.searchsorted(edges.bottom_v, rows.last_bottom)) + 1
     spare = float(edges.bottom_v[count - 1]) - rows.last_bottom
     shift = rows.centring_shift(count, spare)
-    placed, edges = rows.lean(rows.settle(rows.first_top - shift, count)[0])
+    placed, edges = rows.lean(*rows.settle(rows.first_top - shift, count))
     rows.refuse_gaps(placed)
     return placed, edges
 
@@ -387,6 +387,8 @@ class _Rows:
         self.first_top = max(self._north - _ROUNDING_PX * pixel, 0.0)
         self.last_bottom = min(self._south + _ROUNDING_PX * pixel, 1.0)
         self._least, self._most = self._cameras()
+        # The shift that centres them is tried before it is taken, and takes as long as all else.
+        self._settled: dict[tuple[float, int], tuple[Floats, FrameEdges]] = {}
 
     def _cameras(self) -> tuple[float, float]:
         """Where cameras may stand to have their frames in the area, by half a frame or more."""
@@ -494,7 +496,13 @@ class _Rows:
         return math.ceil(count * (1.0 + _COUNT_SHARE)) + _COUNT_MORE
 
     def settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
-        """Centres of rows that follow each other from a first top edge, and their edges.
+        """Centres of rows that follow each other from a first top edge, and their edges; kept for the next time."""
+        if (top, count) not in self._settled:
+            self._settled = {(top, count): self._settle(top, count)}
+        return self._settled[top, count]
+
+    def _settle(self, top: float, count: int) -> tuple[Floats, FrameEdges]:
+        """Settle rows.
 
         A row's place depends on its own height and those before: all are placed at once, again and again
         with the heights of the last pass (Picard iteration), until none moves.
@@ -535,9 +543,8 @@ class _Rows:
         shift = max(min(shift, self.first_top), min(spare - (1.0 - self.last_bottom), self.first_top), 0.0)
         return shift if below(shift) >= 0.0 else 0.0
 
-    def lean(self, centres: Floats) -> tuple[Floats, FrameEdges]:
+    def lean(self, centres: Floats, edges: FrameEdges) -> tuple[Floats, FrameEdges]:
         """Rows whose last one, where it would reach beyond the map's end, ends there instead."""
-        edges = self._edges(centres)
         if edges.bottom_v[-1] <= 1.0:
             return centres, edges
         inside, outside = 0.5, float(centres[-1])

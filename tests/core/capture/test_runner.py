@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from terrainav.core import limits
-from terrainav.core.capture import pipeline, records, runner
+from terrainav.core.capture import making, pipeline, records
 from terrainav.core.capture.pipeline import Spool
 from terrainav.core.capture.progress import Failure
 from terrainav.core.capture.runner import capture
@@ -307,7 +307,7 @@ def test_a_full_disk_stops_the_run(in_one_go, tmp_path, monkeypatch):
     worked_out, whole, _, _ = in_one_go
     real, count = records.write_picture, 0
 
-    def write_picture(*arguments, **_more):
+    def write_picture(*arguments, **more):
         nonlocal count
         count += 1
         if count > 10:

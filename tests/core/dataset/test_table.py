@@ -24,6 +24,9 @@ NOTES = (
 )
 PUBLISHED = "img_names,columns,rows,Lat,Lon,Alt,entropies"
 
+#: Numbers that tables have where another column is not empty.
+EMPTY = ("west", "north", "pixel_width", "pixel_height", "offset_bytes", "size_bytes")
+
 
 def make_table(**changes) -> Table:
     count = 3
@@ -38,7 +41,8 @@ def make_table(**changes) -> Table:
         "left_px": np.array([123456789.0, 0.5, 3.0]),
         "crs": ("",) * count,
         "time_utc": ("",) * count,
-        **{name: np.full(count, np.nan) for name in ("west", "north", "pixel_width", "pixel_height")},
+        "shard": ("",) * count,
+        **{name: np.full(count, np.nan) for name in EMPTY},
         "source": ("Synthetic (offline)",) * count,
         "attribution": ("© who, what",) * count,
         "imagery_date": ("2024-06-21",) * count,
@@ -67,6 +71,20 @@ def test_a_crs_of_the_source_s_own_adds_its_columns(tmp_path):
     headers = (tmp_path / "meta_data.csv").read_text().splitlines()[0].split(",")
     start = headers.index("image_height_px") + 1
     assert headers[start : start + 5] == ["crs", "west", "north", "pixel_width", "pixel_height"]
+
+
+def test_shards_add_their_columns_with_whole_numbers(tmp_path):
+    table = make_table(
+        shard=("a-000000.tar", "a-000001.tar", ""),
+        offset_bytes=np.array([512.0, 2.0**40, np.nan]),
+        size_bytes=np.array([3381.0, 1.0, np.nan]),
+    )
+    table.save(tmp_path / "meta_data.csv")
+    assert_same(Table.load(tmp_path / "meta_data.csv"), table)
+    rows = list(csv.reader(io.StringIO((tmp_path / "meta_data.csv").read_text())))
+    assert rows[0][-3:] == ["shard", "offset_bytes", "size_bytes"]
+    assert rows[2][-3:] == ["a-000001.tar", "1099511627776", "1"]
+    assert rows[3][-3:] == ["", "", ""]
 
 
 def test_columns_are_the_published_ones_and_then_ours():

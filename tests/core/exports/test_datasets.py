@@ -111,6 +111,8 @@ def test_tables_of_others_go_without_footprints(dataset, tmp_path):
     assert table["entropies"].to_pylist()[-2:] == [5.0, None]
     with pytest.raises(OutputError, match="is not empty; choose another folder"):
         write_parquet(dataset, tmp_path / "tables")
+    with pytest.raises(OutputError, match=r"^folder memory://tables: must be one of this machine$"):
+        write_parquet(dataset, "memory://tables")
 
 
 def test_hugging_face_gets_the_images_of_each_part_with_their_rows(dataset, tmp_path):
@@ -239,7 +241,7 @@ def test_what_a_folder_can_become_is_what_is_written(flown, dataset, tmp_path):
     (tmp_path / "empty").mkdir()
     for number, folder in enumerate((flown, dataset, tmp_path / "empty")):
         for kind, reason in refusals(folder).items():
-            target = folder if kind == "croissant" else tmp_path / f"{kind}-{number}"
+            target = folder if kind in ("croissant", "stac") else tmp_path / f"{kind}-{number}"
             try:
                 written = export_as(folder, target, kind).written > 0
             except (InvalidInput, OutputError):

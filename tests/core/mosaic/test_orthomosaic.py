@@ -23,7 +23,13 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic import bigtiff
 from terrainav.core.mosaic.frames import frames_of
-from terrainav.core.mosaic.orthomosaic import chosen, make_orthomosaic, raster_of, write_orthomosaic
+from terrainav.core.mosaic.orthomosaic import (
+    chosen,
+    make_orthomosaic,
+    orthorectify,
+    raster_of,
+    write_orthomosaic,
+)
 from terrainav.core.mosaic.raster import Raster
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.map_frame import assemble
@@ -275,12 +281,23 @@ def marched(pose, camera, side, heights):
     ways = (view + tan_x * x[..., None] * right + tan_y * y[..., None] * up).reshape(-1, 3)
     ways = ways / np.linalg.norm(ways, axis=1, keepdims=True) @ axes
     to_utm = Transformer.from_crs(4978, 32616)
-    along, rest = np.zeros(len(ways)), np.arange(len(ways))
+    met, rest, begin_m = np.zeros((3, len(ways))), np.arange(len(ways)), 0.0
+    begin = np.array(to_utm.transform(*np.broadcast_to(origin, ways.shape).T))
     while len(rest):
-        east, north, above = to_utm.transform(*(origin + along[rest, None] * ways[rest]).T)
-        rest = rest[above > heights_at(heights, east, north)]
-        along[rest] += 0.1
-    east, north, _ = to_utm.transform(*(origin + along[:, None] * ways).T)
+        # Ten metres are straight in UTM, too, within micrometres.
+        begin_m += 10.0
+        end = np.array(to_utm.transform(*(origin + begin_m * ways[rest]).T))
+        clear = np.minimum(begin[2], end[2]) > heights.max()
+        for share in np.arange(100) / 100.0:
+            low = np.flatnonzero(~clear)
+            east, north, above = at = begin[:, low] + share * (end - begin)[:, low]
+            down = above <= heights_at(heights, east, north)
+            met[:, rest[low[down]]] = at[:, down]
+            rest, clear, begin, end = (
+                np.delete(part, low[down], axis=-1) for part in (rest, clear, begin, end)
+            )
+        begin = end
+    east, north, _ = met
     known = (np.abs(east - 239020.0) <= 119.0) & (np.abs(north - 3891000.0) <= 119.0)
     return Transformer.from_crs(32616, 3857).transform(east[known], north[known])
 
@@ -385,6 +402,15 @@ def test_large_files_are_bigtiffs(tmp_path, monkeypatch):
         assert one.profile["tiled"]
         assert one.transform == other.transform
         assert (one.read() == other.read()).all()
+
+
+def test_one_image_on_the_map_is_no_finer_than_half_its_own_pixels(tmp_path):
+    captured(tmp_path / "set", area=Points(((35.13, -89.86, 80.0),)), image_px=80)
+    frames, _, _ = frames_of(tmp_path / "set")
+    for longest_px, wanted_m in ((2000, frames.gsd_m / 2.0), (100, frames.gsd_m * 0.8)):
+        orthorectify(frames, tmp_path / "on-map.tif", longest_px)
+        with rasterio.open(tmp_path / "on-map.tif") as file:
+            assert file.transform.a * math.cos(math.radians(35.13)) == pytest.approx(wanted_m, rel=5e-3)
 
 
 def test_images_with_the_horizon_end_where_they_look_too_flat(tmp_path):

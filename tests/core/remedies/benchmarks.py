@@ -267,7 +267,7 @@ def _elsewhere(case: Case) -> None:
 
 @remedy(
     "exports/tables.py",
-    "format parquet: pyarrow cannot be imported ({}); get it with: pip install 'terrainav[parquet]'",
+    "format {}: pyarrow cannot be imported ({}); get it with: pip install 'terrainav[parquet]'",
 )
 def _no_pyarrow(case: Case) -> None:
     folder = write_dataset(case.tmp_path / "out")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import sys
+import tempfile
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -31,6 +32,7 @@ from tests.core.remedies.files import extra_brings
 from tests.support.datasets import write_dataset
 from tests.support.published import write_published, write_vbn
 from tests.support.remedies import Case, remedy
+from tests.support.shards import write_shards
 from tests.support.sources import PatternSource
 
 AREA = Box(35.16, -89.90, 35.1555, -89.8945)
@@ -845,3 +847,51 @@ def _too_fine_a_mosaic(case: Case) -> None:
     folder = captured(case, TURNED)
     case.refused(lambda: make_orthomosaic(folder, gsd_m=1e-5))
     case.follow("give a larger ground sample distance", lambda: make_orthomosaic(folder, gsd_m=5.0))
+
+
+# --- shards
+
+
+@remedy(
+    "dataset/stored.py",
+    "image {}: is not where the table says it is, as the shard is torn or another one; put back the shard that "
+    "belongs to the table",
+)
+def _torn_shard(case: Case) -> None:
+    place = write_shards(case.tmp_path / "shards", captured(case, MISSION.with_(map_types=("satellite",))))
+    shard = place / "satellite" / "satellite-000000.tar"
+    whole = shard.read_bytes()
+    shard.write_bytes(b"\0" * len(whole))
+    case.refused(lambda: sample(place))
+
+    def put_back():
+        shard.write_bytes(whole)
+        sample(place)
+
+    case.follow("put back the shard that belongs to the table", put_back)
+
+
+@remedy(
+    "dataset/loading/streaming.py",
+    "folder {}: cannot keep the shard {} ({}); set TMPDIR to a folder with more room",
+)
+def _full_disk(case: Case) -> None:
+    folder = captured(case, MISSION.with_(map_types=("satellite",)))
+    place = write_shards(f"memory://{case.tmp_path.name}", folder)
+    small, large = case.tmp_path / "small", case.tmp_path / "large"
+    large.mkdir()
+
+    def load(temporary):
+        case.monkeypatch.setattr(tempfile, "tempdir", None)
+        case.monkeypatch.setenv("TMPDIR", str(temporary))
+        batches = Batches(place, part="all", img_size=(8, 8, 3))
+        if temporary == small:
+            # Nothing can be written there any more, not even by root.
+            (kept,) = small.iterdir()
+            kept.rmdir()
+            kept.write_bytes(b"")
+        return list(batches)
+
+    small.mkdir()
+    case.refused(lambda: load(small))
+    case.follow("set TMPDIR to a folder with more room", lambda: load(large))

@@ -135,7 +135,7 @@ def writers_place():
     return Georeference(0.0, 0.0, 4.0, 4.0, 4, 4)
 
 
-@remedy("capture/runner.py", "plan is for another pixel grid than that of {}: plan with the source's own")
+@remedy("capture/making.py", "plan is for another pixel grid than that of {}: plan with the source's own")
 def _another_grid(case: Case) -> None:
     source = PatternSource()
     case.refused(lambda: capture(plan(MISSION, PixelGrid(tile_px=512)), source, case.tmp_path / "out"))

@@ -1,0 +1,298 @@
+"""Shards of an object store on their way into training: fetched whole before they are needed, and kept within bounds.
+
+Samples come in an order in which those of a few shards stand together, a group. The shards of the group that is under
+way and of the next one are fetched into a folder that all workers of this machine share; the least recently needed ones
+make room for others.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import threading
+import time
+import weakref
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from hashlib import blake2b
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput, OutputError, TerrAInavError
+from ...files import PARTIAL_ENDING, lock_tried
+from ...stores import get_range
+
+Numbers = NDArray[np.int64]
+
+#: Shards that are fetched at a time, by each process.
+_FETCHERS = 4
+#: Bytes of a shard that are asked for at a time: they are in memory once for each shard that is fetched.
+_PART_BYTES = 16_000_000
+#: Groups that a cache has room for where nothing else is said: under way, next, and one that some worker still needs.
+_GROUPS_KEPT = 3
+#: Pause before it is looked again whether another worker has fetched a shard, and how long that may take; what is not
+#: there by then is read image by image.
+_PAUSE_S, _PATIENCE_S = 0.005, 120.0
+_LOCK_ENDING, _ROOM = ".lock", "room.lock"
+
+
+class Shards:
+    """The shards that some images are in, and which of them are taken at once in an epoch.
+
+    Parameters
+    ----------
+    names : sequence of str
+        The shard of each image.
+    at_once : int
+        Shards that make a group.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the shards, in the order of the images.
+    of_image : array (n,)
+        Number of each image's shard among them.
+    """
+
+    def __init__(self, names: Sequence[str], at_once: int) -> None:
+        number = {name: at for at, name in enumerate(dict.fromkeys(names))}
+        self.names, self._at_once = tuple(number), at_once
+        self.of_image = np.fromiter((number[name] for name in names), np.int64, len(names))
+        self._images = np.bincount(self.of_image)
+        self._last: tuple[str, Numbers, Numbers] | None = None
+
+    def order(self, key: str) -> Numbers:
+        """Images in a random order that a text leads to, those of a group together."""
+        groups, _ = self._groups(key)
+        found: Numbers = np.lexsort((random_numbers(key, len(self.of_image)), groups[self.of_image]))
+        return found
+
+    def ahead(self, indices: Sequence[int] | Numbers, key: str) -> tuple[list[str], list[str]]:
+        """Shards that some images are in; and with them those that come next, as they do in the order of ``key``.
+
+        The second are none where the images are not such as follow each other in that order.
+
+        Parameters
+        ----------
+        key : str
+            Empty where images come in the order in which they are.
+        """
+        needed = np.unique(self.of_image[np.asarray(indices, np.int64)])
+        groups, starts = self._groups(key)
+        first, last = int(groups[needed].min()), int(groups[needed].max())
+        ahead = np.empty(0, np.int64)
+        if starts[last] - starts[first + 1] <= len(indices):
+            ahead = np.flatnonzero((groups >= first) & (groups <= last + 1))
+            ahead = ahead[np.argsort(groups[ahead], kind="stable")]
+        return [self.names[one] for one in needed], [self.names[one] for one in ahead]
+
+    def _groups(self, key: str) -> tuple[Numbers, Numbers]:
+        """Group of each shard, and how many images come before each group and in all."""
+        last = self._last
+        if last is None or last[0] != key:
+            place = np.arange(len(self.names))
+            if key:
+                place[np.argsort(random_numbers(f"{key}:shards", len(place)), kind="stable")] = place.copy()
+            groups = place // self._at_once
+            counts = np.bincount(groups, weights=self._images).astype(np.int64)
+            # Set in one go, as threads ask for it.
+            self._last = last = key, groups, np.concatenate([[0], np.cumsum(counts)])
+        return last[1:]
+
+
+def random_numbers(key: str, count: int) -> NDArray[np.uint64]:
+    """Raw stream (count,) of numpy's Philox for a text, which numpy keeps the same in all versions (NEP 19)."""
+    number = int.from_bytes(blake2b(key.encode(), digest_size=16).digest(), "little")
+    return np.random.Philox(key=number).random_raw(count)
+
+
+class ShardCache:
+    """Copies of a dataset's shards in a temporary folder, which ends with the instance that has made it.
+
+    It can be pickled: the instances share the folder.
+
+    Parameters
+    ----------
+    folder : Path
+        Of an object store, in which the shards are.
+    sizes : mapping of str to int
+        Bytes of each shard.
+    shards_at_once : int
+        Shards of a group.
+    limit_bytes : int or None
+        Most that is kept; None has room for three groups.
+
+    Raises
+    ------
+    OutputError
+        There can be no temporary folder.
+    """
+
+    def __init__(
+        self, folder: Path, sizes: Mapping[str, int], shards_at_once: int, limit_bytes: int | None
+    ) -> None:
+        self._folder, self._sizes = folder, dict(sizes)
+        usual = _GROUPS_KEPT * shards_at_once * max(self._sizes.values())
+        self.limit_bytes = usual if limit_bytes is None else limit_bytes
+        try:
+            self._place = Path(tempfile.mkdtemp(prefix="terrainav-shards-"))
+        except OSError as wrong:
+            raise OutputError(
+                "folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror
+            ) from wrong
+        weakref.finalize(self, _remove, self._place, os.getpid())
+        self.__setstate__({})
+
+    def __getstate__(self) -> dict[str, Any]:
+        of_process = ("_process", "_lock", "_waiting", "_wanted", "_fetching")
+        return {name: value for name, value in vars(self).items() if name not in of_process}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self._process, self._lock = os.getpid(), threading.Lock()
+        #: Names of shards that are to be fetched, and of those that are not to make room for others.
+        self._waiting: deque[str] = deque()
+        self._wanted: frozenset[str] = frozenset()
+        #: Threads that fetch.
+        self._fetching = 0
+
+    def copy(self, name: str) -> Path:
+        """Where a shard's copy is, if it is there."""
+        return self._place / name
+
+    def hold(self, needed: Sequence[str], ahead: Sequence[str]) -> None:
+        """Have shards at hand, as far as there is room; those that come next are fetched meanwhile.
+
+        Parameters
+        ----------
+        needed : sequence of str
+            Shards that are read next.
+        ahead : sequence of str
+            Those, and others that will be, in this order.
+
+        Raises
+        ------
+        InvalidInput
+            A shard of another length than it had.
+        OutputError
+            One that cannot be fetched, or kept.
+        """
+        if self._process != os.getpid():
+            # Forked, perhaps while a thread had the lock, of which there is none here.
+            self.__setstate__({})
+        with self._lock:
+            self._wanted = frozenset(ahead)
+            self._waiting = deque(name for name in ahead if not self.copy(name).exists())
+            more = max(min(_FETCHERS, len(self._waiting)) - self._fetching, 0)
+            self._fetching += more
+        for _ in range(more):
+            threading.Thread(target=self._fetch_waiting, daemon=True).start()
+        for name in needed:
+            until = time.monotonic() + _PATIENCE_S
+            while not self._has_tried(name) and time.monotonic() < until:
+                time.sleep(_PAUSE_S)
+
+    def _fetch_waiting(self) -> None:
+        while True:
+            with self._lock:
+                if not self._waiting:
+                    self._fetching -= 1
+                    return
+                name = self._waiting.popleft()
+            # Who needs the shard tries again, and is told.
+            with suppress(TerrAInavError, OSError):
+                self._has_tried(name)
+
+    def _has_tried(self, name: str) -> bool:
+        """Fetch a shard, if it is not there and there is room; False where somebody else is about it."""
+        copy = self.copy(name)
+        if self._sizes[name] > self.limit_bytes:
+            return True
+        try:
+            with suppress(FileNotFoundError):
+                # Says that it has been needed, too.
+                os.utime(copy)
+                return True
+            self._place.mkdir(exist_ok=True)
+            with lock_tried(self.copy(name + _LOCK_ENDING)) as held:
+                if held and not copy.exists():
+                    self._fetch(name)
+                return held
+        except OSError as wrong:
+            raise OutputError(
+                "folder {0}: cannot keep the shard {1} ({2})",
+                self._place,
+                name,
+                wrong.strerror,
+                remedy="set TMPDIR to a folder with more room",
+            ) from wrong
+
+    def _fetch(self, name: str) -> None:
+        """Fetch a shard whose lock is held, if there is room."""
+        size, partial = self._sizes[name], self.copy(name + PARTIAL_ENDING)
+        if not self._reserve(partial, size):
+            return
+        try:
+            with partial.open("r+b") as file:
+                for start in range(0, size, _PART_BYTES):
+                    length = min(_PART_BYTES, size - start)
+                    data = get_range(self._folder / name, start, length)
+                    if len(data) != length:
+                        raise InvalidInput("shard {0}: is cut short", self._folder / name)
+                    file.write(data)
+            with self._room():
+                os.replace(partial, self.copy(name))
+        except BaseException:
+            with suppress(OSError):
+                partial.unlink()
+            raise
+
+    def _reserve(self, partial: Path, size: int) -> bool:
+        """Make room for a shard, and a file of its size; whether there is room."""
+        with self._room():
+            partial.unlink(missing_ok=True)
+            if not self._makes_room(size):
+                return False
+            with partial.open("xb") as file:
+                file.truncate(size)
+        return True
+
+    @contextmanager
+    def _room(self) -> Iterator[None]:
+        """Keep others from changing what is kept."""
+        while True:
+            with lock_tried(self.copy(_ROOM)) as held:
+                if held:
+                    yield
+                    return
+            time.sleep(_PAUSE_S)
+
+    def _makes_room(self, size: int) -> bool:
+        kept = []
+        with os.scandir(self._place) as entries:
+            for entry in entries:
+                # What could not be fetched is removed at any time.
+                with suppress(FileNotFoundError):
+                    if not entry.name.endswith(_LOCK_ENDING):
+                        kept.append((entry.stat().st_mtime_ns, entry.stat().st_size, entry.name))
+        room = self.limit_bytes - sum(one for _, one, _ in kept)
+        for _, one, name in sorted(kept):
+            if room >= size:
+                break
+            if name not in self._wanted and not name.endswith(PARTIAL_ENDING):
+                # Others may be reading it; they go on, or read what they need from the store.
+                with suppress(OSError):
+                    self.copy(name).unlink()
+                    room += one
+        return room >= size
+
+
+def _remove(folder: Path, maker: int) -> None:
+    """Remove a cache, if this is the process that has made it."""
+    if os.getpid() == maker:
+        shutil.rmtree(folder, ignore_errors=True)

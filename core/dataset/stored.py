@@ -1,0 +1,209 @@
+"""Images that are no files of this machine's folders: objects of a store, and ranges of shards.
+
+A shard is a tar beside the table, whose columns tell where in it the data of each image begin, and how many they are.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple, Union
+
+import numpy as np
+
+from ..errors import InvalidInput
+from ..stores import get, get_range, is_address, is_file, sizes_in
+from .table import Table
+
+#: Tars are of blocks, and a member's header is one.
+_BLOCK_BYTES = 512
+_NAME, _SIZE, _CHECKSUM, _MAGIC = slice(0, 100), slice(124, 136), slice(148, 156), slice(257, 262)
+#: What no name of a file in a folder holds.
+_NO_NAME = re.compile(r"[/\\:\x00]")
+
+
+class Range(NamedTuple):
+    """Where an image's data begin in a shard, and how many bytes they are."""
+
+    offset_bytes: int
+    size_bytes: int
+
+
+@dataclass(frozen=True)
+class StoredImage:
+    """An image in an object store or in a shard, to be read as a file's path is.
+
+    Parameters
+    ----------
+    name : str
+        The image's, with its ending.
+    place : Path
+        The object, or the shard that the image is in.
+    range : Range or None
+        Of a shard.
+    copy : Path or None
+        Where a copy of the shard may be on this machine, which is read if it is there.
+    """
+
+    name: str
+    place: Path
+    range: Range | None = None
+    copy: Path | None = None
+
+    def __str__(self) -> str:
+        return str(self.place) if self.range is None else f"{self.name} in {self.place}"
+
+    @property
+    def suffix(self) -> str:
+        """Ending of the name."""
+        return Path(self.name).suffix
+
+    def read_bytes(self) -> bytes:
+        """Read the image's file.
+
+        Raises
+        ------
+        InvalidInput
+            It is not there; or the shard is not, or has something else there.
+        OutputError
+            A store that cannot be asked.
+        """
+        if self.range is None:
+            data = get(self.place)
+            if data is None:
+                raise InvalidInput("image {0}: is not there", self)
+            return data
+        offset, size = self.range
+        data = self._part(offset - _BLOCK_BYTES, _BLOCK_BYTES + size)
+        member = _member(data[:_BLOCK_BYTES])
+        if (
+            len(data) != _BLOCK_BYTES + size
+            or member is None
+            or member.size_bytes != size
+            or (Path(member.name).suffix != self.suffix)
+        ):
+            raise InvalidInput(
+                "image {0}: is not where the table says it is, as the shard is torn or another one",
+                self,
+                remedy="put back the shard that belongs to the table",
+            )
+        return data[_BLOCK_BYTES:]
+
+    def endings(self) -> Iterator[str]:
+        """Endings of the files that belong to the image, which are its neighbours in the shard."""
+        if self.range is None:
+            return
+        at = self.range.offset_bytes - _BLOCK_BYTES
+        first = member = _member(self._part(at, _BLOCK_BYTES))
+        while first is not None and member is not None and member.key == first.key:
+            yield member.name[len(member.key) :]
+            at += _BLOCK_BYTES + -(-member.size_bytes // _BLOCK_BYTES) * _BLOCK_BYTES
+            member = _member(self._part(at, _BLOCK_BYTES))
+
+    def _part(self, start: int, length: int) -> bytes:
+        """Some bytes of the shard."""
+        for path in (self.copy, self.place):
+            if path is None:
+                continue
+            if is_address(path):
+                return get_range(path, start, length)
+            try:
+                with path.open("rb") as file:
+                    file.seek(start)
+                    return file.read(length)
+            except FileNotFoundError as wrong:
+                if path is self.place:
+                    raise InvalidInput("shard {0}: is not there", path) from wrong
+            except OSError as wrong:
+                raise InvalidInput("shard {0}: cannot be read ({1})", path, wrong.strerror) from wrong
+        return b""
+
+
+#: What the bytes of an image are read from.
+ImageFile = Union[Path, StoredImage]
+
+
+def has_beside(image: ImageFile, endings: Iterable[str]) -> bool:
+    """Whether a file of the image's name and one of some endings is beside it."""
+    if not isinstance(image, StoredImage):
+        return any(image.with_suffix(ending).exists() for ending in endings)
+    if image.range is None:
+        return any(is_file(image.place.with_suffix(ending)) for ending in endings)
+    return not set(endings).isdisjoint(image.endings())
+
+
+def is_name(text: str) -> bool:
+    """Whether a file in a folder may have such a name."""
+    return text not in ("", ".", "..") and not _NO_NAME.search(text)
+
+
+def shards_of(folder: Path, table: Table) -> dict[str, int]:
+    """Bytes of the shards that a table names, by their names, in its order.
+
+    Raises
+    ------
+    InvalidInput
+        Rows that do not say where their images are, a shard that is not there, or one that is cut short.
+    OutputError
+        A store that cannot be asked.
+    """
+    made = np.flatnonzero(table.made)
+    offset, size = table.offset_bytes[made], table.size_bytes[made]
+    names = [table.shard[row] for row in made.tolist()]
+    known = np.array([is_name(name) for name in names], np.bool_)
+    # NaN, which is no number of bytes, is not at least one.
+    known &= (offset >= _BLOCK_BYTES) & (size >= 1.0) & (offset % 1.0 == 0.0) & (size % 1.0 == 0.0)
+    if not known.all():
+        row = made[int(np.argmin(known))]
+        raise InvalidInput(
+            "folder {0}: the table does not say where in a shard {1} is", folder, table.img_names[row]
+        )
+    needed: dict[str, float] = {}
+    for name, end in zip(names, (offset + size).tolist()):
+        needed[name] = max(needed.get(name, 0.0), end)
+    there = sizes_in(folder) if is_address(folder) else _sizes(folder, needed)
+    for name, end in needed.items():
+        if name not in there:
+            raise InvalidInput("folder {0}: the shard {1} of the table is not there", folder, name)
+        if there[name] < end:
+            raise InvalidInput(
+                "shard {0}: is cut short, as it has {1:,} bytes of {2:,.0f} that its images need",
+                folder / name,
+                there[name],
+                end,
+            )
+    return {name: there[name] for name in needed}
+
+
+def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
+    """Bytes of files in a folder, of those that are there."""
+    return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
+
+
+class _Member(NamedTuple):
+    """What the header of a file in a tar says."""
+
+    name: str
+    size_bytes: int
+
+    @property
+    def key(self) -> str:
+        """Name up to its first dot, which the files of one image have in common."""
+        return self.name.partition(".")[0]
+
+
+def _member(header: bytes) -> _Member | None:
+    """File that a block of a tar is the header of; None where it is none."""
+    if len(header) < _BLOCK_BYTES or header[_MAGIC] != b"ustar":
+        return None
+    try:
+        size, stated = (int(header[one].strip(b" \0"), 8) for one in (_SIZE, _CHECKSUM))
+        name = header[_NAME].rstrip(b"\0").decode("ascii")
+    except ValueError:
+        return None
+    # As if the checksum itself were eight spaces (POSIX.1-1988).
+    if sum(header) - sum(header[_CHECKSUM]) + 8 * ord(" ") != stated:
+        return None
+    return _Member(name, size)

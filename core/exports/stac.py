@@ -1,0 +1,421 @@
+"""Datasets as STAC describes them: a collection, and all images as its items in one table of GeoParquet."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.dataset import Dataset, ImageSet, read_dataset
+from ..dataset.folder import MISSION_FILE
+from ..dataset.ground import of_camera
+from ..dataset.table import NUMBER, REJECTED, TEXT, WHOLE, Column, columns_of
+from ..errors import InvalidInput
+from ..files import json_bytes, write_whole
+from ..geodesy.camera import image_axes
+from ..geodesy.mercator import wrap_lon_deg
+from ..mission.mission import Mission
+from ..stores import Address, is_file
+from .croissant import DESCRIPTION, TAR, describe_files, media_of, name_of, own_folder
+from .huggingface import credit_of
+from .tables import (
+    GEOMETRY,
+    Footprints,
+    about_geometry,
+    array_of,
+    chosen_sets,
+    groups_of,
+    kind_of,
+    parquet_blocks,
+    pyarrow_for,
+    relative_folder,
+    stem_of,
+)
+
+ITEMS_FILE, COLLECTION_FILE = "items.parquet", "collection.json"
+STAC, STAC_GEOPARQUET = "1.1.0", "1.0.0"
+#: Extensions of STAC by what their properties begin with.
+_EXTENSIONS = {
+    "proj": "https://stac-extensions.github.io/projection/v2.0.0/schema.json",
+    "view": "https://stac-extensions.github.io/view/v1.0.0/schema.json",
+}
+#: Media types, beside those of images.
+_JSON, _PARQUET = "application/json", "application/vnd.apache.parquet"
+#: The CRS of map frames whose source has none of its own.
+_MERCATOR = "EPSG:3857"
+_CODE = re.compile(r"[A-Z]+:[0-9A-Za-z_.]+")
+#: Columns of the table that say nothing of an image that is there.
+_LEFT_OUT = ("status", "reason")
+#: Columns that every item has, and the image among its assets.
+_OF_ITEMS = (
+    "type",
+    "stac_version",
+    "stac_extensions",
+    "id",
+    "collection",
+    GEOMETRY,
+    "bbox",
+    "links",
+    "assets",
+)
+_TIMES = _, _START, _END = ("datetime", "start_datetime", "end_datetime")
+_MAP_TYPE, _GSD, _PROJ_CODE, _IMAGE = "map_type", "gsd", "proj:code", "image"
+_RESERVED = frozenset((*_OF_ITEMS, *_TIMES, _MAP_TYPE, _GSD, "properties"))
+#: Ends of what imagery may be of whose date is not known: any search for a time finds it. Both are within what
+#: nanoseconds in 64 bits reach, in which some readers count.
+_EARLIEST, _LATEST = np.datetime64("1700-01-01T00:00:00"), np.datetime64("2200-01-01T00:00:00")
+_DAY = r"\d{4}(?:-\d\d(?:-\d\d)?)?"
+#: Dates of imagery: a year, a month or a day, or two of them.
+_DATES = re.compile(rf"({_DAY})(?:T[\d:.]*Z?)?(?:\s*(?:-|/|\.\.)\s*({_DAY})(?:T[\d:.]*Z?)?)?")
+_POINT = np.dtype([("order", "u1"), ("kind", "<u4"), ("lon", "<f8"), ("lat", "<f8")])
+_EDGES = ("xmin", "ymin", "xmax", "ymax")
+#: Of a view along the horizon, from straight down.
+_LEVEL_DEG = 90.0
+
+
+def write_stac(folder: Address, target: Address, map_type: str | None = None) -> list[Path]:
+    """Write ``items.parquet``, ``collection.json`` and ``croissant.json`` beside a dataset's tables; returns them.
+
+    Items are all images that are there, of all map types, also those that cleaning has rejected. Earlier descriptions
+    are replaced.
+
+    Parameters
+    ----------
+    folder : path or address
+        Of a dataset.
+    target : path or address
+        The dataset's folder once more.
+    map_type : str or None
+        One alone.
+
+    Raises
+    ------
+    InvalidInput
+        A folder that is no dataset, has no such map type, or is another than the target.
+    OutputError
+        A place that cannot be written, or no pyarrow.
+    """
+    pyarrow_for("stac")
+    return describe(own_folder(read_dataset(folder), target, COLLECTION_FILE), map_type)
+
+
+def describe(dataset: Dataset, map_type: str | None = None) -> list[Path]:
+    """Write the descriptions of a dataset as `write_stac` does."""
+    arrow = pyarrow_for("stac")
+    shown: dict[Path, Footprints | None] = {}
+    parts = []
+    for name, images in chosen_sets(dataset, map_type).items():
+        place = images.folder.parent
+        if place not in shown:
+            shown[place] = Footprints.read(place)
+        parts.append(_Items.of(dataset, name, images, shown[place]))
+    if not any(len(one.rows) for one in parts):
+        raise InvalidInput("folder {0}: has no image to export", dataset.folder)
+    collection = _collection(dataset, parts)
+    items, described = dataset.folder / ITEMS_FILE, dataset.folder / COLLECTION_FILE
+    write_whole(items, _blocks(arrow, parts, collection))
+    write_whole(described, json_bytes(collection))
+    return [items, described, describe_files(dataset, map_type)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Items:
+    """Images of a map type that are there, n of them.
+
+    Parameters
+    ----------
+    rows : array (n,)
+        Of the table.
+    columns : mapping of str to Column
+        Properties, of all rows of the table.
+    hrefs : sequence of str
+        Where the images are, seen from the dataset's folder.
+    bounds : array (n, 4)
+        West, south, east, north.
+    shown, places : Footprints or None, array (n,)
+        Footprints, and which of them the images have; -1 for those that have none but a place.
+    start, end : array (n,) of datetime64
+        First and last second of what the imagery is of; NaT where it is not known.
+    """
+
+    name: str
+    images: ImageSet
+    rows: NDArray[np.intp]
+    columns: dict[str, Column]
+    hrefs: Sequence[str]
+    media: str
+    bounds: NDArray[np.float64]
+    shown: Footprints | None
+    places: NDArray[np.intp]
+    start: NDArray[Any]
+    end: NDArray[Any]
+
+    @classmethod
+    def of(cls, dataset: Dataset, name: str, images: ImageSet, shown: Footprints | None) -> _Items:
+        """Items of a map type."""
+        table = images.table
+        rows = np.flatnonzero(images.there)
+        columns = {one.header: one for one in columns_of(table) if one.header not in _LEFT_OUT}
+        for header in _RESERVED & {*table.other}:
+            # What others have called as STAC calls something else.
+            columns[f"table_{header}"] = columns.pop(header)._replace(header=f"table_{header}")
+        if "time_utc" in columns:
+            # As text: programs that know items' times by name hand on others as they are, which JSON has no type for.
+            columns["time_utc"] = Column("time_utc", TEXT, table.time_utc)
+        if images.shards:
+            folder = _href(relative_folder(dataset, images.folder))
+            hrefs, media = [f"{folder}{shard}" for shard in table.shard], TAR
+        else:
+            hrefs, media = _files(dataset, images), media_of(next(iter(table.img_names), ""))
+        places = np.full(len(rows), -1) if shown is None else shown.places(table.img_names)[rows]
+        lon = wrap_lon_deg(table.lon_deg[rows])
+        bounds = np.stack([lon, table.lat_deg[rows]] * 2, axis=-1)
+        if shown is not None:
+            bounds[places >= 0] = shown.bounds[places[places >= 0]]
+        columns.update(_properties(images, is_camera=_is_camera(dataset, images, rows)))
+        held = {header: one for header, one in columns.items() if _holds_any(one, rows)}
+        start, end = (times[rows] for times in _times(table.imagery_date))
+        return cls(name, images, rows, held, hrefs, media, bounds, shown, places, start, end)
+
+    @property
+    def extensions(self) -> list[str]:
+        """Extensions of STAC that the items have properties of."""
+        prefixes = {header.partition(":")[0] for header in self.columns}
+        return [schema for prefix, schema in _EXTENSIONS.items() if prefix in prefixes]
+
+    @property
+    def kinds(self) -> set[str]:
+        """Kinds of the geometries."""
+        found = {"Point"} if (self.places < 0).any() else set()
+        return found if self.shown is None else found | self.shown.names_of(self.places)
+
+    def group(self, arrow: Any, some: slice, assets: Any) -> dict[str, Any]:
+        """Arrow arrays of what each of some items has of its own, beside properties, by column."""
+        rows, names = self.rows[some].tolist(), self.images.table.img_names
+        (image,) = assets
+        files = {
+            "href": arrow.array([self.hrefs[row] for row in rows], arrow.string()),
+            **{
+                name: arrow.repeat(arrow.scalar(value, image.type.field(name).type), len(rows))
+                for name, value in (("type", self.media), ("roles", ["data"]))
+            },
+        }
+        asset = arrow.StructArray.from_arrays([files[one.name] for one in image.type], fields=[*image.type])
+        edges = [arrow.array(np.ascontiguousarray(edge)) for edge in self.bounds[some].T]
+        times = {
+            name: arrow.array(
+                np.where(np.isnat(values[some]), unknown, values[some]).astype("datetime64[us]")
+            )
+            for name, values, unknown in ((_START, self.start, _EARLIEST), (_END, self.end, _LATEST))
+        }
+        return {
+            "id": arrow.array([f"{self.name}_{stem_of(names[row])}" for row in rows], arrow.string()),
+            GEOMETRY: self._geometries(arrow, some),
+            "bbox": arrow.StructArray.from_arrays(edges, _EDGES),
+            "assets": arrow.StructArray.from_arrays([asset], fields=[image]),
+            **{name: one.cast(arrow.timestamp("us", tz="UTC")) for name, one in times.items()},
+        }
+
+    def _geometries(self, arrow: Any, some: slice) -> Any:
+        """Footprints of some items; of those that have none, their places as points."""
+        places, bounds = self.places[some], self.bounds[some]
+        if self.shown is not None and (places >= 0).all():
+            return self.shown.shapes(arrow, places)
+        points = np.zeros(len(places), _POINT)
+        points["order"], points["kind"], points["lon"], points["lat"] = 1, 1, bounds[:, 0], bounds[:, 1]
+        drawn = arrow.array([point.tobytes() for point in points], arrow.binary())
+        if self.shown is None:
+            return drawn
+        return arrow.compute.if_else(arrow.array(places >= 0), self.shown.shapes(arrow, places), drawn)
+
+
+def _files(dataset: Dataset, images: ImageSet) -> list[str]:
+    """Files of a map type's images, seen from the dataset's folder."""
+    folder, names = _href(relative_folder(dataset, images.files or images.folder)), images.table.img_names
+    hrefs = [folder + name for name in names]
+    # Cleaning moves files of folders alone.
+    marks = () if images.files is None else images.table.other.get(REJECTED, ())
+    for row in (row for row, mark in enumerate(marks) if mark):
+        hrefs[row] = _href(relative_folder(dataset, images.path(row).parent)) + names[row]
+    return hrefs
+
+
+def _href(folder: Path) -> str:
+    path = folder.as_posix()
+    return "./" if path in ("", ".") else f"./{path}/"
+
+
+def _is_camera(dataset: Dataset, images: ImageSet, rows: NDArray[np.intp]) -> bool | None:
+    """Whether images are camera frames; None for those of others, whose windows the table does not know."""
+    if not len(rows) or not np.isfinite(images.table.left_px[rows]).all():
+        return None
+    return of_camera(images, rows, dataset.folder)
+
+
+def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column]:
+    """Properties that STAC knows and that follow from a table: (n,) for all of its rows."""
+    table = images.table
+    found = {}
+    path = images.folder.parent / MISSION_FILE
+    if is_file(path):
+        across = 2.0 * Mission.load(path).camera.half_tangents[0]
+        found[_GSD] = table.agl_m * across / table.image_width_px
+    if is_camera:
+        *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)
+        off_nadir = np.degrees(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), -axis[:, 2]))
+        azimuth = np.degrees(np.arctan2(axis[:, 0], axis[:, 1])) % 360.0
+        # Nothing is seen where it looks up, and in no direction where it looks straight down.
+        found["view:off_nadir"] = np.where(off_nadir <= _LEVEL_DEG, off_nadir, np.nan)
+        found["view:azimuth"] = np.where((off_nadir > 0.0) & (off_nadir <= _LEVEL_DEG), azimuth, np.nan)
+    columns = {header: Column(header, NUMBER, values) for header, values in found.items()}
+    if is_camera is False:
+        codes = {crs: _code(crs) for crs in set(table.crs)}
+        columns[_PROJ_CODE] = Column(_PROJ_CODE, TEXT, tuple(codes[crs] for crs in table.crs))
+    return columns
+
+
+def _code(crs: str) -> str:
+    """Code of a CRS as a table has it, empty where it has none."""
+    return (crs if _CODE.fullmatch(crs) else "") if crs else _MERCATOR
+
+
+def _holds_any(column: Column, rows: NDArray[np.intp]) -> bool:
+    values = column.values
+    if isinstance(values, tuple):
+        return any(values[row] for row in rows.tolist())
+    return bool(np.isfinite(values[rows]).any())
+
+
+def _times(dates: Sequence[str]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """First and last second of each date of imagery; NaT where it is not known."""
+    spans = {text: _span(text) for text in set(dates)}
+    first, last = ([spans[text][end] for text in dates] for end in (0, 1))
+    return np.array(first, "datetime64[s]"), np.array(last, "datetime64[s]")
+
+
+def _span(text: str) -> tuple[np.datetime64, np.datetime64]:
+    unknown = np.datetime64("NaT"), np.datetime64("NaT")
+    found = _DATES.fullmatch(text.strip())
+    if found is None:
+        return unknown
+    try:
+        first, last = (np.datetime64(day) for day in (found[1], found[2] or found[1]))
+    except ValueError:
+        return unknown
+    # The next year, month or day begins a second later.
+    start, end = first.astype("datetime64[s]"), (last + 1).astype("datetime64[s]") - 1
+    return (start, end) if _EARLIEST < start <= end < _LATEST else unknown
+
+
+def _blocks(arrow: Any, parts: Sequence[_Items], collection: Mapping[str, Any]) -> Iterator[bytes]:
+    """File of the items."""
+    text, texts, time = arrow.string(), arrow.list_(arrow.string()), arrow.timestamp("us", tz="UTC")
+    link = arrow.struct([(name, text) for name in ("href", "rel", "type")])
+    asset = arrow.struct([("href", text), ("type", text), ("roles", texts)])
+    kinds: dict[str, str] = {}
+    for column in (column for one in parts for column in one.columns.values()):
+        # What is whole in one table may not be in another.
+        known = kinds.setdefault(column.header, column.kind)
+        kinds[column.header] = column.kind if known == WHOLE else known
+    types: dict[str, Any] = {
+        **dict.fromkeys(_OF_ITEMS, text),
+        "stac_extensions": texts,
+        GEOMETRY: arrow.binary(),
+        "bbox": arrow.struct([(edge, arrow.float64()) for edge in _EDGES]),
+        "links": arrow.list_(link),
+        "assets": arrow.struct([(_IMAGE, asset)]),
+        **dict.fromkeys(_TIMES, time),
+        _MAP_TYPE: text,
+        **{header: kind_of(arrow, kind) for header, kind in kinds.items()},
+    }
+    same: dict[str, Any] = {
+        "type": "Feature",
+        "stac_version": STAC,
+        "collection": collection["id"],
+        "links": [{"href": f"./{COLLECTION_FILE}", "rel": "collection", "type": _JSON}],
+        "datetime": None,
+    }
+
+    def groups() -> Iterator[dict[str, Any]]:
+        for one in parts:
+            for some in groups_of(len(one.rows)):
+                of_all = {**same, "stac_extensions": one.extensions, _MAP_TYPE: one.name}
+                rows = one.rows[some]
+                yield {
+                    **{name: arrow.nulls(len(rows), kind) for name, kind in types.items()},
+                    **{n: arrow.repeat(arrow.scalar(v, types[n]), len(rows)) for n, v in of_all.items()},
+                    **one.group(arrow, some, types["assets"]),
+                    **{
+                        header: array_of(arrow, column._replace(kind=kinds[header]), rows)
+                        for header, column in one.columns.items()
+                    },
+                }
+
+    bounds = np.concatenate([one.bounds for one in parts])
+    geo = about_geometry({kind for one in parts for kind in one.kinds}, bounds)
+    geo["columns"][GEOMETRY]["covering"] = {"bbox": {edge: ["bbox", edge] for edge in _EDGES}}
+    about = {
+        "geo": geo,
+        "stac-geoparquet": {"version": STAC_GEOPARQUET, "collections": {collection["id"]: collection}},
+    }
+    return parquet_blocks(arrow, arrow.schema([*types.items()]), about, groups())
+
+
+def _collection(dataset: Dataset, parts: Sequence[_Items]) -> dict[str, Any]:
+    """The collection, JSON-ready."""
+    bounds = np.concatenate([one.bounds for one in parts])
+    start, end = (np.concatenate(times) for times in zip(*((one.start, one.end) for one in parts)))
+    known = not np.isnat(start).any()
+    sources = dict.fromkeys(
+        pair
+        for one in parts
+        for pair in zip(one.images.table.source, one.images.table.attribution)
+        if any(pair)
+    )
+    gsd = [np.asarray(one.columns[_GSD].values)[one.rows] for one in parts if _GSD in one.columns]
+    least, most = (float(of(np.concatenate(gsd))) if gsd else 0.0 for of in (np.nanmin, np.nanmax))
+    count = sum(len(one.rows) for one in parts)
+    return {
+        "type": "Collection",
+        "stac_version": STAC,
+        "stac_extensions": [],
+        "id": name_of(dataset),
+        "title": name_of(dataset),
+        "description": f"{DESCRIPTION} {count:,} images: "
+        + "; ".join(f"{one.name}, {credit_of(one.images)}" for one in parts)
+        + ". The terms are those of who made the imagery.",
+        "license": "other",
+        "providers": [
+            *(
+                {"name": source or credit, "description": credit or source, "roles": ["producer", "licensor"]}
+                for source, credit in sources
+            ),
+            {"name": "TerrAInav", "roles": ["processor"]},
+        ],
+        "extent": {
+            "spatial": {
+                "bbox": [[float(edge) for edge in (*bounds[:, :2].min(axis=0), *bounds[:, 2:].max(axis=0))]]
+            },
+            "temporal": {"interval": [[f"{start.min()}Z", f"{end.max()}Z"] if known else [None, None]]},
+        },
+        "summaries": {
+            _MAP_TYPE: [one.name for one in parts],
+            **({_GSD: {"minimum": least, "maximum": most}} if gsd else {}),
+        },
+        "item_assets": {_IMAGE: {"type": parts[0].media, "roles": ["data"]}},
+        "assets": {
+            "items": {
+                "href": f"./{ITEMS_FILE}",
+                "title": "All images, as GeoParquet",
+                "description": "STAC items in the order of the tables, one map type after the other.",
+                "type": _PARQUET,
+                "roles": ["collection-mirror"],
+            }
+        },
+        "links": [],
+    }

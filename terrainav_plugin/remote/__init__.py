@@ -1,0 +1,7 @@
+"""Datasets at addresses: on a web server, in an object store. Knows no window; on any thread.
+
+address         what a user gives: a folder's address, and where its files are asked for
+store           the files at an address, whole or in part, over QGIS's own network stack
+copies          what footprints need, copied to this machine once
+images          the bytes of one image: a file here, one at an address, or a part of a shard
+"""

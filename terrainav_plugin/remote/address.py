@@ -1,0 +1,180 @@
+"""What a user gives: the address of a dataset's folder, and where its files are asked for.
+
+S3's addresses are signed by GDAL, for a few minutes and one file each, with the credentials that AWS's own tools have;
+the requests themselves are QGIS's, as those to web servers are.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import NamedTuple
+from urllib.parse import quote, urlsplit
+
+from osgeo import gdal
+
+from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
+from ...core.errors import InvalidInput, OutputError
+from ..i18n import tr
+
+#: Files right inside a dataset whose addresses stand for it.
+_INSIDE = (MISSION_FILE, FOOTPRINTS_FILE, "collection.json", "items.parquet", "croissant.json", "plan.csv")
+_SCHEMES = ("https", "http", "s3")
+#: Seconds that a signed address holds.
+_SIGNED_S = 600
+#: Where AWS's tools are told of another store than Amazon's; the first that is there.
+_ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL")
+_UNSIGNED = "AWS_NO_SIGN_REQUEST"
+_YES = ("yes", "true", "on", "1")
+
+
+class Address(NamedTuple):
+    """Address of a dataset's folder.
+
+    Parameters
+    ----------
+    url : str
+        Without a slash at its end.
+    """
+
+    url: str
+
+    @classmethod
+    def of(cls, text: str) -> Address:
+        """Address of a dataset, given as such or as that of a file in it.
+
+        Raises
+        ------
+        InvalidInput
+            What is none, or holds credentials, which are then not quoted.
+        """
+        text = text.strip()
+        if not text:
+            raise InvalidInput(
+                tr("address: is missing; it must be such as https://host/run or s3://bucket/run")
+            )
+        try:
+            parts = urlsplit(text)
+            scheme, host = parts.scheme.lower(), parts.hostname
+        except ValueError:
+            scheme, host = "", None
+        if scheme not in _SCHEMES:
+            raise InvalidInput(
+                tr("address {address}: must begin with https://, http:// or s3://").format(
+                    address=re.sub(r"//[^/]*@", "//", text.partition("?")[0])
+                )
+            )
+        if "@" in parts.netloc:
+            raise InvalidInput(
+                tr("address: holds a user's name or password; it must not, as QGIS's authentication is for these")
+            )
+        if parts.query or parts.fragment:
+            raise InvalidInput(
+                tr(
+                    "address: holds ? or #; it must be that of the dataset's folder alone"
+                )
+            )
+        if not host:
+            raise InvalidInput(tr("address {address}: names no server or bucket").format(address=text))
+        path = parts.path.rstrip("/")
+        folder, _, name = path.rpartition("/")
+        if name == TABLE_FILE:
+            path = folder.rpartition("/")[0]
+        elif name in _INSIDE:
+            path = folder
+        # Names of buckets are as they are; `hostname` would be in lower case.
+        return cls(f"{scheme}://{parts.netloc}{path}")
+
+    @property
+    def name(self) -> str:
+        """What it is called: its last part."""
+        parts = urlsplit(self.url)
+        return parts.path.rpartition("/")[2] or parts.netloc
+
+    @property
+    def server(self) -> str:
+        """Scheme and server or bucket, as errors name it."""
+        parts = urlsplit(self.url)
+        return f"{parts.scheme}://{parts.netloc}"
+
+    @property
+    def is_s3(self) -> bool:
+        """Whether it is one of an object store."""
+        return self.url.startswith("s3://")
+
+    def file(self, name: str) -> str:
+        """Address of a file in it, as it is shown; ``name`` may lead into folders."""
+        return f"{self.url}/{name}"
+
+    def inside(self, name: str) -> Address:
+        """Address of a folder in it."""
+        return Address(self.file(name))
+
+    def request_url(self, name: str) -> str:
+        """URL at which a file is asked for now; that of a store is signed, and never to be shown.
+
+        Raises
+        ------
+        OutputError
+            An endpoint that is none.
+        """
+        if not self.is_s3:
+            return f"{self.url}/{quote(name)}"
+        parts = urlsplit(self.url)
+        key = f"{parts.path.lstrip('/')}/{name}".lstrip("/")
+        options = _store_options(os.environ)
+        if (os.environ.get(_UNSIGNED) or "").lower() not in _YES:
+            with _gdal_options(options):
+                signed = gdal.GetSignedURL(f"/vsis3/{parts.netloc}/{key}", [f"EXPIRATION_DELAY={_SIGNED_S}"])
+            if signed:
+                return str(signed)
+        # Without credentials: what everybody may read.
+        return _plain_url(parts.netloc, key, options)
+
+
+def _store_options(environment: Mapping[str, str]) -> dict[str, str]:
+    """Options of GDAL for the store that AWS's tools are told of; none for Amazon's own."""
+    endpoint = next((environment[name] for name in _ENDPOINTS if environment.get(name)), "")
+    if not endpoint or environment.get("AWS_S3_ENDPOINT"):
+        return {}
+    parts = urlsplit(endpoint)
+    if parts.scheme not in ("http", "https") or not parts.netloc or "@" in parts.netloc:
+        raise OutputError("environment variable AWS_ENDPOINT_URL: must be such as {0}", "http://host:port")
+    return {
+        "AWS_S3_ENDPOINT": f"{parts.netloc}{parts.path}".rstrip("/"),
+        "AWS_HTTPS": "YES" if parts.scheme == "https" else "NO",
+        # Other stores seldom have a host for each bucket.
+        "AWS_VIRTUAL_HOSTING": "FALSE",
+    }
+
+
+def _plain_url(bucket: str, key: str, options: Mapping[str, str]) -> str:
+    def option(name: str) -> str:
+        return options.get(name) or os.environ.get(name) or ""
+
+    endpoint = option("AWS_S3_ENDPOINT")
+    scheme = "http" if option("AWS_HTTPS").lower() in ("no", "false", "off", "0") else "https"
+    if endpoint:
+        return f"{scheme}://{endpoint}/{bucket}/{quote(key)}"
+    region = option("AWS_REGION") or option("AWS_DEFAULT_REGION")
+    host = f"s3.{region}.amazonaws.com" if region else "s3.amazonaws.com"
+    return f"https://{host}/{bucket}/{quote(key)}"
+
+
+@contextmanager
+def _gdal_options(options: Mapping[str, str]) -> Iterator[None]:
+    """Options of GDAL, for a while and, where it can do so (3.5), for this thread alone; its errors go nowhere."""
+    put = getattr(gdal, "SetThreadLocalConfigOption", gdal.SetConfigOption)
+    get = getattr(gdal, "GetThreadLocalConfigOption", gdal.GetConfigOption)
+    before = {name: get(name) for name in options}
+    gdal.PushErrorHandler("CPLQuietErrorHandler")
+    try:
+        for name, value in options.items():
+            put(name, value)
+        yield
+    finally:
+        for name, old in before.items():
+            put(name, old)
+        gdal.PopErrorHandler()

@@ -1,0 +1,184 @@
+"""What footprints need of a dataset at an address, copied to this machine once: a dataset's folder without images.
+
+QGIS reads a file of footprints again and again; at an address every look at the map would fetch all of them. With the
+copy a dataset at an address is one of this machine, except for its images, and a saved project opens without network.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from collections.abc import Callable
+from pathlib import Path, PurePosixPath
+
+from qgis.core import QgsApplication
+
+from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
+from ...core.errors import InvalidInput, OutputError
+from ...core.files import write_whole
+from ...core.imagery.http.client import NotThere
+from ...core.mission.mission import Mission
+from ...core.safe_json import parse_json
+from ..i18n import tr
+from ..paths import COPIES
+from .address import Address
+from .store import Store
+
+#: In a copy: where it is from.
+ADDRESS_FILE = "address.json"
+#: Beside the table of a map type whose images are in shards.
+SHARDS_FILE = "shards.json"
+_DIGITS = 12
+#: What names of folders may not hold somewhere.
+_ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f]|[. ]+$')
+#: Share of the work that the footprints are; the rest are tables.
+_FOOTPRINTS_SHARE = 0.6
+#: Footprints of a dataset that has still to be copied: as a capture writes them, so that QGIS keeps their style.
+_NONE_YET = (
+    b'{"type": "FeatureCollection", "features": [\n{"type": "Feature", "properties": {"name": ""}, "geometry": '
+    b'{"type": "Polygon", "coordinates": [[[0, 0], [0, 0], [0, 0], [0, 0]]]}}\n]}\n'
+)
+Progress = Callable[[float], bool]
+
+
+def copy_of(address: Address) -> Path:
+    """Folder of the copy of a dataset, which need not be there."""
+    digest = hashlib.sha256(address.url.encode()).hexdigest()[:_DIGITS]
+    return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
+
+
+def found_copy(source: str) -> str:
+    """Where the copy that a layer shows is on this machine, as its project may come from another one.
+
+    Where there is none (any more), footprints get a file with one that cannot be seen until they have been copied
+    again: QGIS would ask the user for a file that is missing.
+    """
+    file, bar, options = source.replace("\\", "/").partition("|")
+    path = _copies().joinpath(*PurePosixPath(file.rpartition(f"{COPIES}/")[2]).parts)
+    # Projects come from elsewhere: nothing is written outside.
+    if ".." not in path.parts and path.name == FOOTPRINTS_FILE and not path.exists():
+        try:
+            _make_folder(path.parent)
+            write_whole(path, _NONE_YET)
+        except OutputError:
+            return source
+    return f"{path}{bar}{options}"
+
+
+def _copies() -> Path:
+    return Path(QgsApplication.qgisSettingsDirPath(), *COPIES.split("/"))
+
+
+def address_of(folder: Path) -> Address | None:
+    """Address that a folder is the copy of; None where it is no copy."""
+    try:
+        found = parse_json((folder / ADDRESS_FILE).read_bytes())
+        return Address.of(str(found["address"]))
+    except (OSError, InvalidInput, KeyError, TypeError):
+        return None
+
+
+def has_images_elsewhere(folder: Path) -> bool:
+    """Whether images of a dataset are no files in its folder: it is at an address, or they are in shards."""
+    return (folder / ADDRESS_FILE).is_file() or any(folder.glob(f"*/{SHARDS_FILE}"))
+
+
+def why_unchangeable(folder: Path) -> str:
+    """Why a dataset's images cannot be added to, cleaned or split from here; empty where they can."""
+    address = address_of(folder)
+    if address is not None:
+        return tr("{name} is at an address and can be looked at only: {address}").format(
+            name=folder.name, address=address.url
+        )
+    if has_images_elsewhere(folder):
+        return tr("{name} has its images in shards and can be looked at only").format(name=folder.name)
+    return ""
+
+
+def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
+    """Copy what footprints need of a dataset, and of each of its imageries; an earlier copy is replaced.
+
+    Returns
+    -------
+    folder : Path
+    mission : Mission
+
+    Raises
+    ------
+    InvalidInput
+        There is no dataset.
+    OutputError, PartError, SourceError, Cancelled
+        As `Store` does; a file that cannot be written.
+    """
+    folder = copy_of(store.address)
+    mission = _copy_mission(store, folder, "")
+    places = [f"{one.name}/" for one in mission.imagery.named] if mission.imagery.imageries else [""]
+    for number, place in enumerate(places):
+
+        def share(done: float, number: int = number) -> bool:
+            return go_on((number + done) / len(places))
+
+        try:
+            inner = _copy_mission(store, folder, place) if place else mission
+        except NotThere:
+            # Not captured yet.
+            continue
+        _copy_files(store, folder, place, inner, share)
+    return folder, mission
+
+
+def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
+    """Copy the mission of a dataset, of one inside where ``place`` says so; raises NotThere for that."""
+    path = folder / place / MISSION_FILE
+    try:
+        text = b"".join(store.pieces(place + MISSION_FILE))
+    except NotThere as wrong:
+        if place:
+            raise
+        raise InvalidInput(
+            tr("{address}: has no {name}, so it is no dataset of a capture, or is not there").format(
+                address=store.address.url, name=MISSION_FILE
+            )
+        ) from wrong
+    address = store.address.inside(place.rstrip("/")) if place else store.address
+    _make_folder(path.parent)
+    write_whole(path, text)
+    write_whole(path.with_name(ADDRESS_FILE), json.dumps({"address": address.url}).encode())
+    return Mission.load(path)
+
+
+def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on: Progress) -> None:
+    """Copy footprints and tables; a run that has not ended has no table yet."""
+    try:
+        write_whole(
+            folder / place / FOOTPRINTS_FILE,
+            store.pieces(place + FOOTPRINTS_FILE, lambda share: go_on(_FOOTPRINTS_SHARE * share)),
+        )
+    except NotThere as wrong:
+        raise InvalidInput(
+            tr("{address}: has no {name}").format(address=store.address.url, name=place + FOOTPRINTS_FILE)
+        ) from wrong
+    map_types = mission.imagery.map_types
+    a_table = (1.0 - _FOOTPRINTS_SHARE) / len(map_types)
+    for number, map_type in enumerate(map_types):
+        before = _FOOTPRINTS_SHARE + number * a_table
+        target = folder / place / map_type / TABLE_FILE
+        _make_folder(target.parent)
+        try:
+            write_whole(
+                target,
+                store.pieces(
+                    f"{place}{map_type}/{TABLE_FILE}",
+                    lambda share, before=before: go_on(before + a_table * share),
+                ),
+            )
+        except NotThere:
+            target.unlink(missing_ok=True)
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as wrong:
+        raise OutputError("folder {0}: cannot be made ({1})", folder, wrong.strerror) from wrong

@@ -1,0 +1,267 @@
+"""The bytes of one image: a file at an address, or a part of a shard, at an address or on this machine."""
+
+from __future__ import annotations
+
+import tarfile
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from pathlib import Path, PurePosixPath
+from types import MappingProxyType
+from typing import NamedTuple
+
+from ...core.errors import InvalidInput, OutputError
+from ...core.files import write_whole
+from ...core.imagery.http.client import NotThere
+from ...core.limits import MAX_FETCHED_IMAGE_BYTES
+from ...core.text import whole_number
+from ..i18n import tr
+from .address import Address
+from .copies import ADDRESS_FILE, address_of
+from .store import Store
+
+#: Images that are kept, and bytes of all of them together.
+_KEPT, _KEPT_BYTES = 16, 128 << 20
+#: Header of a member of a tar, and what members are filled up to.
+_BLOCK = 512
+#: Read beyond an image in a shard: its description, georeferencing, and where its products are.
+_BEYOND_BYTES = 16 << 10
+_NOTES = ".aux.xml"
+_WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
+DEPTH = "depth"
+
+
+class Fetched(NamedTuple):
+    """An image as it was fetched.
+
+    Parameters
+    ----------
+    data : bytes
+        Of its file.
+    place : str
+        Where it is, as it is shown.
+    beside : mapping of str to bytes
+        Files that place it on the map, by what follows the image's name without ending.
+    depth : bytes or None
+        Of the file of its depth.
+    """
+
+    data: bytes
+    place: str
+    beside: Mapping[str, bytes] = MappingProxyType({})
+    depth: bytes | None = None
+
+    def save(self, path: Path) -> None:
+        """Write it, with what places it on the map; raises OutputError."""
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as wrong:
+            raise OutputError("image {0}: cannot be written ({1})", path, wrong.strerror) from wrong
+        for ending, data in self.beside.items():
+            write_whole(path.with_name(path.stem + ending), data)
+        write_whole(path, self.data)
+
+
+class _InShard(NamedTuple):
+    """Where an image is in a shard, as its row of the table says."""
+
+    shard: str
+    start: int
+    length: int
+
+    @classmethod
+    def of(cls, row: Mapping[str, str], file: str) -> _InShard | None:
+        """Place of an image; None where its row names no shard."""
+        shard = row.get("shard", "")
+        if not shard:
+            return None
+        start, length = (whole_number(row.get(name, "")) for name in ("offset_bytes", "size_bytes"))
+        # Tables come from elsewhere: their names lead into their own folder only.
+        plain = PurePosixPath(shard).name == shard and "\\" not in shard and ":" not in shard
+        if not plain or start is None or start < _BLOCK or not length:
+            raise InvalidInput(
+                tr("image {name}: its row of the table names no part of a shard").format(name=file)
+            )
+        if length > MAX_FETCHED_IMAGE_BYTES:
+            raise _too_large(file)
+        return cls(shard, start, length)
+
+
+class Images:
+    """Fetches images and keeps the last few. For one thread; `interrupt` and `close` are called from any."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[tuple[object, ...], Fetched] = OrderedDict()
+        self._stores: dict[Address, Store] = {}
+
+    def interrupt(self) -> None:
+        """End what is under way: it raises `Cancelled`."""
+        for store in list(self._stores.values()):
+            store.close()
+        self._stores.clear()
+
+    def fetch(
+        self, folder: Path, map_type: str, file: str, row: Mapping[str, str], with_depth: bool
+    ) -> Fetched | None:
+        """Image of a dataset; None where it is neither at an address nor in a shard, but a file as usual.
+
+        Parameters
+        ----------
+        folder : Path
+            Of the dataset, or of the copy of one at an address.
+        map_type, file : str
+        row : mapping of str to str
+            Of the table; empty where there is none.
+        with_depth : bool
+            Whether images of this dataset have one.
+
+        Raises
+        ------
+        InvalidInput, OutputError, PartError, SourceError, Cancelled
+            An image that is not there, a shard that is torn; as `Store` does.
+        """
+        address, part = address_of(folder), _InShard.of(row, file)
+        if address is None and part is None:
+            return None
+        key = (_stamp(folder), folder, map_type, file, part)
+        if key not in self._kept:
+            found = (
+                self._in_shard(folder, address, map_type, file, part)
+                if part is not None
+                else self._file(address, map_type, file, with_depth)
+            )
+            self._keep(key, found)
+        self._kept.move_to_end(key)
+        return self._kept[key]
+
+    def _keep(self, key: tuple[object, ...], image: Fetched) -> None:
+        self._kept[key] = image
+        sizes = [len(one.data) + len(one.depth or b"") for one in self._kept.values()]
+        while len(self._kept) > 1 and (len(self._kept) > _KEPT or sum(sizes) > _KEPT_BYTES):
+            self._kept.popitem(last=False)
+            del sizes[0]
+
+    def _store(self, address: Address) -> Store:
+        store = self._stores.get(address)
+        if store is None:
+            store = self._stores[address] = Store(address)
+        return store
+
+    def _file(self, address: Address, map_type: str, file: str, with_depth: bool) -> Fetched:
+        store, name = self._store(address), f"{map_type}/{file}"
+        try:
+            data = _whole(store, name)
+        except NotThere as wrong:
+            raise InvalidInput(
+                tr("There is no image (yet) at {address}").format(address=address.file(name))
+            ) from wrong
+        depth = None
+        if with_depth:
+            depth = _if_there(store, f"{DEPTH}/{PurePosixPath(file).stem}.tif")
+        return Fetched(data, address.file(name), depth=depth)
+
+    def _in_shard(
+        self, folder: Path, address: Address | None, map_type: str, file: str, part: _InShard
+    ) -> Fetched:
+        name = f"{map_type}/{part.shard}"
+        shard = address.file(name) if address is not None else str(folder / map_type / part.shard)
+
+        def read(start: int, length: int) -> bytes:
+            if address is not None:
+                return self._store(address).part(name, start, length)
+            with (folder / map_type / part.shard).open("rb") as tar:
+                tar.seek(start)
+                return tar.read(length)
+
+        try:
+            text = read(part.start - _BLOCK, _BLOCK + part.length + _BEYOND_BYTES)
+            ours = _members(text)
+            first = next(ours, None)
+            ending = PurePosixPath(file).suffix
+            if len(text) < _BLOCK + part.length:
+                raise InvalidInput(
+                    tr("shard {shard}: is torn, it ends before the image does").format(shard=shard)
+                )
+            if first is None or first.size != part.length or PurePosixPath(first.name).suffix != ending:
+                raise InvalidInput(
+                    tr(
+                        "shard {shard}: holds no image where the table says; it is torn, or another one"
+                    ).format(shard=shard)
+                )
+            stem = first.name[: -len(ending)]
+            wanted = (_WORLD_FILES.get(ending, ""), ending + _NOTES)
+            beside, depth = {}, None
+            for member in ours:
+                if not member.name.startswith(f"{stem}."):
+                    break
+                tail = member.name[len(stem) :]
+                start = member.offset + _BLOCK
+                if tail in wanted and start + member.size <= len(text):
+                    beside[tail] = text[start : start + member.size]
+                elif tail == f".{DEPTH}.tif" and member.size <= MAX_FETCHED_IMAGE_BYTES:
+                    depth = read(part.start + start - _BLOCK, member.size)
+        except (FileNotFoundError, NotThere) as wrong:
+            raise InvalidInput(tr("shard {shard}: is not there").format(shard=shard)) from wrong
+        except OSError as wrong:
+            raise InvalidInput(
+                tr("shard {shard}: cannot be read ({reason})").format(shard=shard, reason=wrong.strerror)
+            ) from wrong
+        place = tr("{shard}, bytes {first} to {last}").format(
+            shard=shard, first=part.start, last=part.start + part.length - 1
+        )
+        return Fetched(text[_BLOCK : _BLOCK + part.length], place, beside, depth)
+
+
+def with_places(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
+    """Image with the files that place it on the map, which are beside it at an address; on any thread."""
+    address, name = address_of(folder), PurePosixPath(file)
+    if address is None or image.beside or name.suffix not in _WORLD_FILES:
+        return image
+    with closing(Store(address)) as store:
+        endings = (_WORLD_FILES[name.suffix], name.suffix + _NOTES)
+        found = {ending: _if_there(store, f"{map_type}/{name.stem}{ending}") for ending in endings}
+    return image._replace(beside={ending: data for ending, data in found.items() if data is not None})
+
+
+def _whole(store: Store, name: str) -> bytes:
+    pieces, size = [], 0
+    for piece in store.pieces(name):
+        pieces.append(piece)
+        size += len(piece)
+        if size > MAX_FETCHED_IMAGE_BYTES:
+            raise _too_large(name)
+    return b"".join(pieces)
+
+
+def _if_there(store: Store, name: str) -> bytes | None:
+    try:
+        return _whole(store, name)
+    except NotThere:
+        return None
+
+
+def _too_large(name: str) -> InvalidInput:
+    return InvalidInput(
+        tr("image {name}: has more than {most} bytes").format(name=name, most=MAX_FETCHED_IMAGE_BYTES)
+    )
+
+
+def _members(text: bytes) -> Iterator[tarfile.TarInfo]:
+    """Members of a tar whose first header begins a text, as far as it has their headers whole."""
+    at = 0
+    while len(text) - at >= _BLOCK:
+        try:
+            member = tarfile.TarInfo.frombuf(text[at : at + _BLOCK], "utf-8", "surrogateescape")
+        except tarfile.HeaderError:
+            return
+        member.offset = at
+        yield member
+        at += _BLOCK + -(-member.size // _BLOCK) * _BLOCK
+
+
+def _stamp(folder: Path) -> int:
+    """What changes when a dataset's copy is made anew."""
+    try:
+        return (folder / ADDRESS_FILE).stat().st_mtime_ns
+    except OSError:
+        return 0

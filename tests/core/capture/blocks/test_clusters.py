@@ -1,0 +1,149 @@
+"""Blocks on a real cluster, with results in a real object store on loopback: killed workers, limits, the command."""
+
+from __future__ import annotations
+
+import io
+import os
+import signal
+import sys
+from contextlib import suppress
+
+import pytest
+from terrainav.core.capture.blocks.engines import open_engine
+from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.runner import capture
+from terrainav.core.dataset.dataset import read_dataset
+from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.stores import get, sizes_in, store_path
+
+from tests.support.command import command
+from tests.support.objects import SECRET, s3_store
+from tests.support.sources import NamedPattern
+
+pytest.importorskip("distributed", reason="needs Dask's distributed")
+MISSION = Mission(Box(35.16, -89.90, 35.1555, -89.892), 120.0, zoom=18, overlap_along=0.4)
+PATTERN = NamedPattern()
+PLAN = plan(MISSION, PATTERN.grid)
+#: Dask's own warnings, of ports that are taken and workers that are slow to end, are none of ours.
+pytestmark = pytest.mark.filterwarnings("default")
+
+
+@pytest.fixture(scope="module")
+def bucket():
+    with pytest.MonkeyPatch.context() as monkeypatch, s3_store(monkeypatch) as address:
+        yield address
+
+
+@pytest.fixture(scope="module")
+def cluster(bucket):
+    with open_engine("local:2") as engine:
+        yield engine
+
+
+def objects(address: str) -> dict[str, bytes]:
+    """All objects of a run, in folders of one level, by name."""
+    root = store_path(address)
+    names = [
+        *sizes_in(root),
+        *(f"{f}/{name}" for f in ("blocks", "satellite") for name in sizes_in(root / f)),
+    ]
+    return {name: get(root / name) for name in names}
+
+
+@pytest.fixture(scope="module")
+def whole(bucket):
+    """What a run of one machine leaves."""
+    capture(PLAN, PATTERN, f"{bucket}/whole", blocks=Blocks(12, "webdataset"))
+    return objects(f"{bucket}/whole")
+
+
+def workers_of(engine) -> list[int]:
+    """Process numbers of a cluster's workers."""
+    return list(engine.executor._client.run(os.getpid).values())
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+def test_workers_that_are_killed_lose_nothing(bucket, cluster, whole):
+    killed, notices = [], []
+
+    def progress(told):
+        # One after each block, as soon as it is told.
+        if told.done > 12 * len(killed) and len(killed) < 3:
+            with suppress(ProcessLookupError):
+                victim = workers_of(cluster)[0]
+                os.kill(victim, signal.SIGKILL)
+                killed.append(victim)
+
+    slow = NamedPattern(wait_s=0.02)
+    result = capture(
+        PLAN,
+        slow,
+        f"{bucket}/killed",
+        executor=cluster,
+        blocks=Blocks(12, "webdataset"),
+        progress=progress,
+        notice=lambda text: notices.append(str(text)),
+    )
+    assert len(killed) == 3
+    assert all("its worker died: it is begun again" in notice for notice in notices)
+    assert (result.failed, result.written) == ((), len(PLAN))
+    assert objects(f"{bucket}/killed") == whole
+
+
+def test_the_command_captures_on_a_cluster_into_a_store(bucket, tmp_path, monkeypatch, capsys):
+    run = command(tmp_path, monkeypatch, capsys)
+    asked = ("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", "--max-px", "200")
+    done = run(*asked, "--data-dir", f"{bucket}/command", "--cluster", "local:1", "--block", "4")
+    assert done.returncode == 0, done.stderr
+    assert "cluster of 1 workers" in done.stderr
+    assert f"dataset in {bucket}/command" in done.stdout
+    assert get(store_path(f"{bucket}/command/satellite/meta_data.csv")).count(b"done") > 3
+    pq = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
+    described = pq.read_table(io.BytesIO(get(store_path(f"{bucket}/command/items.parquet"))))
+    assert described.num_rows == len(read_dataset(f"{bucket}/command").image_set("satellite"))
+    again = run(*asked, "--data-dir", f"{bucket}/command", "--block", "4")
+    assert (again.returncode, again.stdout) == (3, "")
+    assert "already holds this mission; resume it (--resume)" in again.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--cluster", "dask://127.0.0.1:9"), "cluster dask://127.0.0.1:9: no scheduler answers there"),
+        (("--cluster", "local:0"), "cluster 'local:0': must be local:N"),
+        (("--cluster", "kubernetes"), "cluster 'kubernetes': must be local:N"),
+        (("--block", "many"), "block 'many': must be 1 to 100,000 images"),
+        (("--data-dir", "s3://nobody/x"), "s3://nobody/x/mission.json: is not there, or s3://nobody is not"),
+        (("--data-dir", "foo://x/y"), "address 'foo://x/y': must be a folder, or begin with s3://"),
+    ],
+)
+def test_bad_input_is_one_line(options, said, bucket, tmp_path, monkeypatch, capsys):
+    run = command(tmp_path, monkeypatch, capsys)
+    monkeypatch.setattr("terrainav.core.capture.blocks.engines._ANSWER_S", 0.5)
+    places = () if "--data-dir" in options else ("--data-dir", "out")
+    done = run("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", *places, *options)
+    assert done.returncode in (2, 3), done.stderr
+    assert said in done.stderr
+    assert done.stderr.strip().count("\n") == 0
+    assert SECRET not in done.stderr
+    assert bucket.startswith("s3:")
+
+
+def test_credentials_that_are_missing_or_wrong_are_one_line(bucket, monkeypatch):
+    import s3fs
+
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
+    s3fs.S3FileSystem.clear_instance_cache()
+    with pytest.raises(OutputError, match=r"^s3://data/nobody/.*: no valid credentials"):
+        capture(PLAN, PATTERN, f"{bucket}/nobody")
+    s3fs.S3FileSystem.clear_instance_cache()
+
+
+def test_another_engine_is_refused():
+    with pytest.raises(InvalidInput, match=r"^cluster 'local:0': must be local:N"), open_engine("local:0"):
+        pass

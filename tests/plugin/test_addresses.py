@@ -1,0 +1,383 @@
+"""Datasets at addresses: opened over HTTP and S3, looked at image by image, saved and opened again."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from osgeo import gdal
+from qgis.core import QgsApplication, QgsProject
+from qgis.PyQt.QtCore import QTimer
+from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.remote.address import Address
+from terrainav.terrainav_plugin.remote.copies import address_of, copy_of
+
+from tests.plugin.test_project import choose_in_menu
+from tests.plugin.test_viewer import pixel_of, pixels
+from tests.support.objects import SECRET, s3_store
+from tests.support.ranges import RangeServer
+from tests.support.shards import MISSION, write_folders, write_shards
+
+TILTED = Mission(
+    Box(35.16, -89.90, 35.158, -89.897), 120.0, image_px=48, max_px=48, image_format="png", tilt_deg=30.0,
+    products=("depth",),
+)  # fmt: skip
+ENTRY = "Open dataset at an address…"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A capture as a folder of files, of map frames."""
+    return write_folders(tmp_path_factory.mktemp("captured") / "run")
+
+
+@pytest.fixture(scope="module")
+def tilted(tmp_path_factory):
+    """A capture of tilted camera frames with their depth."""
+    return write_folders(tmp_path_factory.mktemp("tilted") / "run", TILTED)
+
+
+@pytest.fixture
+def server():
+    with RangeServer() as running:
+        yield running
+
+
+@pytest.fixture
+def viewing(desk):
+    yield desk.session.viewing
+    desk.session.viewing.stop()
+    if desk.session.viewing.viewer is not None:
+        desk.session.viewing.viewer.hide()
+
+
+def serve(server, folder: Path, under: str = "/data/run") -> str:
+    """Put the files of a folder onto a server; returns the address."""
+    for path in folder.rglob("*"):
+        if path.is_file():
+            data = path.read_bytes()
+            server.files[f"{under}/{path.relative_to(folder).as_posix()}"] = (data, f'"{hash(data)}"')
+    return server.url + under
+
+
+def laid_out(folder: Path, layout: str, place: Path) -> Path:
+    return folder if layout == "folders" else write_shards(place / "run", folder)
+
+
+def open_address(desk, text):
+    """Choose the entry of the menu, type an address and press OK; returns what is said at the field."""
+    said = []
+
+    def enter():
+        dialog = QApplication.activeModalWidget()
+        desk.type_text(dialog.entry, text)
+        desk.click(dialog.buttons.button(QDialogButtonBox.StandardButton.Ok))
+        if dialog.isVisible():
+            said.append(dialog._marks.message("address"))
+            dialog.reject()
+
+    QTimer.singleShot(400, enter)
+    choose_in_menu(desk, ENTRY)
+    desk.wait(lambda: not desk.session.missions.busy)
+    return said[0] if said else ""
+
+
+def captured(desk):
+    return desk.layer("Captured images")
+
+
+def look_at(desk, viewing, index):
+    """Click the middle of a footprint and wait for its image."""
+    feature = sorted(captured(desk).getFeatures(), key=lambda one: one.id())[index]
+    if not viewing.tool.isActive():
+        desk.plugin.actions["view_images"].trigger()
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    viewing.seen = None
+    at = feature.geometry().centroid().asPoint()
+    desk.click_map(pixel_of(desk, at.y(), at.x()))
+    desk.wait(lambda: viewing.seen is not None and not viewing.busy)
+    assert viewing.seen.shot.name == feature["name"]
+    return viewing.seen
+
+
+def shown_pixels(viewing):
+    return pixels(viewing.viewer.view.image)[..., :3]
+
+
+def pixels_of_file(path):
+    return np.moveaxis(gdal.Open(str(path)).ReadAsArray(), 0, -1)[..., :3]
+
+
+def frame_map(desk, mission):
+    desk.look_at("EPSG:3857", (0, 0, 1, 1))
+    desk.zoom_to(mission.area.bounds)
+
+
+@pytest.mark.parametrize("layout", ["folders", "shards"])
+def test_a_click_shows_the_image_that_is_at_an_address(
+    desk, viewing, server, folder, layout, tmp_path, screenshot
+):
+    address = serve(server, laid_out(folder, layout, tmp_path))
+    assert open_address(desk, f"{address}/") == ""
+    assert captured(desk).featureCount() == 20
+    assert desk.session.state().folder == str(copy_of(Address.of(address)))
+    frame_map(desk, MISSION)
+    server.asked.clear()
+    seen = look_at(desk, viewing, 7)
+    original = folder / "satellite" / f"{seen.shot.name}.png"
+    assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
+    text = viewing.viewer.details.text()
+    assert f"{address}/satellite/" in text
+    assert "Synthetic (offline)" in text
+    screenshot(f"address-{layout}")
+    # One image at a time is fetched, and of a shard its part.
+    sent = [path for _, path, headers in server.asked if "Range" in headers]
+    assert 1 <= len([path for path in sent if "mission.json" not in path]) <= 2
+    # The one that was looked at before is asked for no more.
+    server.asked.clear()
+    viewing.seen = None
+    viewing._look_at(seen.shot)
+    desk.wait(lambda: viewing.seen is not None)
+    assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
+    assert server.asked == []
+
+
+@pytest.mark.parametrize("layout", ["folders", "shards"])
+def test_a_dataset_in_s3_is_opened_with_the_credentials_of_awss_tools(
+    desk, viewing, folder, layout, tmp_path, monkeypatch
+):
+    with s3_store(monkeypatch) as bucket:
+        import boto3
+
+        place = laid_out(folder, layout, tmp_path)
+        store = boto3.client("s3")
+        for path in place.rglob("*"):
+            if path.is_file():
+                store.upload_file(str(path), "data", f"runs/a run/{path.relative_to(place).as_posix()}")
+        assert open_address(desk, f"{bucket}/runs/a run") == ""
+        frame_map(desk, MISSION)
+        seen = look_at(desk, viewing, 3)
+        original = folder / "satellite" / f"{seen.shot.name}.png"
+        assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
+        assert f"{bucket}/runs/a run/satellite/" in viewing.viewer.details.text()
+        # Nothing of the credentials is anywhere.
+        assert QgsProject.instance().write(str(tmp_path / "project.qgs"))
+        written = (tmp_path / "project.qgs").read_text(encoding="utf-8")
+        assert f"{bucket}/runs/a run" in written
+        kept = "".join(path.read_text("utf-8") for path in Path(desk.session.state().folder).glob("*.json"))
+        for text in (written, kept, viewing.viewer.details.text()):
+            assert not any(secret in text for secret in (SECRET, "TESTKEY", "X-Amz"))
+        # Other stores than Amazon's are this dataset's affair alone.
+        assert gdal.GetConfigOption("AWS_S3_ENDPOINT") is None
+
+
+@pytest.mark.parametrize("layout", ["folders", "shards"])
+@pytest.mark.parametrize("kind", ["map frames", "camera frames"])
+def test_a_fetched_image_is_laid_on_the_map(
+    desk, viewing, server, folder, tilted, layout, kind, tmp_path, screenshot
+):
+    source, mission = (folder, MISSION) if kind == "map frames" else (tilted, TILTED)
+    open_address(desk, serve(server, laid_out(source, layout, tmp_path)))
+    frame_map(desk, mission)
+    seen = look_at(desk, viewing, 1)
+    if kind == "camera frames":
+        assert seen.depth is not None
+        assert not seen.depth.problem
+    desk.click(viewing.viewer.on_map)
+    desk.wait(lambda: not viewing.busy and seen.shot.name in desk.layer_names())
+    layer = desk.layer(seen.shot.name)
+    assert layer.isValid()
+    extent, footprint = layer.extent(), seen.shot.outline.boundingBox()
+    west = 6378137.0 * np.radians(footprint.xMinimum())
+    assert extent.xMinimum() == pytest.approx(west, abs=0.2 * extent.width())
+    screenshot(f"address-on-map-{layout}-{kind.replace(' ', '-')}")
+    assert not (desk.messages())
+
+
+def test_a_saved_project_opens_again_and_copies_what_is_gone(desk, viewing, server, folder, tmp_path):
+    import shutil
+
+    address = serve(server, folder)
+    open_address(desk, address)
+    project = tmp_path / "project.qgz"
+    assert QgsProject.instance().write(str(project))
+    copy = copy_of(Address.of(address))
+    for gone in (False, True):
+        desk.iface.newProject(False)
+        if gone:
+            shutil.rmtree(copy)
+        server.asked.clear()
+        desk.iface.addProject(str(project))
+        desk.wait(lambda: "Captured images" in desk.layer_names() and captured(desk).isValid())
+        desk.wait(lambda: not desk.session.missions.busy)
+        assert bool(server.asked) == gone
+        assert captured(desk).featureCount() == 20
+        assert address_of(copy) == Address.of(address)
+    frame_map(desk, MISSION)
+    seen = look_at(desk, viewing, 2)
+    assert seen.picture.image is not None
+
+
+def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
+    address = serve(server, folder)
+    open_address(desk, address)
+    missions = desk.session.missions
+    missions.menu.aboutToShow.emit()
+    entries = {action.text().replace("&", ""): action for action in missions.menu.actions()}
+    for name in ("Dataset…", "Capture only the failed images"):
+        assert not entries[name].isEnabled()
+        assert entries[name].toolTip().endswith(f"can be looked at only: {address}")
+    desk.wait_planned()
+    desk.click(desk.dock.capture)
+    assert address in desk.message("folder")
+    assert desk.session.runs.idle
+    # As a folder of this machine it is captured anew.
+    assert desk.session._datasets() == []
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "is missing"),
+        ("ftp://host/run", "must begin with https://, http:// or s3://"),
+        ("no such folder", "must begin with https://, http:// or s3://"),
+        ("https://me:hidden@host/run", "QGIS's authentication is for these"),
+        ("https://host/run?X-Amz-Signature=hidden", "holds ? or #"),
+        ("s3://", "names no server or bucket"),
+        ("ftp://me:hidden@host/run", "must begin with"),
+    ],
+)
+def test_a_bad_address_is_said_at_its_field(desk, text, said):
+    found = open_address(desk, text)
+    assert said in found
+    assert "hidden" not in found
+    assert "\n" not in found
+
+
+@pytest.mark.parametrize(
+    "name", ["collection.json", "items.parquet", "satellite/meta_data.csv", "mission.json", ""]
+)
+def test_the_address_of_a_file_in_a_dataset_stands_for_it(name):
+    assert Address.of(f" https://Host:8080/a/run/{name} ") == Address("https://Host:8080/a/run")
+    assert Address.of("s3://Bucket").name == "Bucket"
+
+
+def test_what_is_wrong_at_an_address_is_one_line(desk, server, folder, monkeypatch):
+    address = serve(server, folder)
+    del server.files["/data/run/footprints.geojson"]
+    server.files["/page/mission.json"] = (b"<html>", '"1"')
+    for text, said in (
+        (f"{server.url}/nowhere", "has no mission.json"),
+        (address, "has no footprints.geojson"),
+        (f"{server.url}/page", "mission"),
+        ("http://127.0.0.1:9/run", "127.0.0.1"),
+    ):
+        open_address(desk, text)
+        message = desk.messages()[0]
+        assert said in message
+        assert "\n" not in message
+        assert desk.group() is None
+        desk.iface.messageBar().clearWidgets()
+    with s3_store(monkeypatch):
+        for text, said in (
+            ("s3://nobucket/run", "has no mission.json"),
+            ("s3://data/run", "has no mission.json"),
+        ):
+            open_address(desk, text)
+            assert said in desk.messages()[0]
+            desk.iface.messageBar().clearWidgets()
+
+
+@pytest.mark.parametrize("wrong", ["gone", "torn", "other", "whole files only", "no shard", "refused"])
+def test_what_is_wrong_with_an_image_is_said_in_its_place(desk, viewing, server, folder, tmp_path, wrong):
+    serve(server, write_shards(tmp_path / "run", folder))
+    open_address(desk, f"{server.url}/data/run")
+    frame_map(desk, MISSION)
+    look_at(desk, viewing, 0)
+    name = "/data/run/satellite/satellite-000001.tar"
+    data, etag = server.files[name]
+    table = Path(desk.session.state().folder) / "satellite" / "meta_data.csv"
+    if wrong == "gone":
+        del server.files[name]
+    elif wrong == "torn":
+        server.files[name] = (data[:700], etag)
+    elif wrong == "other":
+        server.files[name] = (b"x" * len(data), etag)
+    elif wrong == "whole files only":
+        server.sends_parts = False
+    elif wrong == "no shard":
+        table.write_text(table.read_text("utf-8").replace("satellite-000001.tar", "../../x"), "utf-8")
+    else:
+        server.faults += [403] * 3
+    viewing._images._kept.clear()
+    viewing._images.interrupt()
+    seen = look_at(desk, viewing, 6) if wrong != "refused" else None
+    if seen is None:
+        viewing._step(1)
+        desk.wait(lambda: not viewing.busy)
+        seen = viewing.seen
+    assert seen.picture.image is None
+    said = {
+        "gone": "satellite-000001.tar: is not there",
+        "torn": "is torn",
+        "other": "holds no image where the table says",
+        "whole files only": "sends whole files only",
+        "no shard": "names no part of a shard",
+        "refused": "refuses: 403 Forbidden",
+    }[wrong]
+    assert said in seen.picture.problem
+    assert "\n" not in seen.picture.problem
+    assert not viewing.viewer.on_map.isEnabled()
+
+
+def test_the_window_says_that_it_is_fetching_and_goes_on_to_others(desk, viewing, server, folder):
+    open_address(desk, serve(server, folder))
+    frame_map(desk, MISSION)
+    first = look_at(desk, viewing, 0)
+    server.latency_s = 30.0
+    viewing._step(1)
+    desk.wait(lambda: "Fetching" in viewing.viewer.view._text and server.under_way == 1)
+    assert viewing.viewer.view.image is None
+    server.latency_s = 0.0
+    # Not after half a minute, but now.
+    viewing._look_at(first.shot)
+    desk.wait(lambda: viewing.viewer.view.image is not None)
+    assert viewing.seen.shot.name == first.shot.name
+
+
+def test_a_folder_of_shards_on_this_machine_is_looked_at_as_well(desk, viewing, folder, tmp_path):
+    place = write_shards(tmp_path / "run", folder)
+    assert open_address(desk, str(place)) == ""
+    frame_map(desk, MISSION)
+    seen = look_at(desk, viewing, 11)
+    original = folder / "satellite" / f"{seen.shot.name}.png"
+    assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
+    assert not desk.messages()
+    desk.click(viewing.viewer.on_map)
+    desk.wait(lambda: not viewing.busy and seen.shot.name in desk.layer_names())
+    assert desk.layer(seen.shot.name).isValid()
+
+
+def test_opening_can_be_cancelled(desk, server, folder):
+    address = serve(server, folder)
+    server.latency_s = 30.0
+    desk.session.missions.open_address(Address.of(address))
+    desk.wait(lambda: server.under_way == 1)
+    for task in QgsApplication.taskManager().tasks():
+        task.cancel()
+    desk.wait(lambda: not desk.session.missions.busy)
+    assert desk.group() is None
+    assert not desk.messages()
+
+
+def test_a_copy_tells_its_address_and_nothing_else(desk, server, folder):
+    address = serve(server, folder)
+    open_address(desk, address)
+    copy = copy_of(Address.of(address))
+    assert json.loads((copy / "address.json").read_text("utf-8")) == {"address": address}
+    names = {path.relative_to(copy).as_posix() for path in copy.rglob("*") if path.is_file()}
+    assert names == {"address.json", "mission.json", "footprints.geojson", "satellite/meta_data.csv"}
