@@ -228,7 +228,7 @@ def coordinate(images: int, block: int, workers: int) -> dict[str, Any]:
 
 
 def round_trip(blocks: int = 500) -> dict[str, float]:
-    """Seconds of a call that does nothing, with a packed block, to a worker and back, and the processor's of all but it."""
+    """Seconds of a call with a packed block to a worker and back, and processor seconds on this side."""
     from terrainav.core.capture.blocks.block import Block, packed_block
     from terrainav.core.capture.blocks.engines import open_engine
 
@@ -563,7 +563,7 @@ def main() -> None:
     found: dict[str, Any] = json.loads(FOUND.read_text("utf-8")) if FOUND.exists() and asked.only else {}
     with tempfile.TemporaryDirectory(dir=in_memory()) as name, ObjectStore() as store:
         measure(found, asked, str(file), store, Path(name))
-    found["machine"] = machine_text()
+    found.update(machine=machine_text(), cores=os.cpu_count())
     FOUND.write_text(json.dumps(found, indent=1), "utf-8")
     if not asked.no_page:
         put_in_page(rates=rates_text(found), block_costs=costs_text(found))
