@@ -78,6 +78,7 @@ class _Counts:
     def __init__(self) -> None:
         self.paths: Counter[bytes] = Counter()
         self.connections = 0
+        self.times_s: list[float] = []
         self.cpu_s = time.process_time()
 
     def to_json(self) -> bytes:
@@ -113,8 +114,11 @@ class _Server:
             self.connect_s = float(query.get(b"connect_s", self.connect_s))
             self.counts = _Counts()
             return _answer("application/json", b"{}"), False
+        if kind == b"times":
+            return _answer("application/json", json.dumps(self.counts.times_s).encode()), False
         _, x, y = rest.partition(b".")[0].split(b"/")
         self.counts.paths[path] += 1
+        self.counts.times_s.append(time.monotonic())
         if kind == b"positions":
             return _answer("image/png", position_tile(int(x), int(y))), True
         return self._jpeg[(int(x) * 31 + int(y)) % _TILES], True
@@ -192,6 +196,10 @@ class LoopbackServer:
     def counts(self) -> dict[str, float]:
         """Tile requests, different tiles, connections and the server's processor seconds since `reset`."""
         return dict(self._get("/count"))
+
+    def times_s(self) -> list[float]:
+        """When each of these tile requests came, by a clock of the server's own."""
+        return list(self._get("/times"))
 
     def reset(self, **waits_s: float) -> None:
         """Count anew; ``latency_s`` and ``connect_s`` may be changed."""
