@@ -144,7 +144,7 @@ def test_without_shuffling_shards_follow_each_other(folders, tmp_path, temporary
     rows = [[index for index, name in zip(order, names) if name == one] for one in set(names)]
     assert all(one == sorted(one) for one in rows)
     assert_same(
-        list(Batches(place, 2, workers=2, **choice)),
+        list(Batches(place, 2, **choice)),
         [samples.take(order[at : at + 2]) for at in range(0, 20, 2)],
     )
     assert len(fetched) == SHARDS
