@@ -1600,6 +1600,7 @@
     <message>
         <location filename="../../terrainav_plugin/dataset/footprints.py"/>
         <location filename="../../terrainav_plugin/dataset_window/marks.py"/>
+        <location filename="../../terrainav_plugin/remote/geoparquet.py"/>
         <source>footprints: stopped</source>
         <translation>huellas: detenido</translation>
     </message>
@@ -6390,6 +6391,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>{name} is at an address and can be looked at only: {address}</source>
         <translation>{name} está en una dirección y solo se puede ver: {address}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/geoparquet.py"/>
+        <source>it does not list images of a capture</source>
+        <translation>no enumera imágenes de una captura</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/geoparquet.py"/>
+        <source>it has no footprints</source>
+        <translation>no tiene huellas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/remote/geoparquet.py"/>
+        <source>table {path}: cannot be read ({reason})</source>
+        <translation>tabla {path}: no se puede leer ({reason})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/remote/images.py"/>

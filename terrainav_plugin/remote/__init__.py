@@ -2,6 +2,7 @@
 
 address         what a user gives: a folder's address, and where its files are asked for
 store           the files at an address, whole or in part, over QGIS's own network stack
+geoparquet      all images in one table, as footprints and tables
 copies          what footprints need, copied to this machine once
 images          the bytes of one image: a file here, one at an address, or a part of a shard
 """

@@ -68,14 +68,12 @@ class Address(NamedTuple):
             )
         if "@" in parts.netloc:
             raise InvalidInput(
-                tr("address: holds a user's name or password; it must not, as QGIS's authentication is for these")
-            )
-        if parts.query or parts.fragment:
-            raise InvalidInput(
                 tr(
-                    "address: holds ? or #; it must be that of the dataset's folder alone"
+                    "address: holds a user's name or password; it must not, as QGIS's authentication is for these"
                 )
             )
+        if parts.query or parts.fragment:
+            raise InvalidInput(tr("address: holds ? or #; it must be that of the dataset's folder alone"))
         if not host:
             raise InvalidInput(tr("address {address}: names no server or bucket").format(address=text))
         path = parts.path.rstrip("/")

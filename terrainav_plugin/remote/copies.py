@@ -23,6 +23,7 @@ from ...core.safe_json import parse_json
 from ..i18n import tr
 from ..paths import COPIES
 from .address import Address
+from .geoparquet import ITEMS_FILE, can_read, write_from_items
 from .store import Store
 
 #: In a copy: where it is from.
@@ -39,6 +40,8 @@ _NONE_YET = (
     b'{"type": "FeatureCollection", "features": [\n{"type": "Feature", "properties": {"name": ""}, "geometry": '
     b'{"type": "Polygon", "coordinates": [[[0, 0], [0, 0], [0, 0], [0, 0]]]}}\n]}\n'
 )
+#: The same of the table of all images, where that is what is copied.
+_ITEMS_SHARE = 0.5
 Progress = Callable[[float], bool]
 
 
@@ -57,7 +60,9 @@ def found_copy(source: str) -> str:
     file, bar, options = source.replace("\\", "/").partition("|")
     path = _copies().joinpath(*PurePosixPath(file.rpartition(f"{COPIES}/")[2]).parts)
     # Projects come from elsewhere: nothing is written outside.
-    if ".." not in path.parts and path.name == FOOTPRINTS_FILE and not path.exists():
+    if _copies() not in path.parents or ".." in path.parts:
+        return source
+    if path.name == FOOTPRINTS_FILE and not path.exists():
         try:
             _make_folder(path.parent)
             write_whole(path, _NONE_YET)
@@ -150,6 +155,8 @@ def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
 
 def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on: Progress) -> None:
     """Copy footprints and tables; a run that has not ended has no table yet."""
+    if not place and can_read() and _take_items(store, folder, mission, go_on):
+        return
     try:
         write_whole(
             folder / place / FOOTPRINTS_FILE,
@@ -175,6 +182,26 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
             )
         except NotThere:
             target.unlink(missing_ok=True)
+
+
+def _take_items(store: Store, folder: Path, mission: Mission, go_on: Progress) -> bool:
+    """Take all from the one table of images; False where there is none, or it cannot be read."""
+    items = folder / ITEMS_FILE
+    try:
+        write_whole(items, store.pieces(ITEMS_FILE, lambda share: go_on(_ITEMS_SHARE * share)))
+        for map_type in mission.imagery.map_types:
+            _make_folder(folder / map_type)
+        write_from_items(
+            items,
+            folder,
+            mission.imagery.map_types,
+            lambda share: go_on(_ITEMS_SHARE + (1.0 - _ITEMS_SHARE) * share),
+        )
+    except (NotThere, InvalidInput):
+        return False
+    finally:
+        items.unlink(missing_ok=True)
+    return True
 
 
 def _make_folder(folder: Path) -> None:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
-from osgeo import gdal
+from osgeo import gdal, ogr
 from qgis.core import QgsApplication, QgsProject
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.remote import geoparquet
 from terrainav.terrainav_plugin.remote.address import Address
-from terrainav.terrainav_plugin.remote.copies import address_of, copy_of
+from terrainav.terrainav_plugin.remote.copies import address_of, copy_of, found_copy
 
 from tests.plugin.test_project import choose_in_menu
 from tests.plugin.test_viewer import pixel_of, pixels
@@ -199,8 +201,6 @@ def test_a_fetched_image_is_laid_on_the_map(
 
 
 def test_a_saved_project_opens_again_and_copies_what_is_gone(desk, viewing, server, folder, tmp_path):
-    import shutil
-
     address = serve(server, folder)
     open_address(desk, address)
     project = tmp_path / "project.qgz"
@@ -381,3 +381,87 @@ def test_a_copy_tells_its_address_and_nothing_else(desk, server, folder):
     assert json.loads((copy / "address.json").read_text("utf-8")) == {"address": address}
     names = {path.relative_to(copy).as_posix() for path in copy.rglob("*") if path.is_file()}
     assert names == {"address.json", "mission.json", "footprints.geojson", "satellite/meta_data.csv"}
+
+
+def as_table(items: Path, path: Path) -> bytes:
+    """Items of GeoParquet in a format that every GDAL reads, with the same columns."""
+    parquet = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
+    rows = parquet.read_table(items).to_pylist()
+    made = ogr.GetDriverByName("GPKG").CreateDataSource(str(path))
+    layer = made.CreateLayer("items", None, ogr.wkbUnknown)
+    kinds = {str: ogr.OFTString, float: ogr.OFTReal, int: ogr.OFTInteger64}
+    names = [name for name, value in rows[0].items() if type(value) in kinds]
+    for name in names:
+        layer.CreateField(ogr.FieldDefn(name, kinds[type(rows[0][name])]))
+    for row in rows:
+        feature = ogr.Feature(layer.GetLayerDefn())
+        for name in names:
+            if row[name] is not None:
+                feature.SetField(name, row[name])
+        feature.SetGeometry(ogr.CreateGeometryFromWkb(row["geometry"]))
+        layer.CreateFeature(feature)
+    del layer, made
+    return path.read_bytes()
+
+
+# Debian's pytz, when pandas first loads it.
+@pytest.mark.filterwarnings("ignore:invalid escape sequence:DeprecationWarning")
+@pytest.mark.parametrize("layout", ["folders", "shards"])
+def test_one_table_of_all_images_is_preferred(desk, viewing, server, folder, layout, tmp_path, monkeypatch):
+    pytest.importorskip("pyarrow", reason="needs pyarrow")
+    from terrainav.core.exports.stac import write_stac
+
+    place = shutil.copytree(folder, tmp_path / "copy")
+    place = laid_out(place, layout, tmp_path)
+    write_stac(place, place)
+    # GDAL of this QGIS may not read GeoParquet; the format is another here, and the columns are the same.
+    monkeypatch.setattr(geoparquet, "_DRIVER", "GPKG")
+    table = as_table(place / "items.parquet", tmp_path / "items.gpkg")
+    (place / "items.parquet").write_bytes(table)
+    address = serve(server, place)
+    assert open_address(desk, f"{address}/items.parquet") == ""
+    asked = {path.removeprefix("/data/run/") for _, path, _ in server.asked}
+    assert asked == {"mission.json", "items.parquet"}
+    copy = copy_of(Address.of(address))
+    assert not (copy / "items.parquet").exists()
+    ours, theirs = (
+        json.loads((one / "footprints.geojson").read_text("utf-8"))["features"] for one in (copy, folder)
+    )
+    assert [one["properties"] for one in ours] == [one["properties"] for one in theirs]
+    for one, other in zip(ours, theirs):
+        assert one["geometry"]["type"] == other["geometry"]["type"]
+        np.testing.assert_allclose(
+            one["geometry"]["coordinates"], other["geometry"]["coordinates"], rtol=0, atol=1e-12
+        )
+    frame_map(desk, MISSION)
+    seen = look_at(desk, viewing, 9)
+    original = folder / "satellite" / f"{seen.shot.name}.png"
+    assert np.array_equal(shown_pixels(viewing), pixels_of_file(original))
+    assert "Entropy" in viewing.viewer.details.text()
+
+
+def test_a_table_of_all_images_that_cannot_be_read_is_done_without(desk, server, folder, monkeypatch):
+    monkeypatch.setattr(geoparquet, "_DRIVER", "GPKG")
+    address = serve(server, folder)
+    server.files["/data/run/items.parquet"] = (b"PAR1", '"1"')
+    assert open_address(desk, address) == ""
+    assert captured(desk).featureCount() == 20
+    assert not desk.messages()
+
+
+@pytest.mark.parametrize("inside", ["/{outside}/", "../../../{outside}/", "a/../../../{outside}/", ""])
+def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside):
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    rest = inside.format(outside=str(outside).lstrip("/"))
+    source = f"/home/other/TerrAInav/addresses/{rest}footprints.geojson"
+    found = found_copy(source)
+    assert not list(outside.iterdir())
+    if inside:
+        assert found == source
+    # A project of another profile leads to this one's copy, with its options.
+    ours = found_copy("../x/TerrAInav/addresses/0123/run/footprints.geojson|layername=footprints")
+    assert (
+        ours
+        == f"{copy_of(Address('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"
+    )

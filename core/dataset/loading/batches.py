@@ -67,7 +67,8 @@ class Samples:
     seed : int
         Of order and augmentation.
     shuffle : bool or "auto"
-        ``auto`` shuffles the training part, anew for each epoch, and leaves the others in the table's order.
+        ``auto`` shuffles the training part, anew for each epoch, and leaves the others in the table's order, shard
+        after shard where they are in such.
     augment : Augmentation, None or "auto"
         ``auto`` augments the training part as the paper does, and no other; None augments none.
     dtype : {"float32", "uint8", "stored"}
@@ -188,12 +189,12 @@ class Samples:
         """Indices (n,) in the order of an epoch: the same for the same seed and table on every machine.
 
         A shuffled one sorts the raw stream of numpy's Philox (see `random_numbers`). Of a dataset in shards, images
-        stand together whose shards are taken at once.
+        stand together whose shards are taken at once; without shuffling those of each shard do, in the table's order.
         """
-        if not self.shuffle:
-            return np.arange(len(self))
         if self._shards is not None:
             return self._shards.order(self._key(epoch))
+        if not self.shuffle:
+            return np.arange(len(self))
         return np.argsort(random_numbers(self._key(epoch), len(self)), kind="stable")
 
     def _key(self, epoch: int) -> str:

@@ -67,7 +67,9 @@ class Shards:
         self._last: tuple[str, Numbers, Numbers] | None = None
 
     def order(self, key: str) -> Numbers:
-        """Images in a random order that a text leads to, those of a group together."""
+        """Images in a random order that a text leads to, those of a group together; shard after shard for none."""
+        if not key:
+            return np.argsort(self.of_image, kind="stable")
         groups, _ = self._groups(key)
         found: Numbers = np.lexsort((random_numbers(key, len(self.of_image)), groups[self.of_image]))
         return found
@@ -80,7 +82,7 @@ class Shards:
         Parameters
         ----------
         key : str
-            Empty where images come in the order in which they are.
+            As `order` takes it.
         """
         needed = np.unique(self.of_image[np.asarray(indices, np.int64)])
         groups, starts = self._groups(key)

@@ -11,16 +11,21 @@ import numpy as np
 import pytest
 from terrainav.core import stores
 from terrainav.core.bands import Bands
+from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.georeference import Georeference
 from terrainav.core.capture.metadata import Description
+from terrainav.core.capture.runner import capture
 from terrainav.core.capture.writers import geotiff
 from terrainav.core.dataset.clean import clean, undo
 from terrainav.core.dataset.dataset import open_bands, open_image, open_masked, read_dataset, size_of
 from terrainav.core.dataset.entropy import entropies_of
 from terrainav.core.dataset.ground import of_camera
+from terrainav.core.dataset.loading import Batches, Samples
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import SPLIT, Table
 from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.imagery.opening import named_source, open_source
+from terrainav.core.mission.plan import plan
 
 from tests.support.command import command
 from tests.support.objects import SECRET, s3_store
@@ -278,3 +283,20 @@ def test_the_command_loads_from_an_address(bucket, tmp_path, monkeypatch, capsys
     run = command(tmp_path, monkeypatch, capsys)
     done = run("load", f"{bucket}/shards", "--part", "all", "--img-size", "8", "8", "3", "--batch-size", "5")
     assert "4 batches: images (5, 8, 8, 3) float32" in done.stdout
+
+
+@pytest.mark.parametrize("layout", ["webdataset", "folders"])
+def test_what_a_capture_in_blocks_leaves_in_a_store_is_read(folders, tmp_path, layout):
+    place, source = f"memory://{tmp_path.name}", named_source("world")
+    assert not capture(
+        plan(MISSION, open_source("world").grid), source, place, blocks=Blocks(6, layout)
+    ).failed
+    wanted, found = (images_of(read_dataset(one)) for one in (folders, place))
+    assert bool(found.shards) == (layout == "webdataset")
+    for row, name in enumerate(found.table.img_names):
+        assert found.file(row).read_bytes() == (wanted.image_folder / name).read_bytes()
+    assert not of_camera(found, np.arange(2), read_dataset(place).folder)
+    split(place)
+    labels = Samples(place, part="train").labels
+    assert labels.fitted_on == "train"
+    assert sum(len(one) for _, one in Batches(place, 4, part="all", img_size=(8, 8, 3))) == len(wanted)

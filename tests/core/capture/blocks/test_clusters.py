@@ -96,7 +96,8 @@ def test_workers_that_are_killed_lose_nothing(bucket, cluster, whole):
 def test_the_command_captures_on_a_cluster_into_a_store(bucket, tmp_path, monkeypatch, capsys):
     run = command(tmp_path, monkeypatch, capsys)
     asked = ("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", "--max-px", "200")
-    done = run(*asked, "--data-dir", f"{bucket}/command", "--cluster", "local:1", "--block", "4")
+    shards = ("--block", "4", "--layout-of-files", "webdataset")
+    done = run(*asked, "--data-dir", f"{bucket}/command", "--cluster", "local:1", *shards)
     assert done.returncode == 0, done.stderr
     assert "cluster of 1 workers" in done.stderr
     assert f"dataset in {bucket}/command" in done.stdout
@@ -104,9 +105,29 @@ def test_the_command_captures_on_a_cluster_into_a_store(bucket, tmp_path, monkey
     pq = pytest.importorskip("pyarrow.parquet", reason="needs pyarrow")
     described = pq.read_table(io.BytesIO(get(store_path(f"{bucket}/command/items.parquet"))))
     assert described.num_rows == len(read_dataset(f"{bucket}/command").image_set("satellite"))
-    again = run(*asked, "--data-dir", f"{bucket}/command", "--block", "4")
+    again = run(*asked, "--data-dir", f"{bucket}/command", *shards)
     assert (again.returncode, again.stdout) == (3, "")
     assert "already holds this mission; resume it (--resume)" in again.stderr
+
+
+def test_what_a_cluster_has_captured_is_streamed_into_a_training_step(bucket, cluster):
+    torch = pytest.importorskip("torch", reason="needs PyTorch")
+    from terrainav.core.dataset.loading.torch_loader import TorchDataset
+
+    capture(PLAN, PATTERN, f"{bucket}/trained", executor=cluster, blocks=Blocks(12, "webdataset"))
+    dataset = TorchDataset(f"{bucket}/trained", part="all", img_size=(32, 24, 3), shuffle=True)
+    model = torch.nn.Sequential(torch.nn.Flatten(), torch.nn.Linear(3 * 24 * 32, 2))
+    optimiser, seen = torch.optim.SGD(model.parameters(), lr=1e-4), 0
+    before = model[1].weight.detach().clone()
+    for images, labels in dataset.batches(batch_size=8):
+        optimiser.zero_grad()
+        loss = torch.nn.functional.mse_loss(model(images), labels)
+        loss.backward()
+        optimiser.step()
+        seen += len(images)
+    assert seen == len(PLAN)
+    assert torch.isfinite(loss)
+    assert not torch.equal(before, model[1].weight)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from terrainav.core.dataset.loading import Batches
 from terrainav.core.errors import InvalidInput, OutputError
 
 from tests.support.datasets import write_dataset
+from tests.support.shards import write_folders, write_shards
 
 pytest.importorskip("torch")
 # Keras reads it once, when it is imported.
@@ -53,6 +54,13 @@ def test_batches_are_the_plain_iterators(folder):
         dataset.on_epoch_end()
     dataset.set_epoch(7)
     assert_same([dataset[index] for index in range(4)], meant(folder, 7, img_size=SIZE))
+
+
+def test_shards_are_streamed_in_the_plain_iterators_order(tmp_path):
+    place = str(write_shards(f"memory://{tmp_path.name}", write_folders(tmp_path / "OUT"), 3))
+    choice = {"part": "all", "img_size": SIZE, "shuffle": True, "shards_at_once": 2}
+    dataset = keras_dataset(place, 4, **choice)
+    assert_same([dataset[index] for index in range(len(dataset))], meant(place, 0, **choice))
 
 
 class Noting(keras.Model):

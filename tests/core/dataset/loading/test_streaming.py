@@ -11,6 +11,7 @@ import threading
 import time
 from itertools import islice
 from pathlib import Path
+from uuid import uuid4
 
 import numpy as np
 import pytest
@@ -42,7 +43,7 @@ def shards(folders, tmp_path_factory):
 @pytest.fixture(scope="module")
 def in_s3(folders):
     with pytest.MonkeyPatch.context() as monkeypatch, s3_store(monkeypatch) as address:
-        yield str(write_shards(f"{address}/shards", folders, A_SHARD))
+        yield str(write_shards(f"{address}/{uuid4().hex}", folders, A_SHARD))
 
 
 @pytest.fixture
@@ -127,8 +128,26 @@ def test_images_of_a_group_are_mixed(shards):
     assert runs > SHARDS
 
 
-def test_without_shuffling_the_order_is_the_tables(shards):
-    assert Samples(shards, **{**CHOICE, "shuffle": False}).order(3).tolist() == list(range(IMAGES))
+def test_without_shuffling_shards_follow_each_other(folders, tmp_path, temporary, fetched):
+    """Whatever the order of the table: blocks of neighbours have rows far apart."""
+    place = write_shards(f"memory://{tmp_path.name}", folders, A_SHARD)
+    path = place / "satellite" / "meta_data.csv"
+    head, *lines = stores.get(path).decode().splitlines()
+    mixed = [lines[7 * row % IMAGES] for row in range(IMAGES)]
+    stores.put(path, "\n".join([head, *mixed, ""]).encode())
+    choice = {**CHOICE, "shuffle": False, "shards_at_once": 1}
+    samples = Samples(place, **choice)
+    order, table = samples.order(3).tolist(), samples.images.table
+    assert sorted(order) == list(range(IMAGES))
+    names = [table.shard[index] for index in order]
+    assert len([1 for one, two in zip(names, names[1:]) if one != two]) == SHARDS - 1
+    rows = [[index for index, name in zip(order, names) if name == one] for one in set(names)]
+    assert all(one == sorted(one) for one in rows)
+    assert_same(
+        list(Batches(place, 2, workers=2, **choice)),
+        [samples.take(order[at : at + 2]) for at in range(0, 20, 2)],
+    )
+    assert len(fetched) == SHARDS
 
 
 def test_the_order_of_an_epoch_stays_what_it_was(shards):
@@ -175,6 +194,7 @@ def test_processes_make_the_same_batches(shards, in_s3, workers):
             assert_same(of_torch(loader), batches_of(shards, epoch))
 
 
+@pytest.mark.thorough
 def test_processes_that_are_started_afresh_share_the_cache(in_s3, shards, temporary):
     dataset = torch_dataset(in_s3)
     loader = dataset.batches(4, 1, multiprocessing_context="spawn")
