@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from typing import Any
 
@@ -133,11 +133,20 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
             dashboard_address="127.0.0.1:0" if find_spec("bokeh") else None,
             silence_logs=50,
         )
-    try:
-        with _client(cluster.scheduler_address, "local cluster") as client:
-            yield _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
-    finally:
-        cluster.close()
+        try:
+            with _client(cluster.scheduler_address, "local cluster") as client:
+                engine = _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
+
+                def slots() -> int:
+                    there: int = engine.slots()
+                    if there < processes:
+                        # Dask begins a worker again that dies, but gives it up if it dies once more on its way.
+                        cluster.scale(processes)
+                    return there
+
+                yield replace(engine, slots=slots)
+        finally:
+            cluster.close()
 
 
 @contextmanager
