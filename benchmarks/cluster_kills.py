@@ -225,10 +225,10 @@ Measured by `python benchmarks/cluster_kills.py` on {machine}: {images:,} images
 | --- | ---: | ---: | ---: | ---: | ---: |
 {rows}
 Differences are against the objects of a run in one process that nobody disturbed, by SHA-256. No image is missing, none
-is there twice, {failed} failed, and each is where the table says it is in its shard. Of the {killed} workers that were
-killed {begun_again} had a block, which was begun again. The run took {seconds:.0f} s with the kills, and {calm_s:.0f} s
-undisturbed in one process. The coordinator's last run found {skipped:,} images there; {orphans} workers outlived their
-coordinator.
+is there twice, {failed} failed, and each is where the table says it is in its shard. Blocks were begun again
+{begun_again} times after {killed} workers were killed; a worker may hold two for a moment. The run
+took {seconds:.0f} s with these kills, and {calm_s:.0f} s undisturbed in one process. The coordinator's last run found
+{skipped:,} images there; {orphans} workers outlived their coordinator.
 """
 ROW = "| {what} | {times} | {rows:,} | {images:,} | {objects:,} | {differ} |\n"
 
