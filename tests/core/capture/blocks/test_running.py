@@ -175,7 +175,10 @@ def test_a_block_that_kills_its_workers_is_given_up_and_the_others_go_on(whole, 
     assert {name: data for name, data in whole.items() if name not in {*lost, "satellite/meta_data.csv"}} == {
         name: data for name, data in made.items() if name != "satellite/meta_data.csv"
     }
-    captured(tmp_path / "out", resume=True)
+    table = Table.load(tmp_path / "out" / "satellite" / "meta_data.csv")
+    assert table.status.count("failed") == len(lost)
+    again = captured(tmp_path / "out", only_failed=True)
+    assert again.written == len(lost)
     assert contents(tmp_path / "out", but=("journal.jsonl", "blocks/")) == whole
 
 
@@ -187,7 +190,8 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(sharded, whole, tmp_pa
         blocks,
         source=NamedPattern(wait_s=0.05),
         connections=1,
-        cancelled=lambda: any(done),
+        # When a block is done, and another under way.
+        cancelled=lambda: any(one > 8 for one in done),
         progress=lambda progress: done.append(progress.done),
     )
     assert result.cancelled
