@@ -465,7 +465,6 @@ share tiles along their cuts, which both fetch: so part of a block's time and re
 """
 #: Key, what it is called, factor and digits.
 COSTS = (
-    ("wall_s", "seconds, ms", 1e3, 1),
     ("workers_cpu_s", "processor of the worker, ms", 1e3, 1),
     ("own_cpu_s", "processor of the run and the scheduler, ms", 1e3, 2),
     ("cpu_s", "processor of the store, ms", 1e3, 1),
