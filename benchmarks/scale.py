@@ -407,7 +407,8 @@ the store, which takes them from the same two cores. All contenders of a layout 
 byte.
 """
 RATES = """
-{images:,.0f} images of {source} as GeoTIFF, {block} a block:
+{images:,.0f} images of {source} as GeoTIFF in {blocks:.0f} blocks. Two workers can be {most:.2f} times as fast as one, as
+one of them makes {first:.0f} blocks:
 
 | results | who captures | images/s (least, most) | to threads | speed-up | run, s | workers, s | store, s |
 | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |
@@ -424,7 +425,11 @@ def rates_text(found: dict[str, Any]) -> str:
     for one in found["compared"]:
         rows = one["rows"]
         text += RATES.format(
-            images=rows[0]["images"], source=TITLE_OF[one["source"] == WORLD], block=BLOCK_IMAGES
+            images=rows[0]["images"],
+            source=TITLE_OF[one["source"] == WORLD],
+            blocks=rows[0]["blocks"],
+            first=-(-rows[0]["blocks"] // 2),
+            most=rows[0]["blocks"] / -(-rows[0]["blocks"] // 2),
         )
         for row in rows:
             is_cluster = row["engine"] not in TITLES
@@ -465,7 +470,6 @@ share tiles along their cuts, which both fetch: so part of a block's time and re
 """
 #: Key, what it is called, factor and digits.
 COSTS = (
-    ("wall_s", "seconds, ms", 1e3, 1),
     ("workers_cpu_s", "processor of the worker, ms", 1e3, 1),
     ("own_cpu_s", "processor of the run and the scheduler, ms", 1e3, 2),
     ("cpu_s", "processor of the store, ms", 1e3, 1),

@@ -376,7 +376,7 @@ def costs(run: Run, images: int, measured: Measured) -> list[dict[str, Any]]:
 
 
 def draw(workers: list[tuple[int, Run, Run]], rows: list[dict[str, Any]], limit: int) -> None:
-    """Hours against workers, and where the workers' time goes in each case."""
+    """Hours against workers, and in each case."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -391,23 +391,14 @@ def draw(workers: list[tuple[int, Run, Run]], rows: list[dict[str, Any]], limit:
     left.axvline(limit, color=ORANGE, linewidth=1, label=f"coordinator always busy: {limit:,}")
     left.set(title="Time of 100 million images at hand", xlabel="workers", ylabel="hours")
     left.grid(visible=True, which="major", color="#dddddd")
-    left.legend(frameon=False, fontsize=8)
+    left.legend(frameon=False, fontsize=8, loc="lower left")
     at = np.arange(len(rows))
-    shown = [
-        ("committed blocks", BLUE, [row["run"].useful_hours for row in rows]),
-        ("blocks lost by deaths", ORANGE, [row["run"].busy_hours - row["run"].useful_hours for row in rows]),
-    ]
-    whole = np.array([row["run"].worker_hours for row in rows])
-    so_far = np.zeros(len(rows))
-    for label, colour, hours in shown:
-        share = np.array(hours) / whole * 100.0
-        right.barh(at, share, left=so_far, color=colour, label=label)
-        so_far += share
-    right.barh(at, 100.0 - so_far, left=so_far, color="#dddddd", label="idle")
+    bars = right.barh(at, [row["run"].hours for row in rows], color=GREEN)
+    right.bar_label(bars, [f"{row['run'].hours:,.1f}" for row in rows], padding=3, fontsize=8)
     right.set_yticks(at, [row["title"].replace(", ", ",\n").replace(" (", "\n(") for row in rows], fontsize=8)
     right.invert_yaxis()
-    right.set(title="Where the time of 1,000 workers goes", xlabel="% of worker hours", xlim=(0, 100))
-    right.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
+    right.set(title="1,000 workers, by source", xlabel="hours", xscale="log")
+    right.margins(x=0.15)
     PICTURES.mkdir(exist_ok=True)
     figure.savefig(PICTURES / "scale-simulation.png", dpi=110)
 
@@ -444,7 +435,7 @@ provider included; *lost* is how much shorter the run is without.
     busiest = bottleneck(measured)
     ends_h, memory_gb = images * measured.image_ends_s / 3600.0, images * measured.image_memory_bytes / 1e9
     text += f"""
-![Hours against workers, and where workers' time goes](images/scale-simulation.png)
+![Hours against workers, and by source](images/scale-simulation.png)
 
 The coordinator hands out blocks as fast as {busiest:,} workers make them; more do not help, larger blocks do. Beside
 the hours above, planning such a run and writing its tables takes one process {ends_h:.1f} h, and what it knows of all
@@ -507,6 +498,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--images", type=int, default=IMAGES_IN_ALL)
     parser.add_argument("--found", type=Path, default=FOUND, help="figures of benchmarks/scale.py")
+    parser.add_argument("--only", choices=("validation",), help="one part")
     parser.add_argument("--no-page", action="store_true", help="write nothing into docs/")
     asked = parser.parse_args()
     found = json.loads(asked.found.read_text("utf-8"))
@@ -516,6 +508,9 @@ def main() -> None:
         "median of |ratio - 1|:",
         statistics.median(abs(r["simulated_s"] / r["measured_s"] - 1) for r in checked),
     )
+    if asked.only:
+        put_in_page(validation=validation_text(checked))
+        return
     measured = Measured.of(found, "raster")
     print(measured, flush=True)
     rows = cases(asked.images, measured)
