@@ -22,7 +22,8 @@ from .errors import InvalidInput, Message, OutputError
 #: A folder or file of this machine or of an object store, as text or as a path.
 Address = Union[str, "os.PathLike[str]"]
 
-_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*)://")
+#: A letter alone is a drive.
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://")
 #: What brings all that S3 needs.
 _EXTRA = "'terrainav[cluster]'"
 #: Modules that know a store, where fsspec itself does not, and what to install for them, by the scheme of addresses.
@@ -33,6 +34,7 @@ _PACKAGES = {
 }
 #: What stores say where nobody has told who asks: none of these quotes a key.
 _NO_CREDENTIALS = re.compile(r"credential|token|anonymous|unauthori[sz]ed|not authenticated", re.IGNORECASE)
+_EXPIRED = re.compile(r"expired", re.IGNORECASE)
 _REFUSED = re.compile(r"forbidden|access denied|accessdenied|permission", re.IGNORECASE)
 _NOT_THERE = re.compile(r"nosuchbucket|no such bucket|bucket does not exist|not ?found|404", re.IGNORECASE)
 _SAID_CHARACTERS = 120
@@ -261,6 +263,11 @@ def _problem(path: Path, wrong: Exception) -> OutputError:
     """One line for what a store's library has raised."""
     what, root = str(path), _root(path)
     said = f"{type(wrong).__name__} {wrong}"
+    if _EXPIRED.search(said):
+        return OutputError(
+            "{0}: the credentials have expired: new ones are taken from where the store's own tools have them",
+            what,
+        )
     if isinstance(wrong, PermissionError) or _REFUSED.search(said):
         return OutputError("{0}: access is refused: the credentials do not allow it", what)
     if _NO_CREDENTIALS.search(said):

@@ -21,7 +21,7 @@ from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Repeats
 from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
-from ..stores import is_address
+from ..stores import is_address, store_path
 from .blocks.destination import has_blocks
 from .blocks.engines import Engine, here
 from .blocks.running import Blocks, capture_in_blocks
@@ -116,6 +116,7 @@ def capture(
     for count, what in ((connections, Message("connections")), (workers, Message("workers"))):
         if count is not None and count < 1:
             raise InvalidInput("{0} {1}: must be 1 or more", count, what)
+    folder = store_path(folder)
     if executor is not None or blocks is not None or is_address(folder):
         if not isinstance(source, NamedSource) or only is not None:
             raise InvalidInput(

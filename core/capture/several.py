@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,12 +11,12 @@ from typing import Any
 
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ..errors import InvalidInput
-from ..files import open_locked
 from ..imagery.opening import NamedSource
 from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..stores import is_address
+from ..stores import is_address, is_file, store_path
+from .blocks.destination import held
 from .folder import check_captured, open_place
 from .making import check_source
 from .progress import CaptureResult, Progress
@@ -63,18 +62,21 @@ def capture_imageries(
         raise InvalidInput("imageries {0}: need a plan and a source each", " ".join(names))
     for name in names:
         check_source(plans[name], sources[name])
-    remote = is_address(folder)
-    if only_failed and not remote:
+    if only_failed and not is_address(folder):
         check_captured(folder)
-    path = open_place(folder, mission, resume=resume or only_failed)
-    # Of an object store each imagery's own place is held.
-    with nullcontext() if remote else open_locked(path / JOURNAL_FILE):
+    path = open_place(store_path(folder), mission, resume=resume or only_failed)
+    with held(path) as check:
+
+        def ends() -> bool:
+            check()
+            return cancelled is not None and cancelled()
+
         results = capture_each(
             {name: (plans[name], sources[name]) for name in names},
             path,
             only_failed=only_failed,
             progress=progress,
-            cancelled=cancelled,
+            cancelled=ends,
             **how,
         )
     result = combined(path, results)
@@ -107,7 +109,7 @@ def capture_each(
     """
     results: dict[str, CaptureResult] = {}
     for name, (plan, source) in captures.items():
-        begun = any((folder / name / file).exists() for file in (JOURNAL_FILE, MISSION_FILE))
+        begun = any(is_file(folder / name / file) for file in (JOURNAL_FILE, MISSION_FILE))
         if only_failed and not begun:
             # Nothing of it can have failed: an earlier run was stopped before it.
             continue

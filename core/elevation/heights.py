@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput
 from ..geodesy.mercator import PixelGrid
 from ..imagery.entry import CatalogueEntry
-from ..imagery.opening import NamedSource, SourceOptions, named_source
+from ..imagery.opening import NamedSource, SourceOptions, named_source, whole_path
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..resources import read_json
@@ -285,6 +285,14 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
             source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m
         )
     return _of_raster(text, named_source(text, asked), datum, options)
+
+
+def with_whole_path(text: str) -> str:
+    """Text that names the same heights in processes with another current folder."""
+    if _number(text) is not None:
+        return text
+    encoding, colon, inner = text.partition(":")
+    return f"{encoding}:{whole_path(inner)}" if colon and encoding in _ENCODED else whole_path(text)
 
 
 def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:

@@ -260,6 +260,14 @@ def kind_of(text: str) -> Kind:
     return next(kind for kind in (_QGIS, *KINDS) if kind.recognises(text))
 
 
+def whole_path(text: str) -> str:
+    """Text that names the same source in processes with another current folder: a file's path is whole."""
+    if not kind_of(text).is_file or text.startswith("/vsi") or RASTER_ADDRESS.fullmatch(text):
+        return text
+    file = file_of_part(text) or text
+    return text.replace(file, str(Path.cwd() / file))
+
+
 def _imported(module: str) -> ModuleType:
     """Module by its name, relative to this package."""
     # By the built-in import and not importlib's: that is where QGIS keeps book of what it forgets when a plugin goes.
@@ -463,6 +471,10 @@ class FileSource(NamedSource):
     @abstractmethod
     def _open(self, date: str) -> Source:
         """Open the file, of a date where one is asked for; raises InvalidInput where it cannot be."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process needs, which may have another current folder."""
+        return {**super().__getstate__(), "text": whole_path(self.text)}
 
     def open(self) -> Source:
         """Open it; raises InvalidInput where that cannot be, and for a date that it does not take."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from ..elevation.heights import HeightOptions
+from dataclasses import replace
+
+from ..elevation.heights import HeightOptions, with_whole_path
 from ..elevation.relief import Relief, open_relief
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
@@ -26,6 +28,14 @@ def heights_of(mission: Mission, options: SourceOptions | None = None) -> Height
     """
     asked = options or SourceOptions(seed=mission.imagery.seed, crs=mission.imagery.crs)
     return heights_for(mission.terrain, asked)
+
+
+def with_whole_paths(terrain: Terrain) -> Terrain:
+    """Terrain that names the same heights in processes with another current folder."""
+    elevation, surface = (
+        tuple(map(with_whole_path, texts)) for texts in (terrain.elevation, terrain.surface)
+    )
+    return replace(terrain, elevation=elevation, surface=surface)
 
 
 def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:

@@ -7228,6 +7228,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
+        <source>capture it first</source>
+        <translation>captúrela primero</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <location filename="../../core/capture/folder.py"/>
         <source>choose another one</source>
         <translation>elija otra</translation>
     </message>
@@ -7240,6 +7246,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/destination.py"/>
         <source>wait until it has ended</source>
         <translation>espere a que termine</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>{0}: holds no capture in blocks of this mission, so nothing of it has failed</source>
+        <translation>{0}: no contiene ninguna captura por bloques de esta misión, así que nada de ella ha fallado</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
@@ -7278,6 +7289,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
+        <source>address {0}: is of this process alone, and workers are others: must be a folder, or begin with {1}</source>
+        <translation>dirección {0}: es solo de este proceso, y los procesos de trabajo son otros: debe ser una carpeta o empezar por {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
         <source>block {0}: {1}, {2} times: given up</source>
         <translation>bloque {0}: {1}, {2} veces: se abandona</translation>
     </message>
@@ -7298,8 +7314,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
-        <source>workers: went away ({0})</source>
-        <translation>procesos de trabajo: han desaparecido ({0})</translation>
+        <source>workers: all are gone ({0})</source>
+        <translation>procesos de trabajo: han desaparecido todos ({0})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
@@ -7320,11 +7336,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/folder.py"/>
         <source>address {0}: holds {1} but no {2}, so it is not this mission's</source>
         <translation>dirección {0}: contiene {1} pero no {2}, de modo que no es de esta misión</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/folder.py"/>
-        <source>capture it first</source>
-        <translation>captúrela primero</translation>
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
@@ -13759,6 +13770,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/stores.py"/>
         <source>{0}: no valid credentials: they are taken from where the store's own tools have them</source>
         <translation>{0}: no hay credenciales válidas: se toman de donde las tienen las herramientas propias del almacén</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0}: the credentials have expired: new ones are taken from where the store's own tools have them</source>
+        <translation>{0}: las credenciales han caducado: las nuevas se toman de donde las tienen las herramientas propias del almacén</translation>
     </message>
     <message>
         <location filename="../../core/text.py"/>

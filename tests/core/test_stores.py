@@ -26,7 +26,7 @@ def folder(request, bucket):
     return stores.store_path(f"{'memory://x' if request.param == 'memory' else bucket}/{uuid4().hex}")
 
 
-@pytest.mark.parametrize("text", ["/tmp/x", "x/y", "C:\\x", "file:///tmp/x"])
+@pytest.mark.parametrize("text", ["/tmp/x", "x/y", "C:\\x", "C://x", "file:///tmp/x"])
 def test_folders_of_this_machine_are_paths(text):
     assert not stores.is_address(text)
     assert isinstance(stores.store_path(text), Path)
@@ -69,6 +69,21 @@ def test_a_bucket_that_is_not_there_is_one_line(bucket):
         stores.put(stores.store_path("s3://nobody/x"), b"1")
     assert SECRET not in str(wrong.value)
     assert wrong.value.__cause__ is None
+
+
+@pytest.mark.parametrize(
+    ("raised", "said"),
+    [
+        (PermissionError("The provided token has expired."), "x: the credentials have expired: new ones are"),
+        (PermissionError("Forbidden"), "x: access is refused: the credentials do not allow it"),
+        (OSError(16, "Please reduce your request rate."), "x: cannot be reached (Please reduce your"),
+    ],
+)
+def test_what_a_store_refuses_is_one_line(raised, said):
+    with pytest.raises(OutputError) as wrong, stores.store_errors(stores.store_path("memory://data/x")):
+        raise raised
+    assert str(wrong.value).startswith(f"memory://data/{said}")
+    assert "\n" not in str(wrong.value)
 
 
 def test_an_address_of_another_kind_is_refused():

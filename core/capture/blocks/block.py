@@ -6,7 +6,9 @@ import io
 import json
 import pickle  # nosec B403  (blocks come from the run that made them, over the engine's own connections)
 import platform
+import sys
 import threading
+from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -21,8 +23,9 @@ from ...files import write_whole
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats
 from ...imagery.source import Source
+from ...mission.parts import Terrain
 from ...mission.plan import Plan
-from ...picture.heights import heights_of
+from ...picture.heights import heights_for
 from ...picture.optics import Exposures
 from ...resources import version
 from ...stores import get, store_path
@@ -57,7 +60,9 @@ class Block:
     source : NamedSource
         The imagery, which the block's maker opens.
     destination : str
-        Folder or address.
+        Folder, from the root on, or address.
+    terrain : Terrain
+        That of the plan's mission, as its maker finds the heights.
     layout : str
         One of `choices.LAYOUTS`.
     exposures : Exposures or None
@@ -74,6 +79,7 @@ class Block:
     indices: Numbers
     source: NamedSource
     destination: str
+    terrain: Terrain
     layout: str = FOLDERS
     exposures: Exposures | None = None
     connections: int = 1
@@ -156,10 +162,11 @@ class BlockResult(NamedTuple):
 
 @dataclass
 class Control:
-    """The say of a run over blocks that are made in its own process."""
+    """The say of a run over blocks that are made in its own process, and how many images each has made so far."""
 
     stopped: threading.Event = field(default_factory=threading.Event)
     held: threading.Event = field(default_factory=threading.Event)
+    made: dict[str, int] = field(default_factory=dict)
 
 
 #: Of the runs of this process, by name. Blocks of other processes find none, and go on to their end.
@@ -221,6 +228,11 @@ def make_block(block: Block) -> BlockResult:
     Stopped
     """
     control = controls.get(block.run) or Control()
+    is_wanted = _asking_engine()
+
+    def go_on() -> bool:
+        return not control.stopped.is_set() and is_wanted()
+
     outcomes: dict[str, Outcome] = {}
 
     def note(job: PictureJob, result: Made | PartError) -> None:
@@ -229,6 +241,7 @@ def make_block(block: Block) -> BlockResult:
             outcomes[name] = Outcome(block.map_type, name, reason=Message(result))
         else:
             outcomes[name] = Outcome(block.map_type, name, result.entropy, "", *result[1:])
+            control.made[block.name] = control.made.get(block.name, 0) + 1
 
     destination = store_path(block.destination)
     gathered = Gathered() if block.layout == WEBDATASET else None
@@ -248,10 +261,13 @@ def make_block(block: Block) -> BlockResult:
         if not making.make(
             block.map_type,
             np.arange(len(plan)),
-            lambda: not control.stopped.is_set(),
+            go_on,
             control.held.is_set,
             repeats.note,
         ):
+            raise Stopped
+        # What another worker may have committed meanwhile is left alone.
+        if not go_on():
             raise Stopped
         # In the order of the plan, whatever order they were made in.
         done = {name: outcomes[name] for name in plan.names}
@@ -259,8 +275,38 @@ def make_block(block: Block) -> BlockResult:
         if gathered is not None:
             shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
     record = Record(done, shard_bytes, repeats.noted())
-    write_whole(destination / BLOCKS_FOLDER / f"{block.name}.jsonl", record.to_bytes())
+    _commit(block, record)
     return BlockResult(block.number, record, making.requests, making.unique_parts)
+
+
+def _asking_engine() -> Callable[[], bool]:
+    """What tells whether the engine still waits for this block: Dask tells its workers where a run has gone."""
+    distributed = sys.modules.get("distributed")
+    try:
+        worker = distributed and distributed.get_worker()
+        key = worker and worker.get_current_task()
+    except ValueError:
+        worker = None
+    if not worker:
+        return lambda: True
+
+    def is_wanted() -> bool:
+        task = worker.state.tasks.get(key)
+        is_ending = worker.status.name in ("closing", "closed", "failed")
+        return task is not None and task.state != "cancelled" and not is_ending
+
+    return is_wanted
+
+
+def failed_block(block: Block, reason: Message) -> Record:
+    """Commit a block that no worker brings to an end, with all of its images failed; returns its record."""
+    record = Record({name: Outcome(block.map_type, name, reason=reason) for name in block.plan.names})
+    _commit(block, record)
+    return record
+
+
+def _commit(block: Block, record: Record) -> None:
+    write_whole(store_path(block.destination) / BLOCKS_FOLDER / f"{block.name}.jsonl", record.to_bytes())
 
 
 def _with_heights(block: Block) -> Plan:
@@ -276,7 +322,7 @@ def _with_heights(block: Block) -> Plan:
         named_by_user=options.named_by_user,
         sharers=options.sharers,
     )
-    heights = heights_of(plan.mission, asked)
+    heights = heights_for(block.terrain, asked)
     if heights is not None:
         plan.relief.opened(heights, _surface(block.destination, block.run))
     return plan

@@ -18,8 +18,8 @@ from ...errors import OutputError
 from ...files import json_bytes, open_locked, write_whole
 from ...mission.plan import Plan
 from ...safe_json import parse_json
-from ...stores import get, is_address, put, put_new, remove, sizes_in
-from ..choices import WEBDATASET
+from ...stores import get, is_address, put, put_new, remove, sizes_in, store_path
+from ..choices import FOLDERS, WEBDATASET
 from ..folder import LOCK_FILE, captured_mission, open_place
 from ..journal import FAILED
 from ..writers import file_endings
@@ -34,45 +34,24 @@ _READ_AT_ONCE = 16
 
 
 class Destination:
-    """A folder or an object store's, opened for one run.
+    """A folder or an object store's, opened for one run, which is to hold it (`held`).
 
     Parameters
     ----------
     address : str
     plan : Plan
-    layout : str
-        One of `choices.LAYOUTS`.
-    images : int
-        Of a block at most.
     resume : bool
 
     Raises
     ------
     OutputError
-        It cannot be written, holds another mission, or this one without ``resume``, divided in another way, or captured
-        without blocks.
+        It cannot be written, holds another mission, or this one without ``resume``.
     """
 
-    def __init__(self, address: str, plan: Plan, layout: str, images: int, *, resume: bool) -> None:
-        self._plan, self._layout = plan, layout
+    def __init__(self, address: str, plan: Plan, *, resume: bool) -> None:
+        self._address, self._plan = address, plan
         self.root = open_place(address, captured_mission(plan), resume=resume)
-        self._check_division(address, images)
-
-    @contextmanager
-    def held(self) -> Iterator[Callable[[], None]]:
-        """Hold it against other runs meanwhile; yields what raises OutputError where another has taken it.
-
-        Raises
-        ------
-        OutputError
-            Another run is at work there.
-        """
-        if not is_address(self.root):
-            with open_locked(self.root / JOURNAL_FILE):
-                yield lambda: None
-            return
-        with _Lease(self.root / LOCK_FILE) as lease:
-            yield lease.check
+        self._layout = FOLDERS
 
     def records(self, map_type: str, count: int) -> dict[int, Record]:
         """Records of the blocks that are there, whole, by number.
@@ -99,7 +78,7 @@ class Destination:
 
     def _is_whole(self, map_type: str, number: int, record: Record, sizes: dict[str, int]) -> bool:
         """Whether the files of a block are as long as they were when it was committed."""
-        if self._layout == WEBDATASET:
+        if self._layout == WEBDATASET and record.shard_bytes:
             return sizes.get(f"{block_name(map_type, number)}.tar") == record.shard_bytes
         endings = file_endings(self._plan.mission.output.image_format, on_map=self._plan.size_px is None)
         return all(
@@ -108,10 +87,24 @@ class Destination:
             if one.status != FAILED
         )
 
-    def _check_division(self, address: str, images: int) -> None:
-        """Refuse to go on in another way than it was begun."""
+    def check_division(self, layout: str, images: int) -> None:
+        """Note how it is divided, or refuse to go on in another way than it was begun: asked once, before all else.
+
+        Parameters
+        ----------
+        layout : str
+            One of `choices.LAYOUTS`.
+        images : int
+            Of a block at most.
+
+        Raises
+        ------
+        OutputError
+            It was begun in another way, or captured without blocks.
+        """
+        self._layout = layout
         wanted: dict[str, Any] = {
-            "layout_of_files": self._layout,
+            "layout_of_files": layout,
             "images": images,
             "captures": len(self._plan),
             "names_sha256": hashlib.sha256("\n".join(self._plan.names).encode("utf-8")).hexdigest(),
@@ -122,7 +115,9 @@ class Destination:
             if not is_address(self.root):
                 if sizes_in(self.root).get(JOURNAL_FILE):
                     raise OutputError(
-                        "folder {0}: was captured without blocks", address, remedy="choose another folder"
+                        "folder {0}: was captured without blocks",
+                        self._address,
+                        remedy="choose another folder",
                     )
                 path.parent.mkdir(exist_ok=True)
             write_whole(path, json_bytes(wanted))
@@ -135,12 +130,12 @@ class Destination:
         ]:
             raise OutputError(
                 "{0}: holds this mission with other images, because the source or the version was another",
-                address,
+                self._address,
                 remedy="choose another one",
             )
         raise OutputError(
             "{0}: was begun with the layout {1} and blocks of {2} images: it goes on with the same",
-            address,
+            self._address,
             found.get("layout_of_files"),
             found.get("images"),
         )
@@ -149,6 +144,33 @@ class Destination:
 def has_blocks(folder: Path) -> bool:
     """Whether a folder of this machine was captured in blocks."""
     return (folder / BLOCKS_FOLDER / DIVISION_FILE).is_file()
+
+
+def check_in_blocks(address: str) -> None:
+    """Raise OutputError where no capture in blocks is, of which something might have failed."""
+    if get(store_path(address) / BLOCKS_FOLDER / DIVISION_FILE) is None:
+        raise OutputError(
+            "{0}: holds no capture in blocks of this mission, so nothing of it has failed",
+            address,
+            remedy="capture it first",
+        )
+
+
+@contextmanager
+def held(root: Path) -> Iterator[Callable[[], None]]:
+    """Hold a place against other runs meanwhile; yields what raises OutputError where another has taken it.
+
+    Raises
+    ------
+    OutputError
+        Another run is at work there.
+    """
+    if not is_address(root):
+        with open_locked(root / JOURNAL_FILE):
+            yield lambda: None
+        return
+    with _Lease(root / LOCK_FILE) as lease:
+        yield lease.check
 
 
 class _Lease:
@@ -176,7 +198,8 @@ class _Lease:
     def __exit__(self, *_: object) -> None:
         self._ended.set()
         self._thread.join()
-        if self._lost is None:
+        # Another run may have taken over since the last beat.
+        if self._lost is None and self._is_own(get(self._path)):
             remove(self._path)
 
     def check(self) -> None:
@@ -196,7 +219,9 @@ class _Lease:
             if now != found and now is not None:
                 raise self._busy()
             if now is None:
-                break
+                if put_new(self._path, self._content()):
+                    return
+                raise self._busy()
         # Of two that take over at once the last one to put has it; the other finds that out before it begins.
         put(self._path, self._content())
         time.sleep(BEAT_S / 5.0)
@@ -208,17 +233,32 @@ class _Lease:
             "address {0}: another run is at work there", self._path.parent, remedy="wait until it has ended"
         )
 
+    def _is_own(self, found: bytes | None) -> bool:
+        return found is not None and self._token.encode("ascii") in found
+
     def _beat(self) -> None:
+        heard_s = time.monotonic()
+        while self._lost is None and not self._ended.wait(BEAT_S):
+            wrong = self._signed()
+            if wrong is None:
+                heard_s = time.monotonic()
+            # A store may be out of reach for a moment; by then others may take this run for dead.
+            elif time.monotonic() - heard_s > DEAD_S - BEAT_S:
+                self._lost = wrong
+
+    def _signed(self) -> OutputError | None:
+        """Give a sign of life, unless another run has taken over; what was wrong with that, if anything."""
         try:
-            while not self._ended.wait(BEAT_S):
-                found = get(self._path)
-                if found is not None and self._token.encode("ascii") not in found:
-                    raise OutputError(
-                        "address {0}: another run has taken over, as this one gave no sign of life for {1:g} s",
-                        self._path.parent,
-                        DEAD_S,
-                    )
-                self._beats += 1
-                put(self._path, self._content())
+            found = get(self._path)
+            if found is not None and not self._is_own(found):
+                self._lost = OutputError(
+                    "address {0}: another run has taken over, as this one gave no sign of life for {1:g} s",
+                    self._path.parent,
+                    DEAD_S,
+                )
+                return self._lost
+            self._beats += 1
+            put(self._path, self._content())
         except OutputError as wrong:
-            self._lost = wrong
+            return wrong
+        return None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 from collections.abc import Callable, Iterator
@@ -156,10 +157,15 @@ def _client(address: str, what: str) -> Iterator[Any]:
         client = distributed.Client(address, timeout=_ANSWER_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as wrong:
         raise OutputError("cluster {0}: no scheduler answers there", what) from wrong
+    # What becomes of a connection is told in one line by who waits for blocks.
+    log = logging.getLogger("distributed.client")
+    level = log.level
+    log.setLevel(logging.CRITICAL)
     try:
         yield client
     finally:
         client.close()
+        log.setLevel(level)
 
 
 def _engine_of(client: Any, dashboard: str | None = None) -> Engine:

@@ -24,6 +24,7 @@ from ...imagery.placeholder import Provided, Repeats, digests_of
 from ...imagery.source import Source
 from ...mission.export import write_plan
 from ...mission.plan import Plan
+from ...picture.heights import with_whole_paths
 from ...resources import version
 from ...stores import is_address
 from ..choices import FOLDERS, IMAGES, WEBDATASET
@@ -40,12 +41,13 @@ from .block import (
     WrongWorker,
     block_name,
     controls,
+    failed_block,
     make_block,
     make_packed,
     packed_block,
     write_relief,
 )
-from .destination import Destination
+from .destination import Destination, check_in_blocks, held
 from .division import Numbers, divide
 from .engines import Engine
 from .shards import INDEX_FILE, index_of
@@ -95,13 +97,22 @@ def capture_in_blocks(
     notice : callable
         Told in one line of each block that was begun again, and why.
     """
+    if destination.startswith("memory:") and not engine.in_process:
+        raise InvalidInput(
+            "address {0}: is of this process alone, and workers are others: must be a folder, or begin with {1}",
+            destination,
+            "s3://, gs:// or az://",
+        )
     listener = Listener(progress, cancelled, paused)
     with ExitStack() as opened:
         own = opened.enter_context(closing(source.open()))
         check_source(plan, own)
-        place = Destination(destination, plan, blocks.layout, blocks.images, resume=resume or only_failed)
-        check = opened.enter_context(place.held())
-        run = _Run(plan, source, own, place, destination, engine, blocks, connections, listener, check)
+        if only_failed:
+            check_in_blocks(destination)
+        place = Destination(destination, plan, resume=resume or only_failed)
+        check = opened.enter_context(held(place.root))
+        place.check_division(blocks.layout, blocks.images)
+        run = _Run(plan, source, own, place, engine, blocks, connections, listener, check)
         run.notice = notice or (lambda _: None)
         run.begin(only_failed=only_failed)
         try:
@@ -122,7 +133,6 @@ class _Run:
         source: NamedSource,
         own: Source,
         place: Destination,
-        destination: str,
         engine: Engine,
         blocks: Blocks,
         connections: int,
@@ -130,16 +140,19 @@ class _Run:
         check: Callable[[], None],
     ) -> None:
         self._plan, self._source, self._own = plan, source, own
-        self._place, self._destination = place, destination
+        self._place = place
         self._engine, self._blocks = engine, blocks
         self._connections, self._listener, self._check = connections, listener, check
         self._name = uuid.uuid4().hex
+        self._control = Control()
+        # Of workers each may have a current folder of its own.
+        self._terrain = with_whole_paths(plan.mission.terrain)
+        self._whole = str(place.root) if is_address(place.root) else str(place.root.absolute())
         self._map_types = plan.mission.imagery.map_types
         self._divided: list[Numbers] = divide(plan.windows, blocks.images)
         self._exposures = exposures_of(plan)
         self._records: dict[str, dict[int, Record]] = {}
         self._made: set[tuple[str, int]] = set()
-        self._given_up: dict[tuple[str, int], Message] = {}
         self._pending: deque[tuple[str, int]] = deque()
         self._tries: dict[tuple[str, int], int] = {}
         self._under_way: dict[Future[BlockResult], tuple[str, int, Fraction]] = {}
@@ -172,7 +185,7 @@ class _Run:
 
     def make_all(self) -> bool:
         """Make all blocks that are missing; False where cancelled."""
-        controls[self._name] = control = Control()
+        controls[self._name] = control = self._control
         try:
             while self._pending or self._under_way:
                 self._check()
@@ -218,7 +231,10 @@ class _Run:
 
     def _sharers(self) -> int:
         """How many blocks may be under way at once."""
-        slots = max(self._engine.slots(), 1)
+        try:
+            slots = max(self._engine.slots(), 1)
+        except (RuntimeError, OSError) as wrong:
+            raise _broken(wrong) from wrong
         most = self._source.policy.most_sharers if not self._source.is_local else None
         return slots if most is None else min(slots, most)
 
@@ -232,7 +248,8 @@ class _Run:
             self._plan.part(which),
             which,
             self._source.asked(options),
-            self._destination,
+            self._whole,
+            self._terrain,
             self._blocks.layout,
             None if self._exposures is None else self._exposures.part(which),
             connections,
@@ -244,6 +261,7 @@ class _Run:
         """Note what has come of blocks; those whose worker died, or whose place could not be written, come again."""
         for future in done:
             map_type, number, _ = self._under_way.pop(future)
+            self._control.made.pop(block_name(map_type, number), None)
             try:
                 result = future.result()
             except (Exception, CancelledError) as wrong:  # noqa: BLE001  (of whatever kind: it is one block's end)
@@ -251,14 +269,18 @@ class _Run:
                     continue
                 self._again(map_type, number, wrong)
             else:
-                self._records[map_type][number] = result.record
-                self._made.add((map_type, number))
-                # Counted once: who asks for progress does so many times a second, and images may be millions.
-                failed = sum(one.status == FAILED for one in result.record.outcomes.values())
-                self._failed += failed
-                self._done += len(result.record.outcomes) - failed
+                self._note(map_type, number, result.record)
                 self._requests += result.requests
                 self._unique_parts += result.unique_parts
+
+    def _note(self, map_type: str, number: int, record: Record) -> None:
+        """Take the record of a block that this run has made, or has given up."""
+        self._records[map_type][number] = record
+        self._made.add((map_type, number))
+        # Counted once: who asks for progress does so many times a second, and images may be millions.
+        failed = sum(one.status == FAILED for one in record.outcomes.values())
+        self._failed += failed
+        self._done += len(record.outcomes) - failed
 
     def _again(self, map_type: str, number: int, wrong: BaseException) -> None:
         """Put a block in the row again, or give it up; what stops the whole run is raised."""
@@ -276,7 +298,7 @@ class _Run:
         if self._tries[key] > TRIES:
             if isinstance(wrong, OutputError):
                 raise wrong
-            self._given_up[key] = reason
+            self._note(map_type, number, failed_block(self._block(map_type, number, 1), reason))
             self.notice(Message("block {0}: {1}, {2} times: given up", name, reason, TRIES))
             return
         self.notice(Message("block {0}: {1}: it is begun again", name, reason))
@@ -286,7 +308,7 @@ class _Run:
         map_type = self._pending[0][0] if self._pending else self._map_types[-1]
         return Progress(
             self._total,
-            self._done,
+            self._done + sum(self._control.made.copy().values()),
             self._failed,
             self._skipped,
             self._requests,
@@ -297,6 +319,8 @@ class _Run:
 
     def write_tables(self) -> None:
         """Write what tells of all images that are done or have failed so far."""
+        # Where another run has taken the place, the tables are its own.
+        self._check()
         for map_type in self._map_types:
             outcomes = self._outcomes(map_type)
             folder = self._place.root / map_type
@@ -322,6 +346,7 @@ class _Run:
                 record.shard_bytes,
             )
             for number, record in sorted(self._records[map_type].items())
+            if record.shard_bytes
         }
 
     def _repeats(self) -> Iterator[Repeat]:
@@ -352,17 +377,12 @@ class _Run:
             for one in self._records[map_type][number].outcomes.values()
             if one.status == FAILED
         ]
-        failed += [
-            Failure(map_type, self._plan.names[index], reason)
-            for (map_type, number), reason in self._given_up.items()
-            for index in self._divided[number].tolist()
-        ]
         failed.sort(key=lambda one: (self._map_types.index(one.map_type), order[one.name]))
         progress = self._progress()
         return CaptureResult(
             folder=self._place.root,
             total=self._total,
-            written=progress.done,
+            written=self._done,
             failed=tuple(failed),
             skipped=self._skipped,
             requests=self._requests,
@@ -383,7 +403,8 @@ def _died(wrong: BaseException) -> Message:
 
 
 def _broken(wrong: BaseException) -> OutputError:
-    return OutputError("workers: went away ({0})", str(wrong)[:120])
+    # What Dask says is of its connections, and of their ends within it.
+    return OutputError("workers: all are gone ({0})", type(wrong).__name__)
 
 
 def _write_plan(plan: Plan, path: Path) -> None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from functools import cache
+from multiprocessing import get_all_start_methods
 from typing import Any
 
 import numpy as np
 
 from ...errors import InvalidInput
-from ...stores import Address
+from ...stores import Address, is_address
 from ..dataset import Dataset
 from . import Samples
 from .batches import Position, chunks, optional_module
@@ -107,7 +108,8 @@ class _TorchSamples:
         drop_last : bool
             Leave out a last batch that is smaller.
         **options
-            Further ones of ``DataLoader``, such as ``pin_memory``.
+            Further ones of ``DataLoader``, such as ``pin_memory``. Without a ``multiprocessing_context``, the worker
+            processes of a dataset in an object store are started anew (``forkserver`` or ``spawn``).
 
         Raises
         ------
@@ -120,6 +122,10 @@ class _TorchSamples:
         # Each worker is a process: those beyond the batches would have nothing to do.
         workers = min(workers, len(order))
         options = {"persistent_workers": workers > 0, **options}
+        if workers and is_address(self.samples.images.folder):
+            # What asks a store has threads, in whose midst a fork may leave a lock that nobody opens any more.
+            method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
+            options.setdefault("multiprocessing_context", method)
         return _loader_class()(self, batch_size=None, sampler=order, num_workers=workers, **options)
 
 

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable
+from typing import Any, Callable
 
 from ...errors import InvalidInput, OutputError
 from ...text import whole_number
@@ -101,9 +101,14 @@ class TileCache:
             raise InvalidInput(
                 "cache of {0} bytes: must be 1 or more", limit_bytes, remedy="leave the cache out for none"
             )
+        self._given = folder
         self.folder = Path(folder) if folder is not None else default_folder()
         self.limit_bytes = limit_bytes
         self._clock = clock
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """On another machine the usual folder is another one."""
+        return TileCache, (self._given, self.limit_bytes, self._clock)
 
     def store(
         self,

@@ -8,7 +8,6 @@ import re
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.capture import writers
 from terrainav.core.capture import writers as jpeg
 from terrainav.core.capture.georeference import Georeference
 from terrainav.core.capture.metadata import Description
@@ -270,11 +269,15 @@ def test_bytes_depend_on_nothing_else(tmp_path, image_format):
 
 
 @pytest.mark.parametrize("image_format", FORMATS)
-def test_the_picture_comes_last(tmp_path, monkeypatch, image_format):
+def test_the_picture_comes_last(tmp_path, image_format):
     order = []
-    monkeypatch.setattr(writers, "write_whole", lambda path, data: order.append(path.name))
     write_picture(
-        tmp_path, image_format, picture(8, 8), georeference(WINDOWS["Agricenter"], (8, 8)), DESCRIPTION
+        tmp_path,
+        image_format,
+        picture(8, 8),
+        georeference(WINDOWS["Agricenter"], (8, 8)),
+        DESCRIPTION,
+        write=lambda path, _: order.append(path.name),
     )
     assert order[-1] == f"{DESCRIPTION.name}.{image_format}"
     assert len(order) == (1 if image_format == "tif" else 3)

@@ -106,6 +106,21 @@ def _without(case: Case) -> None:
     case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
 
 
+@remedy(
+    "capture/blocks/destination.py",
+    "{}: holds no capture in blocks of this mission, so nothing of it has failed; capture it first",
+)
+def _nothing_failed(case: Case) -> None:
+    address = new()
+    case.refused(lambda: captured(address, only_failed=True))
+
+    def first():
+        captured(address)
+        captured(address, only_failed=True)
+
+    case.follow("capture it first", first)
+
+
 @remedy("capture/runner.py", "folder {}: was captured in blocks; choose another folder")
 def _with(case: Case) -> None:
     source = PatternSource()

@@ -24,6 +24,7 @@ from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceError
+from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.mission.area import Box, Points
@@ -45,7 +46,12 @@ OF_THE_WORLD = {
     "photos": Mission(SMALL, 120.0, image_format="jpg", max_px=200, start="2024-05-01T10:00:00Z"),
     "turned": Mission(SMALL, 120.0, yaw_deg=33.0, tilt_deg=50.0, max_px=160, image_format="png"),
     "relief": Mission(
-        SMALL, 150.0, elevation=("world",), tilt_deg=20.0, max_px=160, products=("depth", "facades")
+        Points(tuple((35.141 + 2e-4 * n, -89.865, 60.0) for n in range(4))),
+        60.0,
+        elevation=("world",),
+        tilt_deg=20.0,
+        max_px=96,
+        products=("depth", "facades"),
     ),
     "wind": Mission(SMALL, 120.0, max_px=160, wind=Wind(8.0, 250.0, 0.2)),
     "times": Mission(Points(tuple((35.141 + 1e-4 * n, -89.865, 120.0) for n in range(7))), 120.0, max_px=160),
@@ -169,7 +175,10 @@ def test_a_block_that_kills_its_workers_is_given_up_and_the_others_go_on(whole, 
     assert {name: data for name, data in whole.items() if name not in {*lost, "satellite/meta_data.csv"}} == {
         name: data for name, data in made.items() if name != "satellite/meta_data.csv"
     }
-    captured(tmp_path / "out", resume=True)
+    table = Table.load(tmp_path / "out" / "satellite" / "meta_data.csv")
+    assert table.status.count("failed") == len(lost)
+    again = captured(tmp_path / "out", only_failed=True)
+    assert again.written == len(lost)
     assert contents(tmp_path / "out", but=("journal.jsonl", "blocks/")) == whole
 
 
@@ -181,7 +190,8 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(sharded, whole, tmp_pa
         blocks,
         source=NamedPattern(wait_s=0.05),
         connections=1,
-        cancelled=lambda: any(done),
+        # When a block is done, and another under way.
+        cancelled=lambda: any(one > 8 for one in done),
         progress=lambda progress: done.append(progress.done),
     )
     assert result.cancelled
@@ -420,6 +430,14 @@ def test_no_more_blocks_are_under_way_than_there_are_shares(limits, most, tmp_pa
         source = NamedPattern(policy=Policy(**limits), wait_s=0.02)
         captured(tmp_path / "out", Blocks(2), source=source, executor=threads)
     assert max(counts) <= most
+
+
+def test_workers_of_other_machines_have_their_own_usual_cache(tmp_path, monkeypatch):
+    usual, given = TileCache(), TileCache(tmp_path / "given", 10**9)
+    monkeypatch.setenv("TERRAINAV_CACHE_DIR", str(tmp_path / "elsewhere"))
+    found = [pickle.loads(pickle.dumps(one)) for one in (usual, given)]
+    assert [one.folder for one in found] == [tmp_path / "elsewhere", tmp_path / "given"]
+    assert found[1].limit_bytes == 10**9
 
 
 def test_options_of_workers_hold_no_keys():

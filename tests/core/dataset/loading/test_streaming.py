@@ -144,7 +144,7 @@ def test_without_shuffling_shards_follow_each_other(folders, tmp_path, temporary
     rows = [[index for index, name in zip(order, names) if name == one] for one in set(names)]
     assert all(one == sorted(one) for one in rows)
     assert_same(
-        list(Batches(place, 2, workers=2, **choice)),
+        list(Batches(place, 2, **choice)),
         [samples.take(order[at : at + 2]) for at in range(0, 20, 2)],
     )
     assert len(fetched) == SHARDS
@@ -183,15 +183,19 @@ def test_images_are_those_of_the_folder(folders, shards):
         np.testing.assert_array_equal(packed.image(index), plain.image(index))
 
 
-@pytest.mark.parametrize("workers", [0, 1, 2])
-def test_processes_make_the_same_batches(shards, in_s3, workers):
-    context = {"multiprocessing_context": "fork"} if workers and sys.platform == "linux" else {}
-    for place in (shards, in_s3):
-        dataset = torch_dataset(place)
-        loader = dataset.batches(4, workers, **context)
-        for epoch in (0, 1):
-            dataset.set_epoch(epoch)
-            assert_same(of_torch(loader), batches_of(shards, epoch))
+@pytest.mark.parametrize(("place", "workers"), [("shards", 1), ("shards", 2), ("in_s3", 0), ("in_s3", 2)])
+def test_processes_make_the_same_batches(shards, request, place, workers):
+    dataset = torch_dataset(request.getfixturevalue(place))
+    loader = dataset.batches(4, workers, **quick_start(place, workers))
+    for epoch in (0, 1):
+        dataset.set_epoch(epoch)
+        assert_same(of_torch(loader), batches_of(shards, epoch))
+
+
+def quick_start(place, workers):
+    """Options by which worker processes start quickly, where that is safe."""
+    is_safe = place == "shards" and workers and sys.platform == "linux"
+    return {"multiprocessing_context": "fork"} if is_safe else {}
 
 
 @pytest.mark.thorough
@@ -386,11 +390,11 @@ def test_batches_go_on_in_mid_epoch_with_other_workers(in_memory, shards, taken,
     assert_same(list(again), batches_of(shards, 3))
 
 
-@pytest.mark.parametrize(("before", "after"), [(0, 2), (2, 1), (1, 0)])
+@pytest.mark.parametrize(("before", "after"), [(0, 2), (2, 1)])
 def test_the_torch_loader_goes_on_in_mid_epoch(in_s3, shards, before, after):
     def loader_of(place, workers):
-        context = {"multiprocessing_context": "fork"} if workers and sys.platform == "linux" else {}
-        return torch_dataset(place).batches(4, workers, **context)
+        name = "shards" if place is shards else "in_s3"
+        return torch_dataset(place).batches(4, workers, **quick_start(name, workers))
 
     first = loader_of(in_s3, before)
     first.dataset.set_epoch(1)
