@@ -285,9 +285,12 @@ def _refused(options: Options) -> Iterator[None]:
     import rasterio
     from rasterio._err import CPLE_BaseError
     from rasterio.errors import RasterioError
+    from rasterio.session import DummySession
 
     try:
-        with rasterio.Env(**{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
+        # Where the environment has keys of S3, rasterio would set up a session of boto3 each time, which takes several
+        # times as long as a tile does. Whatever needs keys finds them in the environment.
+        with rasterio.Env(DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
             yield
     except (RasterioError, CPLE_BaseError, OSError) as wrong:
         # What GDAL said first is the cause of what rasterio says.

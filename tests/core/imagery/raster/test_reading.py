@@ -501,3 +501,14 @@ def test_without_either_library_the_way_to_one_is_named(values, tmp_path):
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
     )
     assert result.stdout.strip() == "raster files need rasterio: pip install terrainav[raster]"
+
+
+def test_keys_of_s3_in_the_environment_cost_a_tile_nothing(values, tmp_path, library, monkeypatch):
+    boto3 = pytest.importorskip("boto3", reason="needs boto3")
+    monkeypatch.setenv("AWS_ACCESS_KEY_ID", "key")
+    monkeypatch.setenv("AWS_SECRET_ACCESS_KEY", "secret")
+    sessions = []
+    monkeypatch.setattr(boto3.Session, "__init__", lambda self, **_: sessions.append(self))
+    path = rasters.write(tmp_path / "r.tif", values[:3], ON_GRID, 3857)
+    assert np.array_equal(fetched(path), np.moveaxis(values[:3], 0, 2))
+    assert not sessions
