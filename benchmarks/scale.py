@@ -511,6 +511,11 @@ def costs_text(found: dict[str, Any]) -> str:
             for each in ("a_block", "an_image")
         ]
         text += f"| {title} | {' | '.join(cells)} |\n"
+    cores = [one["workers_cpu_s_an_image"] / one["wall_s_an_image"] for one in costs]
+    text += (
+        f"\nWhile it made images, the one worker used {cores[0]:.2f} cores with the world and {cores[1]:.2f} with the "
+        "raster, as tiles are fetched in several threads: two workers on two cores are less than twice as fast as one.\n"
+    )
     last = found["coordinated"][0]
     text += COORDINATED_HEAD.format(
         packed_images=round(last["images"] / last["blocks"]),
