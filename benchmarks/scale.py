@@ -165,6 +165,7 @@ class Instant(Executor):
     """
 
     def __init__(self) -> None:
+        self.packed = b""
         self.packed_bytes: list[int] = []
         self.apart_s = 0.0
         #: Processor seconds of the run when it handed out its first block, and its last.
@@ -185,6 +186,7 @@ class Instant(Executor):
             name: Outcome(block.map_type, name, 7.0, size_bytes=4000, shard=block.shard, length_bytes=4000)
             for name in block.plan.names
         }
+        self.packed = data
         self.packed_bytes.append(len(data))
         packed = pickle.dumps(BlockResult(block.number, Record(outcomes, 1), 1, 1))
         self.apart_s += time.process_time() - began
@@ -229,11 +231,16 @@ def coordinate(images: int, block: int, workers: int) -> dict[str, Any]:
 
 def round_trip(blocks: int = 500) -> dict[str, float]:
     """Seconds of a call with a packed block to a worker and back, and processor seconds on this side."""
-    from terrainav.core.capture.blocks.block import Block, packed_block
-    from terrainav.core.capture.blocks.engines import open_engine
+    from terrainav.core.capture.blocks.engines import Engine, open_engine
+    from terrainav.core.capture.blocks.running import Blocks
+    from terrainav.core.capture.runner import capture
 
     worked_out, named = planned(WORLD, BLOCK_IMAGES)
-    data = packed_block(Block(0, "satellite", worked_out, np.arange(len(worked_out)), named, "nowhere"))
+    instant = Instant()
+    with tempfile.TemporaryDirectory(dir=in_memory()) as folder:
+        size = Blocks(len(worked_out), "webdataset")
+        capture(worked_out, named, folder, executor=Engine(instant, lambda: 1), blocks=size)
+    data = instant.packed
     with open_engine(LOCAL.format(1)) as engine:
         workers_of(engine)
         taken, own_s = [], time.process_time()
