@@ -521,7 +521,7 @@ def costs_text(found: dict[str, Any]) -> str:
     cores = [one["workers_cpu_s_an_image"] / one["wall_s_an_image"] for one in costs]
     text += (
         f"\nWhile it made images, the one worker used {cores[0]:.2f} cores with the world and {cores[1]:.2f} with the "
-        "raster, as tiles are fetched in several threads: two workers on two cores are not twice as fast.\n"
+        "raster, as tiles are fetched in several threads.\n"
     )
     last = found["coordinated"][0]
     text += COORDINATED_HEAD.format(

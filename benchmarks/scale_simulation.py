@@ -437,8 +437,9 @@ provider included; *lost* is how much shorter the run is without.
     text += f"""
 ![Hours against workers, and by source](images/scale-simulation.png)
 
-The coordinator hands out blocks as fast as {busiest:,} workers make them; more do not help, larger blocks do. Beside
-the hours above, planning such a run and writing its tables takes one process {ends_h:.1f} h, and what it knows of all
+The coordinator hands out blocks as fast as {busiest:,} workers make them, and more do not help. Larger blocks are taken
+to cost it more in proportion, which is the most that they can, and smaller ones no less. Beside the hours above,
+planning such a run and writing its tables takes one process {ends_h:.1f} h, and what it knows of all
 images {memory_gb:.0f} GB of memory. Missions of ten million images, the most without `--max-images`, take
 {ends_h / images * 1e7 * 60:.0f} min and {memory_gb / images * 1e7:.0f} GB each.
 
