@@ -6,6 +6,7 @@ A shard is a tar beside the table, whose columns tell where in it the data of ea
 from __future__ import annotations
 
 import re
+import tarfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,8 +19,8 @@ from ..stores import get, get_range, is_address, is_file, sizes_in
 from .table import Table
 
 #: Tars are of blocks, and a member's header is one.
-_BLOCK_BYTES = 512
-_NAME, _SIZE, _CHECKSUM, _MAGIC = slice(0, 100), slice(124, 136), slice(148, 156), slice(257, 262)
+TAR_BLOCK_BYTES = tarfile.BLOCKSIZE
+_MAGIC = slice(257, 262)
 #: What no name of a file in a folder holds.
 _NO_NAME = re.compile(r"[/\\:\x00]")
 
@@ -76,12 +77,12 @@ class StoredImage:
                 raise InvalidInput("image {0}: is not there", self)
             return data
         offset, size = self.range
-        data = self._part(offset - _BLOCK_BYTES, _BLOCK_BYTES + size)
-        member = _member(data[:_BLOCK_BYTES])
+        data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size)
+        member = member_of(data[:TAR_BLOCK_BYTES])
         if (
-            len(data) != _BLOCK_BYTES + size
+            len(data) != TAR_BLOCK_BYTES + size
             or member is None
-            or member.size_bytes != size
+            or member.size != size
             or (Path(member.name).suffix != self.suffix)
         ):
             raise InvalidInput(
@@ -89,18 +90,20 @@ class StoredImage:
                 self,
                 remedy="put back the shard that belongs to the table",
             )
-        return data[_BLOCK_BYTES:]
+        return data[TAR_BLOCK_BYTES:]
 
     def endings(self) -> Iterator[str]:
         """Endings of the files that belong to the image, which are its neighbours in the shard."""
         if self.range is None:
             return
-        at = self.range.offset_bytes - _BLOCK_BYTES
-        first = member = _member(self._part(at, _BLOCK_BYTES))
-        while first is not None and member is not None and member.key == first.key:
-            yield member.name[len(member.key) :]
-            at += _BLOCK_BYTES + -(-member.size_bytes // _BLOCK_BYTES) * _BLOCK_BYTES
-            member = _member(self._part(at, _BLOCK_BYTES))
+        at = self.range.offset_bytes - TAR_BLOCK_BYTES
+        first = member = member_of(self._part(at, TAR_BLOCK_BYTES))
+        # Up to its first dot the files of one image have their name in common.
+        key = "" if first is None else first.name.partition(".")[0]
+        while member is not None and member.name.partition(".")[0] == key:
+            yield member.name[len(key) :]
+            at += bytes_of(member)
+            member = member_of(self._part(at, TAR_BLOCK_BYTES))
 
     def _part(self, start: int, length: int) -> bytes:
         """Some bytes of the shard."""
@@ -154,7 +157,7 @@ def shards_of(folder: Path, table: Table) -> dict[str, int]:
     names = [table.shard[row] for row in made.tolist()]
     known = np.array([is_name(name) for name in names], np.bool_)
     # NaN, which is no number of bytes, is not at least one.
-    known &= (offset >= _BLOCK_BYTES) & (size >= 1.0) & (offset % 1.0 == 0.0) & (size % 1.0 == 0.0)
+    known &= (offset >= TAR_BLOCK_BYTES) & (size >= 1.0) & (offset % 1.0 == 0.0) & (size % 1.0 == 0.0)
     if not known.all():
         row = made[int(np.argmin(known))]
         raise InvalidInput(
@@ -182,28 +185,16 @@ def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
     return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
 
 
-class _Member(NamedTuple):
-    """What the header of a file in a tar says."""
-
-    name: str
-    size_bytes: int
-
-    @property
-    def key(self) -> str:
-        """Name up to its first dot, which the files of one image have in common."""
-        return self.name.partition(".")[0]
-
-
-def _member(header: bytes) -> _Member | None:
-    """File that a block of a tar is the header of; None where it is none."""
-    if len(header) < _BLOCK_BYTES or header[_MAGIC] != b"ustar":
+def member_of(header: bytes) -> tarfile.TarInfo | None:
+    """File that a block of a tar is the header of; None where it is none, or not whole."""
+    if header[_MAGIC] != b"ustar":
         return None
     try:
-        size, stated = (int(header[one].strip(b" \0"), 8) for one in (_SIZE, _CHECKSUM))
-        name = header[_NAME].rstrip(b"\0").decode("ascii")
-    except ValueError:
+        return tarfile.TarInfo.frombuf(header[:TAR_BLOCK_BYTES], "utf-8", "surrogateescape")
+    except tarfile.HeaderError:
         return None
-    # As if the checksum itself were eight spaces (POSIX.1-1988).
-    if sum(header) - sum(header[_CHECKSUM]) + 8 * ord(" ") != stated:
-        return None
-    return _Member(name, size)
+
+
+def bytes_of(member: tarfile.TarInfo) -> int:
+    """Bytes of a member from its header to the next one's."""
+    return TAR_BLOCK_BYTES + -(-member.size // TAR_BLOCK_BYTES) * TAR_BLOCK_BYTES

@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import NamedTuple
 
+from ...core.dataset.stored import TAR_BLOCK_BYTES, bytes_of, is_name, member_of
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
 from ...core.imagery.http.client import NotThere
@@ -22,8 +23,6 @@ from .store import Store
 
 #: Images that are kept, and bytes of all of them together.
 _KEPT, _KEPT_BYTES = 16, 128 << 20
-#: Header of a member of a tar, and what members are filled up to.
-_BLOCK = 512
 #: Read beyond an image in a shard: its description, georeferencing, and where its products are.
 _BEYOND_BYTES = 16 << 10
 _NOTES = ".aux.xml"
@@ -77,8 +76,7 @@ class _InShard(NamedTuple):
             return None
         start, length = (whole_number(row.get(name, "")) for name in ("offset_bytes", "size_bytes"))
         # Tables come from elsewhere: their names lead into their own folder only.
-        plain = PurePosixPath(shard).name == shard and "\\" not in shard and ":" not in shard
-        if not plain or start is None or start < _BLOCK or not length:
+        if not is_name(shard) or start is None or start < TAR_BLOCK_BYTES or not length:
             raise InvalidInput(
                 tr("image {name}: its row of the table names no part of a shard").format(name=file)
             )
@@ -174,11 +172,11 @@ class Images:
                 return tar.read(length)
 
         try:
-            text = read(part.start - _BLOCK, _BLOCK + part.length + _BEYOND_BYTES)
+            text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + _BEYOND_BYTES)
             ours = _members(text)
             first = next(ours, None)
             ending = PurePosixPath(file).suffix
-            if len(text) < _BLOCK + part.length:
+            if len(text) < TAR_BLOCK_BYTES + part.length:
                 raise InvalidInput(
                     tr("shard {shard}: is torn, it ends before the image does").format(shard=shard)
                 )
@@ -195,11 +193,11 @@ class Images:
                 if not member.name.startswith(f"{stem}."):
                     break
                 tail = member.name[len(stem) :]
-                start = member.offset + _BLOCK
+                start = member.offset + TAR_BLOCK_BYTES
                 if tail in wanted and start + member.size <= len(text):
                     beside[tail] = text[start : start + member.size]
                 elif tail == f".{DEPTH}.tif" and member.size <= MAX_FETCHED_IMAGE_BYTES:
-                    depth = read(part.start + start - _BLOCK, member.size)
+                    depth = read(part.start + start - TAR_BLOCK_BYTES, member.size)
         except (FileNotFoundError, NotThere) as wrong:
             raise InvalidInput(tr("shard {shard}: is not there").format(shard=shard)) from wrong
         except OSError as wrong:
@@ -209,7 +207,7 @@ class Images:
         place = tr("{shard}, bytes {first} to {last}").format(
             shard=shard, first=part.start, last=part.start + part.length - 1
         )
-        return Fetched(text[_BLOCK : _BLOCK + part.length], place, beside, depth)
+        return Fetched(text[TAR_BLOCK_BYTES : TAR_BLOCK_BYTES + part.length], place, beside, depth)
 
 
 def with_places(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
@@ -249,14 +247,13 @@ def _too_large(name: str) -> InvalidInput:
 def _members(text: bytes) -> Iterator[tarfile.TarInfo]:
     """Members of a tar whose first header begins a text, as far as it has their headers whole."""
     at = 0
-    while len(text) - at >= _BLOCK:
-        try:
-            member = tarfile.TarInfo.frombuf(text[at : at + _BLOCK], "utf-8", "surrogateescape")
-        except tarfile.HeaderError:
+    while len(text) - at >= TAR_BLOCK_BYTES:
+        member = member_of(text[at : at + TAR_BLOCK_BYTES])
+        if member is None:
             return
         member.offset = at
         yield member
-        at += _BLOCK + -(-member.size // _BLOCK) * _BLOCK
+        at += bytes_of(member)
 
 
 def _stamp(folder: Path) -> int:
