@@ -188,7 +188,7 @@ class Instant(Executor):
         }
         self.packed = data
         self.packed_bytes.append(len(data))
-        packed = pickle.dumps(BlockResult(block.number, Record(outcomes, 1), 1, 1))
+        packed = pickle.dumps(BlockResult(Record(outcomes, 1), 1, 1))
         self.apart_s += time.process_time() - began
         future: Future[Any] = Future()
         # Unpacking results is the run's.

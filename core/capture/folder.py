@@ -181,17 +181,22 @@ def complete_pictures(folder: Path, endings: tuple[str, ...], outcomes: Mapping[
         By the picture's name.
     """
     partial = tuple(ending + PARTIAL_ENDING for ending in endings)
-    sizes = _sizes(folder / REJECTED_FOLDER) if (folder / REJECTED_FOLDER).is_dir() else {}
-    sizes.update(_sizes(folder))
+    sizes = sizes_of_pictures(folder)
     for name in [name for name in sizes if name.endswith(partial)]:
         with contextlib.suppress(OSError):
             (folder / name).unlink()
+    return {name for name, outcome in outcomes.items() if is_complete(outcome, endings, sizes)}
 
-    def complete(outcome: Outcome) -> bool:
-        lengths = [sizes.get(outcome.name + ending, 0) for ending in endings]
-        return all(lengths) and outcome.size_bytes in (0, sum(lengths))
 
-    return {name for name, outcome in outcomes.items() if complete(outcome)}
+def sizes_of_pictures(folder: Path) -> dict[str, int]:
+    """Bytes of the files of a map type's folder, by name, and of those that cleaning has moved out of the way."""
+    return {**sizes_in(folder / REJECTED_FOLDER), **sizes_in(folder)}
+
+
+def is_complete(outcome: Outcome, endings: tuple[str, ...], sizes: Mapping[str, int]) -> bool:
+    """Whether all files of a picture that was made are there, as long as they were then."""
+    lengths = [sizes.get(outcome.name + ending, 0) for ending in endings]
+    return all(lengths) and outcome.size_bytes in (0, sum(lengths))
 
 
 def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
@@ -205,11 +210,3 @@ def remove_picture(folder: Path, endings: tuple[str, ...], name: str) -> None:
                 raise OutputError(
                     "file {0}: cannot be removed ({1})", path, wrong.strerror, remedy="close what shows it"
                 ) from wrong
-
-
-def _sizes(folder: Path) -> dict[str, int]:
-    try:
-        with os.scandir(folder) as entries:
-            return {entry.name: entry.stat().st_size for entry in entries}
-    except OSError as wrong:
-        raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong

@@ -25,6 +25,7 @@ from ..picture.optics import Exposures
 from ..picture.shot import parts_of, tiles_of
 from .journal import FAILED, Outcome
 from .pipeline import Pipeline, sweep
+from .progress import Repeat
 from .records import Made, PictureJob, job_of, make_picture
 from .writers import Write
 
@@ -178,9 +179,10 @@ class Making:
 
     def shown(
         self, found: Mapping[str, frozenset[Window]], outcomes: Mapping[str, Outcome]
-    ) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Names of pictures that are there and show files that `Repeats.found`, with the digests of these."""
+    ) -> dict[str, tuple[str, ...]]:
+        """Pictures that are there and show files that `Repeats.found`: by name, the digests of these."""
         digests = {place: digest for digest, places in found.items() for place in places}
+        by_name: dict[str, tuple[str, ...]] = {}
         for index, name in enumerate(self._plan.names if found else ()):
             outcome = outcomes.get(name)
             if outcome is None or outcome.status == FAILED:
@@ -188,7 +190,8 @@ class Making:
             corners = (corner(*part.window[:3]) for part in self.parts(index))
             shown = tuple(sorted({digests[place] for place in corners if place in digests}))
             if shown:
-                yield name, shown
+                by_name[name] = shown
+        return by_name
 
     def _jobs(self, map_type: str, order: list[int]) -> Iterator[tuple[PictureJob, list[Part]]]:
         # Products are those of all map types, and made with the first one's pictures.
@@ -222,6 +225,16 @@ class Making:
 
     def _largest_bytes(self) -> int:
         return _largest_px(self._plan) * max(bands_of(self._source).bytes_per_px, RGB.bytes_per_px)
+
+
+def repeats_of(
+    map_type: str, found: Mapping[str, frozenset[Window]], shown: Mapping[str, tuple[str, ...]]
+) -> list[Repeat]:
+    """What `Repeats.found`, with the pictures that show it, as `Making.shown` gives them."""
+    return [
+        Repeat(map_type, digest, len(places), tuple(name for name, one in shown.items() if digest in one))
+        for digest, places in found.items()
+    ]
 
 
 @contextmanager

@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from ..bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
 from ..dataset.entropy import entropy
+from ..dataset.folder import TABLE_FILE
 from ..dataset.table import Table
+from ..errors import Message, PartError
 from ..files import write_whole
 from ..geodesy.camera import Poses
 from ..geodesy.mercator import wrap_lon_deg
@@ -25,8 +27,9 @@ from ..picture.optics import Exposures
 from ..picture.products import BANDS, products
 from ..picture.shot import MapShot, Shot, Walls, draw, shot_of, walls_of
 from .georeference import ControlPoints, Georeference
-from .journal import Outcome
+from .journal import FAILED, Outcome
 from .metadata import Description, degrees, figure
+from .odm import write_odm_files
 from .writers import Place, Write, write_picture
 
 Floats = NDArray[np.float64]
@@ -126,6 +129,14 @@ def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window,
     )
     bits = entropy(shown_in_8_bits(picture, bands, ranges))
     return Made(bits, sky, unmapped, facades, size_bytes)
+
+
+def outcome_of(job: PictureJob, result: Made | PartError) -> Outcome:
+    """What became of a picture."""
+    map_type, name = job.description.map_type, job.description.name
+    if isinstance(result, PartError):
+        return Outcome(map_type, name, reason=Message(result))
+    return Outcome(map_type, name, result.entropy, "", *result[1:])
 
 
 def _range_of(values: NDArray[Any]) -> Range:
@@ -292,6 +303,33 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         "reason": tuple(row.reason for row in rows),
     }
     return Table.of(known, {})
+
+
+def write_tables(
+    folder: Path,
+    plan: Plan,
+    source: Source,
+    outcomes: Mapping[str, Outcome],
+    others: Mapping[str, Mapping[str, str]],
+    *,
+    in_shards: bool = False,
+) -> None:
+    """Write what tells of all pictures of a map type that are done or have failed.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the map type.
+    others : mapping
+        Columns that others have added to its table, as `other_columns` reads them.
+    in_shards : bool
+        Whether pictures have no files of their own, of which OpenDroneMap would be told.
+    """
+    table_of(plan, source, outcomes).with_other(others).save(folder / TABLE_FILE)
+    if plan.mission.output.image_format == "jpg" and not in_shards:
+        made = {name for name, one in outcomes.items() if one.status != FAILED}
+        at = [index for index, name in enumerate(plan.names) if name in made]
+        write_odm_files(folder, plan, np.array(at, np.int64))
 
 
 def _shards_of(rows: Sequence[Outcome]) -> dict[str, Any]:

@@ -33,10 +33,9 @@ from .folder import (
     remove_picture,
 )
 from .journal import FAILED, Journal, Outcome
-from .making import DEFAULT_CONNECTIONS, Making, check_source, chosen_of
-from .odm import write_odm_files
+from .making import DEFAULT_CONNECTIONS, Making, check_source, chosen_of, repeats_of
 from .progress import CaptureResult, Failure, Listener, Progress, Repeat
-from .records import Made, PictureJob, exposures_of, table_of
+from .records import Made, PictureJob, exposures_of, outcome_of, write_tables
 from .writers import file_endings
 
 Numbers = NDArray[np.int64]
@@ -144,7 +143,7 @@ def capture(
     chosen = chosen_of(plan, only)
     if only_failed:
         check_captured(folder)
-    if has_blocks(Path(folder)):
+    if has_blocks(folder):
         raise OutputError("folder {0}: was captured in blocks", folder, remedy="choose another folder")
     path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
     listener = Listener(progress, cancelled, paused)
@@ -254,48 +253,34 @@ class _Run:
         finally:
             self._requests = making.requests
             self._note_repeats(map_type, repeats.found(), making)
-            self._write_tables(map_type)
+            write_tables(
+                self._folder / map_type,
+                self._plan,
+                self._source,
+                self._outcomes[map_type],
+                self._other_columns[map_type],
+            )
             self._listener.tell(partial(self._progress, map_type), at_once=True)
-
-    def _write_tables(self, map_type: str) -> None:
-        """Write what tells of all pictures of a map type that are done or have failed so far."""
-        folder, outcomes = self._folder / map_type, self._outcomes[map_type]
-        table = table_of(self._plan, self._source, outcomes)
-        table.with_other(self._other_columns[map_type]).save(folder / TABLE_FILE)
-        if self._plan.mission.output.image_format == "jpg":
-            there = [
-                index
-                for index in range(len(self._plan))
-                if self._status(map_type, index) not in (FAILED, None)
-            ]
-            write_odm_files(folder, self._plan, np.array(there, np.int64))
 
     def note(self, job: PictureJob, result: Made | PartError) -> None:
         """Enter what became of a picture."""
-        map_type, name = job.description.map_type, job.description.name
-        if isinstance(result, PartError):
-            outcome = Outcome(map_type, name, reason=Message(result))
-            failure = Failure(map_type, name, outcome.reason)
-            self._failures.append((self._map_types.index(map_type), job.index, failure))
+        outcome = outcome_of(job, result)
+        if outcome.status == FAILED:
+            failure = Failure(outcome.map_type, outcome.name, outcome.reason)
+            self._failures.append((self._map_types.index(outcome.map_type), job.index, failure))
         else:
-            outcome = Outcome(map_type, name, result.entropy, "", *result[1:])
             self._done += 1
         self._journal.add(outcome)
-        self._outcomes[map_type][name] = outcome
+        self._outcomes[outcome.map_type][outcome.name] = outcome
 
     def _note_repeats(self, map_type: str, found: Mapping[str, frozenset[Window]], making: Making) -> None:
         """Enter in the journal which pictures show files that came for places far apart."""
-        images: dict[str, list[str]] = {digest: [] for digest in found}
-        outcomes = self._outcomes[map_type]
-        for name, shown in list(making.shown(found, outcomes)):
-            repeated = tuple(sorted({*outcomes[name].repeated, *shown}))
+        outcomes, shown = self._outcomes[map_type], making.shown(found, self._outcomes[map_type])
+        for name, digests in shown.items():
+            repeated = tuple(sorted({*outcomes[name].repeated, *digests}))
             outcomes[name] = outcome = replace(outcomes[name], repeated=repeated)
             self._journal.add(outcome)
-            for digest in shown:
-                images[digest].append(name)
-        self._repeated += [
-            Repeat(map_type, digest, len(places), tuple(images[digest])) for digest, places in found.items()
-        ]
+        self._repeated += repeats_of(map_type, found, shown)
 
     def _progress(self, map_type: str) -> Progress:
         return Progress(

@@ -7355,14 +7355,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/folder.py"/>
-        <location filename="../../core/dataset/dataset.py"/>
-        <location filename="../../core/dataset/folder.py"/>
-        <location filename="../../core/stores.py"/>
-        <source>folder {0}: cannot be read ({1})</source>
-        <translation>carpeta {0}: no se puede leer ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/folder.py"/>
         <source>folder {0}: holds another mission</source>
         <translation>carpeta {0}: contiene otra misión</translation>
     </message>
@@ -7560,6 +7552,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>finish the capture{0}, or remove what does not belong to it</source>
         <translation>termine la captura{0} o quite lo que no le pertenece</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <location filename="../../core/dataset/folder.py"/>
+        <location filename="../../core/stores.py"/>
+        <source>folder {0}: cannot be read ({1})</source>
+        <translation>carpeta {0}: no se puede leer ({1})</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -10847,6 +10846,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/writing.py"/>
         <source>not of this flight, and left as they were: {0}</source>
         <translation>no son de este vuelo y quedan como estaban: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>plan file {0!r}: must be on this machine, as all {1} files</source>
+        <translation>archivo de plan {0!r}: debe estar en este equipo, como todos los archivos {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/writing.py"/>

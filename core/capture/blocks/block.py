@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import Message, OutputError, PartError
+from ...errors import OutputError, PartError
 from ...files import write_whole
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats
@@ -32,7 +32,7 @@ from ...stores import get, store_path
 from ..choices import FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making
-from ..records import Made, PictureJob, table_of
+from ..records import Made, PictureJob, outcome_of, table_of
 from .shards import Gathered
 
 Numbers = NDArray[np.int64]
@@ -86,9 +86,6 @@ class Block:
     workers: int = 1
     run: str = ""
 
-    def __len__(self) -> int:
-        return len(self.indices)
-
     @property
     def name(self) -> str:
         """What its files are called, without ending."""
@@ -135,6 +132,10 @@ class Record(NamedTuple):
         lines = [json.dumps(head).encode("ascii") + b"\n"]
         return b"".join(lines + [one.to_line() for one in self.outcomes.values()])
 
+    def commit(self, destination: Path, name: str) -> None:
+        """Have the block of a name count as done; raises OutputError."""
+        write_whole(destination / BLOCKS_FOLDER / f"{name}.jsonl", self.to_bytes())
+
     @classmethod
     def from_bytes(cls, data: bytes) -> Record | None:
         """Record of a file's content; None where that is torn."""
@@ -154,7 +155,6 @@ class Record(NamedTuple):
 class BlockResult(NamedTuple):
     """What making a block has come to; its record is where the results are."""
 
-    number: int
     record: Record
     requests: int
     unique_parts: int
@@ -236,11 +236,8 @@ def make_block(block: Block) -> BlockResult:
     outcomes: dict[str, Outcome] = {}
 
     def note(job: PictureJob, result: Made | PartError) -> None:
-        name = job.description.name
-        if isinstance(result, PartError):
-            outcomes[name] = Outcome(block.map_type, name, reason=Message(result))
-        else:
-            outcomes[name] = Outcome(block.map_type, name, result.entropy, "", *result[1:])
+        outcome = outcomes[job.description.name] = outcome_of(job, result)
+        if outcome.status != FAILED:
             control.made[block.name] = control.made.get(block.name, 0) + 1
 
     destination = store_path(block.destination)
@@ -258,16 +255,9 @@ def make_block(block: Block) -> BlockResult:
             write=write_whole if gathered is None else gathered.write,
         )
         repeats = Repeats(plan.grid)
-        if not making.make(
-            block.map_type,
-            np.arange(len(plan)),
-            go_on,
-            control.held.is_set,
-            repeats.note,
-        ):
-            raise Stopped
+        complete = making.make(block.map_type, np.arange(len(plan)), go_on, control.held.is_set, repeats.note)
         # What another worker may have committed meanwhile is left alone.
-        if not go_on():
+        if not (complete and go_on()):
             raise Stopped
         # In the order of the plan, whatever order they were made in.
         done = {name: outcomes[name] for name in plan.names}
@@ -275,8 +265,8 @@ def make_block(block: Block) -> BlockResult:
         if gathered is not None:
             shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
     record = Record(done, shard_bytes, repeats.noted())
-    _commit(block, record)
-    return BlockResult(block.number, record, making.requests, making.unique_parts)
+    record.commit(destination, block.name)
+    return BlockResult(record, making.requests, making.unique_parts)
 
 
 def _asking_engine() -> Callable[[], bool]:
@@ -296,17 +286,6 @@ def _asking_engine() -> Callable[[], bool]:
         return task is not None and task.state != "cancelled" and not is_ending
 
     return is_wanted
-
-
-def failed_block(block: Block, reason: Message) -> Record:
-    """Commit a block that no worker brings to an end, with all of its images failed; returns its record."""
-    record = Record({name: Outcome(block.map_type, name, reason=reason) for name in block.plan.names})
-    _commit(block, record)
-    return record
-
-
-def _commit(block: Block, record: Record) -> None:
-    write_whole(store_path(block.destination) / BLOCKS_FOLDER / f"{block.name}.jsonl", record.to_bytes())
 
 
 def _with_heights(block: Block) -> Plan:

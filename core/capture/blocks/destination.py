@@ -13,14 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from ...dataset.folder import JOURNAL_FILE, REJECTED_FOLDER
+from ...dataset.folder import JOURNAL_FILE
 from ...errors import OutputError
 from ...files import json_bytes, open_locked, write_whole
 from ...mission.plan import Plan
 from ...safe_json import parse_json
 from ...stores import get, is_address, put, put_new, remove, sizes_in, store_path
 from ..choices import FOLDERS, WEBDATASET
-from ..folder import LOCK_FILE, captured_mission, open_place
+from ..folder import LOCK_FILE, captured_mission, is_complete, open_place, sizes_of_pictures
 from ..journal import FAILED
 from ..writers import file_endings
 from .block import BLOCKS_FOLDER, Record, block_name
@@ -64,9 +64,7 @@ class Destination:
         there = sizes_in(self.root / BLOCKS_FOLDER)
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(count)}
         numbers = [number for number, name in wanted.items() if name in there]
-        folder = self.root / map_type
-        # Cleaning has moved some out of the way.
-        sizes = {**sizes_in(folder / REJECTED_FOLDER), **sizes_in(folder)}
+        sizes = sizes_of_pictures(self.root / map_type)
         with ThreadPoolExecutor(_READ_AT_ONCE) as threads:
             read = threads.map(lambda number: get(self.root / BLOCKS_FOLDER / wanted[number]), numbers)
             records = {number: Record.from_bytes(data or b"") for number, data in zip(numbers, read)}
@@ -82,9 +80,7 @@ class Destination:
             return sizes.get(f"{block_name(map_type, number)}.tar") == record.shard_bytes
         endings = file_endings(self._plan.mission.output.image_format, on_map=self._plan.size_px is None)
         return all(
-            sum(sizes.get(one.name + ending, 0) for ending in endings) == one.size_bytes
-            for one in record.outcomes.values()
-            if one.status != FAILED
+            is_complete(one, endings, sizes) for one in record.outcomes.values() if one.status != FAILED
         )
 
     def check_division(self, layout: str, images: int) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import tempfile
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -11,9 +10,6 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, 
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from pathlib import Path
-
-import numpy as np
 
 from ...dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
 from ...dataset.table import other_columns
@@ -29,10 +25,9 @@ from ...resources import version
 from ...stores import is_address
 from ..choices import FOLDERS, IMAGES, WEBDATASET
 from ..journal import FAILED, Outcome
-from ..making import Making, check_source
-from ..odm import write_odm_files
+from ..making import Making, check_source, repeats_of
 from ..progress import CaptureResult, Failure, Listener, Progress, Repeat
-from ..records import exposures_of, table_of
+from ..records import exposures_of, write_tables
 from .block import (
     Block,
     BlockResult,
@@ -41,7 +36,6 @@ from .block import (
     WrongWorker,
     block_name,
     controls,
-    failed_block,
     make_block,
     make_packed,
     packed_block,
@@ -173,7 +167,7 @@ class _Run:
         pending = sum(len(self._divided[number]) for _, number in self._pending)
         self._total = pending if only_failed else len(self._plan) * len(self._map_types)
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
-            _write_plan(self._plan, self._place.root / name)
+            write_plan(self._plan, self._place.root / name)
         if not self._engine.in_process:
             write_relief(self._plan, self._place.root)
 
@@ -298,7 +292,10 @@ class _Run:
         if self._tries[key] > TRIES:
             if isinstance(wrong, OutputError):
                 raise wrong
-            self._note(map_type, number, failed_block(self._block(map_type, number, 1), reason))
+            lost = (self._plan.names[index] for index in self._divided[number].tolist())
+            record = Record({one: Outcome(map_type, one, reason=reason) for one in lost})
+            record.commit(self._place.root, name)
+            self._note(map_type, number, record)
             self.notice(Message("block {0}: {1}, {2} times: given up", name, reason, TRIES))
             return
         self.notice(Message("block {0}: {1}: it is begun again", name, reason))
@@ -322,16 +319,11 @@ class _Run:
         # Where another run has taken the place, the tables are its own.
         self._check()
         for map_type in self._map_types:
-            outcomes = self._outcomes(map_type)
-            folder = self._place.root / map_type
-            table = table_of(self._plan, self._own, outcomes)
-            table.with_other(other_columns(folder / TABLE_FILE)).save(folder / TABLE_FILE)
-            if self._blocks.layout == WEBDATASET:
+            folder, in_shards = self._place.root / map_type, self._blocks.layout == WEBDATASET
+            others, outcomes = other_columns(folder / TABLE_FILE), self._outcomes(map_type)
+            write_tables(folder, self._plan, self._own, outcomes, others, in_shards=in_shards)
+            if in_shards:
                 write_whole(folder / INDEX_FILE, json_bytes(index_of(self._shards(map_type))))
-            elif self._plan.mission.output.image_format == "jpg":
-                made = {name for name, one in outcomes.items() if one.status != FAILED}
-                at = [index for index, name in enumerate(self._plan.names) if name in made]
-                write_odm_files(folder, self._plan, np.array(at, np.int64))
         self._listener.tell(self._progress, at_once=True)
 
     def _outcomes(self, map_type: str) -> dict[str, Outcome]:
@@ -361,10 +353,7 @@ class _Run:
                 making = Making(
                     self._plan, self._own, self._place.root, 1, 1, lambda *_: None, exposures=None
                 )
-                shown = list(making.shown(found, self._outcomes(map_type)))
-                for digest, places in found.items():
-                    images = tuple(name for name, digests in shown if digest in digests)
-                    yield Repeat(map_type, digest, len(places), images)
+                yield from repeats_of(map_type, found, making.shown(found, self._outcomes(map_type)))
 
     def result(self, *, cancelled: bool) -> CaptureResult:
         """Return what the run has done."""
@@ -405,14 +394,3 @@ def _died(wrong: BaseException) -> Message:
 def _broken(wrong: BaseException) -> OutputError:
     # What Dask says is of its connections, and of their ends within it.
     return OutputError("workers: all are gone ({0})", type(wrong).__name__)
-
-
-def _write_plan(plan: Plan, path: Path) -> None:
-    """Write a plan's file, also into an object store."""
-    if not is_address(path):
-        write_plan(plan, path)
-        return
-    with tempfile.TemporaryDirectory(prefix="terrainav-") as folder:
-        local = Path(folder) / path.name
-        write_plan(plan, local)
-        write_whole(path, local.read_bytes())

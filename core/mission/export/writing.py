@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from ...errors import InvalidInput, Message, OutputError
 from ...files import write_whole
+from ...stores import is_address, store_path
 from ..plan import Plan
 from .geojson import geojson_text
 from .geopackage import geopackage_notes, write_geopackage
@@ -94,12 +95,12 @@ ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", *_PARTED)
 
 def check_plan_ending(path: str | os.PathLike[str], *more: str) -> str:
     """Return the ending of a plan's file; refuse one that is neither of a plan's format nor one of ``more``."""
-    name, known = Path(path).name.lower(), (*ENDINGS, *more)
+    name, known = store_path(path).name.lower(), (*ENDINGS, *more)
     # The longest one that it ends in: Litchi's table is a .csv as well.
     ending = max((one for one in known if name.endswith(one)), key=len, default=name)
     if name != ending:
         return ending
-    raise InvalidInput("plan file {0!r}: must end in {1}", os.fspath(path), ", ".join(known))
+    raise InvalidInput("plan file {0!r}: must end in {1}", str(path), ", ".join(known))
 
 
 def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool = True) -> Exported:
@@ -124,7 +125,9 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     OutputError
         Where the file cannot be written.
     """
-    target, ending = Path(path), check_plan_ending(path)
+    target, ending = store_path(path), check_plan_ending(path)
+    if is_address(target) and ending not in _TEXTS:
+        raise InvalidInput("plan file {0!r}: must be on this machine, as all {1} files", str(path), ending)
     if ending == GEOPACKAGE_ENDING:
         write_geopackage(plan, target)
         return Exported((target,), geopackage_notes(plan))

@@ -21,7 +21,7 @@ class _Failing(Executor):
             name: journal.Outcome(block.map_type, name, reason="none here") for name in block.plan.names
         }
         future = Future()
-        future.set_result(BlockResult(block.number, Record(outcomes), 0, 0))
+        future.set_result(BlockResult(Record(outcomes), 0, 0))
         return future
 
 
