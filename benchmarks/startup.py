@@ -135,7 +135,7 @@ def _run(script: Path, plugin: Path, profiles: Path) -> None:
     try:
         # Compiled modules are kept, as they are on a user's disk.
         code = qgis_app.run(
-            [str(script)], timeout_s=120, profiles=profiles, extra_environment={"PYTHONPYCACHEPREFIX": ""}
+            [str(script)], timeout_s=120, profiles=profiles, extra_environment={"PYTHONDONTWRITEBYTECODE": ""}
         )
     finally:
         qgis_app.write_hooks, qgis_app.make_profile = write_hooks, make_profile

@@ -179,8 +179,7 @@ def unattended_environment(folder: Path) -> dict[str, str]:
         NO_AT_BRIDGE="1",
         LC_ALL="C.UTF-8",
         LIBGL_ALWAYS_SOFTWARE="1",
-        # Not beside the sources; plugins that are loaded again, and processes that this one starts, need not compile.
-        PYTHONPYCACHEPREFIX=str(folder / "bytecode"),
+        PYTHONDONTWRITEBYTECODE="1",
         PYTHONNOUSERSITE="1",
         PYTHONUNBUFFERED="1",
         QT_QPA_PLATFORM="xcb",

@@ -48,6 +48,9 @@ def terminal(tmp_path_factory):
     }
     # What starts this QGIS with its tests is not for that one.
     environment.pop("PYQGIS_STARTUP", None)
+    # It starts a dozen times, and compiles the plugin once.
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    environment["PYTHONPYCACHEPREFIX"] = str(folder / "bytecode")
 
     def run(*arguments):
         return subprocess.run(
