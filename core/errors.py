@@ -112,6 +112,12 @@ class TerrAInavError(Exception):
         self.remedy = Message(remedy) if remedy else None
         super().__init__(self.message)
 
+    def __copy__(self) -> TerrAInavError:
+        """Copy without a trace, also where a library has told Python to copy errors with theirs, as Dask does."""
+        made = type(self).__new__(type(self), *self.args)
+        made.__dict__.update(self.__dict__)
+        return made
+
     def with_texts(self, change: Callable[[str], str]) -> TerrAInavError:
         """Return an error of this kind with each string among its values changed, as by masking keys in it."""
         import copy

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import copyreg
 import errno
 import json
 import pickle
@@ -126,6 +127,16 @@ def test_values_are_kept_as_what_they_are_or_as_text():
     assert message.values == ("a", np.float32(0.5), np.int64(7), str(values[3]), "(1, 2)", "None")
     # What an error of another kind says in a message is one.
     assert Message("{0}", ValueError(MESSAGES[1])).values[0].template == MESSAGES[1].template
+
+
+def test_a_copy_is_our_own_also_where_a_library_copies_errors_otherwise(monkeypatch):
+    error = PartError("key of {0}", "key-1", field="agl_m", remedy=RAISE)
+    # As tblib does for Dask, which has errors take their traces along.
+    monkeypatch.setitem(copyreg.dispatch_table, PartError, lambda _: (lambda: error, ()))
+    masked = error.with_texts(lambda text: text.replace("key", "***"))
+    assert masked is not error
+    assert (str(masked), masked.field) == ("key of ***-1; raise --error-budget", "agl_m")
+    assert str(error) == "key of key-1; raise --error-budget"
 
 
 def test_texts_of_values_are_masked_and_templates_are_not():
