@@ -14,6 +14,7 @@ In reading order:
 - `georeference`: where a picture lies
 - `metadata`: what a picture's file says of it
 - `tiff`: tags as bytes
+- `holding`: a place held by one run against others
 - `choices`: what is chosen of blocks
 - `blocks`: a capture in blocks, which other processes and machines make
 - `odm`: files for OpenDroneMap

@@ -6,3 +6,5 @@ from __future__ import annotations
 LAYOUTS = FOLDERS, WEBDATASET = ("folders", "webdataset")
 #: Images of a block where nothing else is said: seconds to a minute of one processor, and about 100 MB of GeoTIFF.
 IMAGES = 256
+#: Folder of the blocks' records, which are the journal, and what in it says how a destination is divided.
+BLOCKS_FOLDER, DIVISION_FILE = "blocks", "blocks.json"

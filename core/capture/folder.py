@@ -14,6 +14,7 @@ from ..geodesy.mercator import WebMercator
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..stores import get, is_address, put_new, sizes_in, store_path
+from .choices import BLOCKS_FOLDER, DIVISION_FILE
 from .journal import Outcome
 
 #: What a run has in an object store while it is at work there.
@@ -92,6 +93,11 @@ def open_place(address: str | os.PathLike[str], mission: Mission, *, resume: boo
             remedy=Message("resume it{0} or choose another one", OptionName("resume").in_brackets),
         )
     return path
+
+
+def has_blocks(folder: Path) -> bool:
+    """Whether a folder of this machine was captured in blocks."""
+    return (folder / BLOCKS_FOLDER / DIVISION_FILE).is_file()
 
 
 def captured_mission(plan: Plan) -> Mission:

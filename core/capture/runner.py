@@ -9,6 +9,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,13 +23,11 @@ from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..stores import is_address, store_path
-from .blocks.destination import has_blocks
-from .blocks.engines import Engine, here
-from .blocks.running import Blocks, capture_in_blocks
 from .folder import (
     captured_mission,
     check_captured,
     complete_pictures,
+    has_blocks,
     open_folder,
     remove_picture,
 )
@@ -37,6 +36,10 @@ from .making import DEFAULT_CONNECTIONS, Making, check_source, chosen_of, repeat
 from .progress import CaptureResult, Failure, Listener, Progress, Repeat
 from .records import Made, PictureJob, exposures_of, outcome_of, write_tables
 from .writers import file_endings
+
+if TYPE_CHECKING:
+    from .blocks.engines import Engine
+    from .blocks.running import Blocks
 
 Numbers = NDArray[np.int64]
 
@@ -121,6 +124,10 @@ def capture(
             raise InvalidInput(
                 "capture in blocks: needs a source by its name, and is of all captures of a plan"
             )
+        # What makes blocks takes its time to load, and others do not need it.
+        from .blocks.engines import Engine, here
+        from .blocks.running import Blocks, capture_in_blocks
+
         with ExitStack() as opened:
             engine = opened.enter_context(here(workers)) if executor is None else Engine.of(executor, workers)
             return capture_in_blocks(

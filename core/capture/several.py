@@ -16,8 +16,8 @@ from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..stores import is_address, is_file, store_path
-from .blocks.destination import held
 from .folder import check_captured, open_place
+from .holding import held
 from .making import check_source
 from .progress import CaptureResult, Progress
 from .runner import capture

@@ -391,10 +391,11 @@ def _blocks(arguments: argparse.Namespace, worked_out: Plan, source: NamedSource
     from ..capture.blocks.division import images_of
     from ..capture.blocks.running import Blocks
 
-    images = IMAGES
-    if arguments.block is not None:
+    def image_bytes() -> float:
         summary = _summary(worked_out, source, values)
-        images = images_of(arguments.block, summary.output_bytes / max(summary.images, 1))
+        return summary.output_bytes / max(summary.images, 1)
+
+    images = IMAGES if arguments.block is None else images_of(arguments.block, image_bytes)
     return Blocks(images, arguments.layout_of_files)
 
 

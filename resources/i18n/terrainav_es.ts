@@ -7217,16 +7217,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
-        <source>address {0}: another run has taken over, as this one gave no sign of life for {1:g} s</source>
-        <translation>dirección {0}: otra ejecución ha tomado el relevo, porque esta no dio señales de vida durante {1:g} s</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/blocks/destination.py"/>
-        <source>address {0}: another run is at work there</source>
-        <translation>dirección {0}: otra ejecución está trabajando ahí</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <source>capture it first</source>
         <translation>captúrela primero</translation>
@@ -7241,11 +7231,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/destination.py"/>
         <source>folder {0}: was captured without blocks</source>
         <translation>carpeta {0}: se capturó sin bloques</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/blocks/destination.py"/>
-        <source>wait until it has ended</source>
-        <translation>espere a que termine</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
@@ -7382,6 +7367,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/georeference.py"/>
         <source>image of {0} x {1} px: needs at least one pixel</source>
         <translation>imagen de {0} x {1} px: necesita al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>address {0}: another run has taken over, as this one gave no sign of life for {1:g} s</source>
+        <translation>dirección {0}: otra ejecución ha tomado el relevo, porque esta no dio señales de vida durante {1:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>address {0}: another run is at work there</source>
+        <translation>dirección {0}: otra ejecución está trabajando ahí</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>wait until it has ended</source>
+        <translation>espere a que termine</translation>
     </message>
     <message>
         <location filename="../../core/capture/journal.py"/>

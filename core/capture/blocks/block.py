@@ -29,7 +29,7 @@ from ...picture.heights import heights_for
 from ...picture.optics import Exposures
 from ...resources import version
 from ...stores import get, store_path
-from ..choices import FOLDERS, WEBDATASET
+from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making
 from ..records import Made, PictureJob, outcome_of, table_of
@@ -37,8 +37,6 @@ from .shards import Gathered
 
 Numbers = NDArray[np.int64]
 
-#: Folder of the blocks' records, which are the journal.
-BLOCKS_FOLDER = "blocks"
 #: Heights of the relief that blocks of other processes see.
 RELIEF_FILE = "relief.npy"
 #: Digits of blocks' numbers in names of files, and of captures' indices in shards.

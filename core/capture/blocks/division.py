@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,13 +19,13 @@ _SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*(MB)?", re.IGNORECASE)
 _MB = 1e6
 
 
-def images_of(size: str, image_bytes: float) -> int:
+def images_of(size: str, image_bytes: Callable[[], float]) -> int:
     """Images of a block of a size that a text states: a number of images, or megabytes as ``200MB``.
 
     Parameters
     ----------
-    image_bytes : float
-        Of one image's files, as far as that can be told beforehand.
+    image_bytes : callable
+        Bytes of one image's files, as far as these can be told beforehand; asked of megabytes alone.
 
     Raises
     ------
@@ -34,7 +35,7 @@ def images_of(size: str, image_bytes: float) -> int:
     found = _SIZE.fullmatch(size.strip())
     images = 0
     if found is not None and (found[2] or "." not in found[1]):
-        images = round(float(found[1]) * _MB / image_bytes) if found[2] else int(found[1])
+        images = round(float(found[1]) * _MB / image_bytes()) if found[2] else int(found[1])
         images = max(images, 1) if found[2] and float(found[1]) > 0.0 else images
     if not 1 <= images <= MOST_IMAGES:
         raise InvalidInput(

@@ -24,6 +24,7 @@ from ...picture.heights import with_whole_paths
 from ...resources import version
 from ...stores import is_address
 from ..choices import FOLDERS, IMAGES, WEBDATASET
+from ..holding import held
 from ..journal import FAILED, Outcome
 from ..making import Making, check_source, repeats_of
 from ..progress import CaptureResult, Failure, Listener, Progress, Repeat
@@ -41,7 +42,7 @@ from .block import (
     packed_block,
     write_relief,
 )
-from .destination import Destination, check_in_blocks, held
+from .destination import Destination, check_in_blocks
 from .division import Numbers, divide
 from .engines import Engine
 from .shards import INDEX_FILE, index_of

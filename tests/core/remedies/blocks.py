@@ -6,7 +6,7 @@ import sys
 import threading
 from uuid import uuid4
 
-from terrainav.core.capture.blocks import destination
+from terrainav.core.capture import holding
 from terrainav.core.capture.blocks.engines import open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
@@ -75,9 +75,9 @@ def _other_images(case: Case) -> None:
     case.follow("choose another one", lambda: captured(new()))
 
 
-@remedy("capture/blocks/destination.py", "address {}: another run is at work there; wait until it has ended")
+@remedy("capture/holding.py", "address {}: another run is at work there; wait until it has ended")
 def _at_work(case: Case) -> None:
-    case.monkeypatch.setattr(destination, "BEAT_S", 0.1)
+    case.monkeypatch.setattr(holding, "BEAT_S", 0.1)
     address, begun, go_on = new(), threading.Event(), threading.Event()
 
     def cancelled():

@@ -12,7 +12,8 @@ from pathlib import Path
 from uuid import uuid4
 
 import pytest
-from terrainav.core.capture.blocks import destination, running
+from terrainav.core.capture import holding
+from terrainav.core.capture.blocks import running
 from terrainav.core.capture.blocks.engines import Engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
@@ -43,8 +44,8 @@ def address():
 
 @pytest.fixture
 def brief(monkeypatch):
-    monkeypatch.setattr(destination, "BEAT_S", 0.1)
-    monkeypatch.setattr(destination, "DEAD_S", 1.0)
+    monkeypatch.setattr(holding, "BEAT_S", 0.1)
+    monkeypatch.setattr(holding, "DEAD_S", 1.0)
 
 
 class Elsewhere(Executor):
@@ -144,8 +145,8 @@ def test_a_store_that_is_out_of_reach_for_a_moment_ends_no_run(address, monkeypa
             raise OutputError("{0}: cannot be reached", path)
         store_path(str(path)).write_bytes(data)
 
-    monkeypatch.setattr(destination, "put", put)
-    with destination.held(store_path(address)) as check:
+    monkeypatch.setattr(holding, "put", put)
+    with holding.held(store_path(address)) as check:
         until_s = time.monotonic() + 30.0
         while len(refused) < 3 or b'"beat": 0' in get(store_path(f"{address}/run.lock")):
             assert time.monotonic() < until_s
@@ -158,7 +159,7 @@ def test_a_store_that_stays_out_of_reach_ends_the_run(address, monkeypatch):
     def put(path, _):
         raise OutputError("{0}: cannot be reached", path)
 
-    monkeypatch.setattr(destination, "put", put)
+    monkeypatch.setattr(holding, "put", put)
     slow = NamedPattern(wait_s=0.5)
     with pytest.raises(OutputError, match=r"run\.lock: cannot be reached"):
         capture(PLAN, slow, address, blocks=Blocks(1), connections=1)
@@ -166,7 +167,7 @@ def test_a_store_that_stays_out_of_reach_ends_the_run(address, monkeypatch):
 
 def test_a_run_that_ends_leaves_the_mark_of_the_one_that_took_over(address):
     lock = store_path(f"{address}/run.lock")
-    with destination.held(store_path(address)):
+    with holding.held(store_path(address)):
         lock.write_bytes(b'{"run": "another", "beat": 0}')
     assert json.loads(get(lock))["run"] == "another"
 

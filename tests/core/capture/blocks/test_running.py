@@ -17,10 +17,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from terrainav.core.capture.blocks import destination, running
-from terrainav.core.capture.blocks.block import BLOCKS_FOLDER, WrongWorker, make_packed
+from terrainav.core.capture import holding
+from terrainav.core.capture.blocks import running
+from terrainav.core.capture.blocks.block import WrongWorker, make_packed
 from terrainav.core.capture.blocks.engines import Engine
 from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.choices import BLOCKS_FOLDER
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceError
@@ -332,8 +334,8 @@ def test_an_address_of_another_mission_or_of_others_is_refused(address):
 
 @pytest.fixture
 def brief(monkeypatch):
-    monkeypatch.setattr(destination, "BEAT_S", 0.1)
-    monkeypatch.setattr(destination, "DEAD_S", 1.0)
+    monkeypatch.setattr(holding, "BEAT_S", 0.1)
+    monkeypatch.setattr(holding, "DEAD_S", 1.0)
 
 
 @pytest.mark.usefixtures("brief")
