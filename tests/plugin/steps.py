@@ -7,7 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsProject, QgsRectangle
-from qgis.PyQt.QtCore import QPoint, Qt
+from qgis.PyQt.QtCore import QEvent, QPoint, QPointF, Qt
+from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QPushButton
 
@@ -91,6 +92,23 @@ class Desk:
         self.session.zoom_to(box)
         self.wait(is_there)
         self.canvas.waitWhileRendering()
+
+    def move(self, at: QPoint, held=Qt.MouseButton.NoButton):
+        """Move the pointer over the map, with a button held down or without.
+
+        The map is told itself: the screen's pointer joins moves that come at once, and none leads to where it is.
+        """
+        viewport = self.canvas.viewport()
+        there = QPointF(viewport.mapToGlobal(at))
+        event = QMouseEvent(
+            QEvent.Type.MouseMove,
+            QPointF(at),
+            there,
+            Qt.MouseButton.NoButton,
+            held,
+            Qt.KeyboardModifier.NoModifier,
+        )
+        QgsApplication.sendEvent(viewport, event)
 
     def drag(self, start: QPoint, end: QPoint):
         """Press, move and release the left button over the map."""

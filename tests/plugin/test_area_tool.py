@@ -137,7 +137,7 @@ def test_numbers_are_live_while_dragging_and_escape_puts_them_back(desk, tool, s
     viewport = desk.canvas.viewport()
     start = pixel(desk, crs, box.west_deg, box.north_deg)
     QTest.mousePress(viewport, LEFT, NONE, start)
-    QTest.mouseMove(viewport, start + QPoint(-40, -30))
+    desk.move(start + QPoint(-40, -30), held=LEFT)
     desk.wait(lambda: shown_box(desk).west_deg < box.west_deg)
     assert shown_box(desk).north_deg > box.north_deg
     screenshot("drag-corner")
@@ -172,7 +172,7 @@ def test_cursor_tells_what_would_be_dragged(desk, tool):
         (box.west_deg - 0.02, middle[1]): Qt.CursorShape.ArrowCursor,
     }
     for (lon, lat), cursor in cursors.items():
-        QTest.mouseMove(viewport, pixel(desk, crs, lon, lat))
+        desk.move(pixel(desk, crs, lon, lat))
         desk.wait(lambda cursor=cursor: viewport.cursor().shape() == cursor)
 
 
@@ -390,7 +390,7 @@ def test_dark_theme(desk, screenshot):
         viewport = desk.canvas.viewport()
         start = pixel(desk, crs, box.west_deg, box.north_deg)
         QTest.mousePress(viewport, LEFT, NONE, start)
-        QTest.mouseMove(viewport, start + QPoint(-40, -30))
+        desk.move(start + QPoint(-40, -30), held=LEFT)
         desk.wait(lambda: viewport.findChild(QLabel, "terrainav_readout") is not None)
         image = viewport.findChild(QLabel, "terrainav_readout").grab().toImage()
         shades = [

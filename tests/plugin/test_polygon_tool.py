@@ -225,10 +225,10 @@ def test_length_and_area_are_said_at_the_pointer(desk, screenshot, unit, words):
     desk.look_at(crs, extent)
     desk.choose(desk.form.agl_unit, unit)
     desk.click(desk.form.area.draw_polygon)
-    QTest.mouseMove(desk.canvas.viewport(), desk.at(*KITE[0]))
+    desk.move(desk.at(*KITE[0]))
     desk.wait(lambda: readout(desk) == "Click the first corner")
     click(desk, *KITE[:2])
-    QTest.mouseMove(desk.canvas.viewport(), desk.at(*KITE[2]))
+    desk.move(desk.at(*KITE[2]))
     desk.wait(lambda: words[1] in readout(desk) or "sq mi" in readout(desk))
     screenshot(f"polygon-readout-{unit}")
     length, size = readout(desk).split(", ", 1) if unit == "m" else readout(desk).rsplit(", ", 1)
@@ -309,7 +309,7 @@ def test_a_corner_is_removed(desk, way):
     if way == "right click":
         click(desk, KITE[1], button=RIGHT)
     else:
-        QTest.mouseMove(desk.canvas.viewport(), desk.at(*KITE[1]))
+        desk.move(desk.at(*KITE[1]))
         desk.wait(lambda: desk.canvas.viewport().cursor().shape() == Qt.CursorShape.PointingHandCursor)
         press_key(desk, Qt.Key.Key_Delete if way == "delete" else Qt.Key.Key_Backspace)
     expected = clicked(desk, (KITE[0], *KITE[2:], (0.15, 0.5)))
@@ -341,8 +341,8 @@ def test_escape_puts_a_corner_back(desk):
     draw(desk, KITE)
     before, viewport = area_of(desk), desk.canvas.viewport()
     QTest.mousePress(viewport, LEFT, NONE, desk.at(*KITE[1]))
-    QTest.mouseMove(viewport, desk.at(0.75, 0.15))
-    desk.wait(lambda: readout(desk) != "")
+    desk.move(desk.at(0.75, 0.15), held=LEFT)
+    assert readout(desk) != ""
     press_key(desk, Qt.Key.Key_Escape)
     QTest.mouseRelease(viewport, LEFT, NONE, desk.at(0.75, 0.15))
     assert area_of(desk) == before
