@@ -44,6 +44,8 @@ RASTER_PX = 12_000
 #: Images of a block in the runs whose speed is compared, and in those that tell what a block costs beside its images.
 BLOCK_IMAGES = 32
 BLOCKS_OF = (8, 64)
+#: Captures by a commit and by what is here, one after the other.
+PAIRS = 40
 #: Captures, blocks and workers of the run in which blocks take no time at all.
 COORDINATED = ((100_000, 256, 2), (400_000, 256, 2), (400_000, 256, 1_000), (100_000, 32, 1_000))
 
@@ -257,14 +259,16 @@ def in_memory() -> str | None:
     return IN_MEMORY if os.access(IN_MEMORY, os.W_OK) else None
 
 
-def in_own_process(what: str, *arguments: Any, path: str | None = None) -> Any:
-    """Run one measurement of this file in a fresh interpreter; of TerrAInav in another folder, where one is named."""
-    environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    if path:
-        environment["PYTHONPATH"] = path
+def own_environment() -> dict[str, str]:
+    """Environment of a process that measures."""
+    return {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def in_own_process(what: str, *arguments: Any) -> Any:
+    """Run one measurement of this file in a fresh interpreter."""
     done = subprocess.run(
         [sys.executable, __file__, "--measure", what, json.dumps(arguments)],
-        capture_output=True, text=True, check=False, env=environment,
+        capture_output=True, text=True, check=False, env=own_environment(),
     )  # fmt: skip
     if done.returncode:
         raise SystemExit(f"{what} {arguments}: {done.stderr[-3000:]}")
@@ -378,11 +382,11 @@ def block_costs(source: str, images: int, rounds: int, store: ObjectStore) -> di
     return {**found, **{f"{key}_an_image": statistics.median(values) for key, values in each.items()}}
 
 
-def before_and_now(commit: str, source: str, images: int, rounds: int, folder: Path) -> dict[str, Any]:
-    """Plain captures by a commit and by what is here, in turns: ratio of seconds of each round, now to before."""
-    for name in [one for one in os.environ if one.startswith("AWS_")]:
-        # With keys of S3 in the environment, rasters were read more slowly then, by rasterio and boto3.
-        del os.environ[name]
+def before_and_now(commit: str, source: str, images: int, pairs: int, folder: Path) -> dict[str, Any]:
+    """Plain captures by a commit and by what is here: ratio of seconds of each pair, now to before.
+
+    Each has one process for all its captures, which are short and take turns: what slows the machine down slows both.
+    """
     other = folder / "before"
     (other / "terrainav").mkdir(parents=True)
     packed = subprocess.run(["git", "archive", commit], cwd=ROOT, capture_output=True, check=True).stdout  # noqa: S607
@@ -390,24 +394,61 @@ def before_and_now(commit: str, source: str, images: int, rounds: int, folder: P
         tar.extractall(other / "terrainav")  # noqa: S202  # nosec B202 (of this very repository)
     ratios: dict[str, list[float]] = {"wall_s": [], "own_cpu_s": []}
     content = set()
-    for number in range(rounds + 1):
-        taken = {}
-        # Which is first changes from round to round.
-        for name, path in sorted({"before": str(other), "now": None}.items(), reverse=bool(number % 2)):
-            destination = str(folder / name)
-            destination += "-out"
-            job = {"source": source, "images": images, "engine": PLAIN, "layout": "folders", "block": images}
-            taken[name] = in_own_process("do", {**job, "destination": destination}, path=path)
-            content.add(content_of(Path(destination)))
-            shutil.rmtree(destination)
-        # The first round warms the machine up.
-        if number:
-            for key, each in ratios.items():
-                each.append(taken["now"][key] / taken["before"][key])
-            print(f"{source}: now to before {[each[-1] for each in ratios.values()]}", flush=True)
+    job = {"source": source, "images": images, "engine": PLAIN, "layout": "folders", "block": images}
+    with ExitStack() as opened:
+        # With keys of S3 in the environment, rasters were read more slowly then, by rasterio and boto3.
+        environment = {
+            name: value for name, value in own_environment().items() if not name.startswith("AWS_")
+        }
+        sides = {
+            "before": opened.enter_context(Side({**environment, "PYTHONPATH": str(other)})),
+            "now": opened.enter_context(Side(environment)),
+        }
+        for number in range(pairs + 1):
+            taken = {}
+            # Which is first changes from pair to pair.
+            for name in sorted(sides, reverse=bool(number % 2)):
+                destination = folder / f"{name}-out"
+                taken[name] = sides[name].do({**job, "destination": str(destination)})
+                content.add(content_of(destination))
+                shutil.rmtree(destination)
+            # The first pair imports.
+            if number:
+                for key, each in ratios.items():
+                    each.append(taken["now"][key] / taken["before"][key])
     if len(content) != 1:
         raise SystemExit("the commit makes other images")
-    return {"commit": commit, "ratios": {key: sorted(each) for key, each in ratios.items()}, "images": images}
+    found = {key: sorted(each) for key, each in ratios.items()}
+    print(f"{source}: now to before {of_ratios(found['wall_s'])}", flush=True)
+    return {"commit": commit, "ratios": found, "images": images}
+
+
+class Side:
+    """A process that does one job after the other, of the TerrAInav that an environment leads to."""
+
+    def __init__(self, environment: dict[str, str]) -> None:
+        self._process: Any = subprocess.Popen(
+            [sys.executable, __file__, "--serve"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment,
+        )  # fmt: skip
+
+    def do(self, job: dict[str, Any]) -> dict[str, Any]:
+        """Have a job done."""
+        print(json.dumps(job), file=self._process.stdin, flush=True)
+        found: dict[str, Any] = json.loads(self._process.stdout.readline())
+        return found
+
+    def __enter__(self) -> Side:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.communicate()
+
+
+def serve() -> None:
+    """Do the jobs that come by standard input."""
+    for line in sys.stdin:
+        print(json.dumps(do(json.loads(line))), flush=True)
 
 
 TITLES = {PLAIN: "threads, image by image", HERE: "one process, in blocks"}
@@ -459,20 +500,24 @@ def rates_text(found: dict[str, Any]) -> str:
             )
     text += f"\nThe cluster is there, with all that its workers import, after {found['start_s']:.1f} s.\n"
     if found.get("before"):
-        text += "\nA capture without blocks takes, to one by the commit before there were any, in turns: "
+        text += "\nA capture without blocks takes, to one by the commit before there were any: "
         text += "; ".join(
             f"of {TITLE_OF[one['source'] == WORLD]} {of_ratios(one['ratios']['wall_s'])} of the seconds and "
-            f"{of_ratios(one['ratios']['own_cpu_s'])} of the processor's, in {len(one['ratios']['wall_s'])} rounds of "
+            f"{of_ratios(one['ratios']['own_cpu_s'])} of the processor's, in {len(one['ratios']['wall_s'])} pairs of "
             f"about {one['images']:,} images"
             for one in found["before"]
         )
-        text += f" (`python benchmarks/scale.py --before {found['before'][0]['commit']}`).\n"
+        text += (
+            ", one after the other; medians, and between which they are with a certainty of 95 % "
+            f"(`python benchmarks/scale.py --before {found['before'][0]['commit']}`).\n"
+        )
     return text
 
 
 def of_ratios(ratios: list[float]) -> str:
-    """Median, least and most of ratios."""
-    return f"{statistics.median(ratios):.3f} ({ratios[0]:.3f} to {ratios[-1]:.3f})"
+    """Median of sorted ratios, with its interval of 95 % by the order statistics of a binomial."""
+    low = round(len(ratios) / 2 - 0.98 * len(ratios) ** 0.5)
+    return f"{statistics.median(ratios):.3f} ({ratios[low]:.3f} to {ratios[-1 - low]:.3f})"
 
 
 TITLE_OF = {True: "the embedded world", False: "a local raster"}
@@ -571,7 +616,11 @@ def main() -> None:
     parser.add_argument("--small", action="store_true", help="one round of few images: does it work?")
     parser.add_argument("--no-page", action="store_true", help="write nothing into docs/")
     parser.add_argument("--measure", nargs=2, help=argparse.SUPPRESS)
+    parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
     asked = parser.parse_args()
+    if asked.serve:
+        serve()
+        return
     if asked.measure:
         print(json.dumps(MEASURES[asked.measure[0]](*json.loads(asked.measure[1]))))
         return
@@ -622,10 +671,10 @@ def measure(
     if asked.before and asked.only in (None, "before"):
         found["before"] = [
             {
-                **before_and_now(asked.before, source, asked.images, max(asked.rounds, 5), folder / name),
+                **before_and_now(asked.before, source, images // 8, PAIRS, folder / name),
                 "source": source,
             }
-            for name, source in zip(("world", "raster"), sources)
+            for name, (source, images) in zip(("world", "raster"), sources.items())
         ]
 
 
