@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+import time
 import uuid
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
@@ -50,6 +51,8 @@ from .shards import INDEX_FILE, index_of
 #: How often a block is begun before it is given up: workers that die take it with them.
 TRIES = 4
 _POLL_S = 0.1
+#: Seconds without any worker after which that is said: where one dies, another one is on its way.
+_NONE_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -151,6 +154,8 @@ class _Run:
         self._pending: deque[tuple[str, int]] = deque()
         self._tries: dict[tuple[str, int], int] = {}
         self._under_way: dict[Future[BlockResult], tuple[str, int, Fraction]] = {}
+        self._none_since_s: float | None = None
+        self._none_is_told = False
         self._requests = self._unique_parts = self._total = self._skipped = self._done = self._failed = 0
 
     def begin(self, *, only_failed: bool) -> None:
@@ -191,7 +196,10 @@ class _Run:
                 (control.held.set if held else control.held.clear)()
                 if not held:
                     self._submit()
-                self._take(wait(self._under_way, _POLL_S, FIRST_COMPLETED).done)
+                if self._under_way:
+                    self._take(wait(self._under_way, _POLL_S, FIRST_COMPLETED).done)
+                else:
+                    time.sleep(_POLL_S)
             return True
         finally:
             control.stopped.set()
@@ -204,11 +212,13 @@ class _Run:
 
     def _submit(self) -> None:
         """Hand blocks to workers that have none, as far as the provider's limits have shares left."""
-        sharers = self._sharers()
-        share = Fraction(1, sharers)
+        slots = self._slots()
+        most = self._source.policy.most_sharers if not self._source.is_local else None
+        sharers = slots if most is None else min(slots, most)
+        share = Fraction(1, max(sharers, 1))
         while self._pending and len(self._under_way) < sharers:
             # Shares of blocks that were begun when there were fewer workers are larger than those of today.
-            if sum(one for *_, one in self._under_way.values()) + share > 1:
+            if most is not None and sum(one for *_, one in self._under_way.values()) + share > 1:
                 return
             map_type, number = self._pending.popleft()
             block = self._block(map_type, number, sharers)
@@ -224,14 +234,22 @@ class _Run:
                 raise _broken(wrong) from wrong
             self._under_way[future] = (map_type, number, share)
 
-    def _sharers(self) -> int:
-        """How many blocks may be under way at once."""
+    def _slots(self) -> int:
+        """How many blocks workers make at once, now; where there has been none for a while, that is said."""
         try:
-            slots = max(self._engine.slots(), 1)
+            slots = self._engine.slots()
         except (RuntimeError, OSError) as wrong:
             raise _broken(wrong) from wrong
-        most = self._source.policy.most_sharers if not self._source.is_local else None
-        return slots if most is None else min(slots, most)
+        if slots:
+            if self._none_is_told:
+                self.notice(Message("workers: {0:,} there: going on", slots))
+            self._none_since_s, self._none_is_told = None, False
+        elif self._none_since_s is None:
+            self._none_since_s = time.monotonic()
+        elif not self._none_is_told and time.monotonic() - self._none_since_s > _NONE_S:
+            self._none_is_told = True
+            self.notice(Message("workers: none is there: waiting for one"))
+        return slots
 
     def _block(self, map_type: str, number: int, sharers: int) -> Block:
         which = self._divided[number]

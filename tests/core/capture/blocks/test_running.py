@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import multiprocessing
 import pickle
@@ -432,6 +433,43 @@ def test_no_more_blocks_are_under_way_than_there_are_shares(limits, most, tmp_pa
         source = NamedPattern(policy=Policy(**limits), wait_s=0.02)
         captured(tmp_path / "out", Blocks(2), source=source, executor=threads)
     assert max(counts) <= most
+
+
+def test_workers_that_come_do_not_wait_where_the_provider_has_no_limits(tmp_path):
+    asked, together = itertools.count(), threading.Barrier(4)
+
+    class Together(ThreadPoolExecutor):
+        def submit(self, fn, /, *arguments):
+            def made():
+                # The one that was begun when there was one worker alone, too.
+                if next(begun) < 4:
+                    together.wait(60.0)
+                return fn(*arguments)
+
+            return super().submit(made)
+
+    begun = itertools.count()
+    with Together(4) as threads:
+        engine = Engine(threads, lambda: 4 if next(asked) else 1, in_process=True)
+        assert not captured(tmp_path / "out", executor=engine).failed
+
+
+def test_a_run_without_workers_waits_for_them_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(running, "_NONE_S", 0.2)
+    notices = []
+    with ThreadPoolExecutor(1) as threads:
+        engine = Engine(threads, lambda: len(notices), in_process=True)
+        result = captured(tmp_path / "out", executor=engine, notice=lambda text: notices.append(str(text)))
+    assert result.written == 2 * len(PLAN)
+    assert notices == ["workers: none is there: waiting for one", "workers: 1 there: going on"]
+
+
+def test_a_run_that_waits_for_workers_can_be_cancelled(tmp_path):
+    asked = itertools.count()
+    with ThreadPoolExecutor(1) as threads:
+        engine = Engine(threads, lambda: 0, in_process=True)
+        result = captured(tmp_path / "out", executor=engine, cancelled=lambda: next(asked) > 2)
+    assert (result.cancelled, result.written) == (True, 0)
 
 
 def test_workers_of_other_machines_have_their_own_usual_cache(tmp_path, monkeypatch):
