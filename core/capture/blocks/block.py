@@ -175,9 +175,23 @@ class Stopped(Exception):
     """A block was stopped with its run; nothing of it is committed."""
 
 
-def packed_block(block: Block) -> bytes:
-    """Return a block for another process."""
-    return bytes(ForkingPickler.dumps(block))
+class _Call:
+    """What a pickle is of whose reading makes a block."""
+
+    def __init__(self, data: bytes) -> None:
+        self._arguments = data, version(), platform.python_version()
+
+    def __reduce__(self) -> tuple[Callable[..., BlockResult], tuple[bytes, str, str]]:
+        return make_packed, self._arguments
+
+
+def call_of(block: Block) -> tuple[Callable[[bytes], BlockResult], bytes]:
+    """Function of Python's own, and what it is to be called with, for another process to make a block.
+
+    So a worker without TerrAInav says what is missing. A function of ours it could not even be told of: Dask's workers
+    end of that.
+    """
+    return ForkingPickler.loads, bytes(ForkingPickler.dumps(_Call(bytes(ForkingPickler.dumps(block)))))
 
 
 def make_packed(data: bytes, of_version: str, of_python: str) -> BlockResult:

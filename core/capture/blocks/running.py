@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import time
 import uuid
 from collections import deque
@@ -37,10 +36,9 @@ from .block import (
     Record,
     WrongWorker,
     block_name,
+    call_of,
     controls,
     make_block,
-    make_packed,
-    packed_block,
     write_relief,
 )
 from .destination import Destination, check_in_blocks
@@ -223,13 +221,11 @@ class _Run:
             map_type, number = self._pending.popleft()
             block = self._block(map_type, number, sharers)
             try:
-                future = (
-                    self._engine.executor.submit(make_block, block)
-                    if self._engine.in_process
-                    else self._engine.executor.submit(
-                        make_packed, packed_block(block), version(), platform.python_version()
-                    )
-                )
+                if self._engine.in_process:
+                    future = self._engine.executor.submit(make_block, block)
+                else:
+                    call, about = call_of(block)
+                    future = self._engine.executor.submit(call, about)
             except (RuntimeError, OSError) as wrong:
                 raise _broken(wrong) from wrong
             self._under_way[future] = (map_type, number, share)
@@ -304,7 +300,11 @@ class _Run:
         if isinstance(wrong, BrokenExecutor):
             raise _broken(wrong) from wrong
         if isinstance(wrong, ModuleNotFoundError) and "terrainav" in str(wrong):
-            raise OutputError("workers: TerrAInav is not installed on all of them") from wrong
+            raise OutputError(
+                "workers: not all have TerrAInav {0}",
+                version(),
+                remedy="install it on each, of the same version",
+            ) from wrong
         reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
         key, name = (map_type, number), block_name(map_type, number)
         self._tries[key] = self._tries.get(key, 1) + 1

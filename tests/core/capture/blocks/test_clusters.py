@@ -5,9 +5,12 @@ from __future__ import annotations
 import io
 import os
 import signal
+import socket
+import subprocess
 import sys
 import time
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 import pytest
 from terrainav.core.capture.blocks.engines import open_engine
@@ -149,6 +152,45 @@ def test_what_a_cluster_has_captured_is_streamed_into_a_training_step(bucket, cl
     assert seen == len(PLAN)
     assert torch.isfinite(loss)
     assert not torch.equal(before, model[1].weight)
+
+
+#: Begins a worker of Dask's; in that without TerrAInav it cannot be imported.
+WORKER = "from distributed.cli.dask_worker import main; main()"
+WITHOUT = f"import sys; sys.modules['terrainav'] = None; {WORKER}"
+
+
+@contextmanager
+def process(*arguments: str) -> Iterator[None]:
+    """A process of this Python's that lasts as long as it is needed."""
+    with subprocess.Popen([sys.executable, *arguments], stderr=subprocess.DEVNULL) as begun:
+        try:
+            yield
+        finally:
+            begun.terminate()
+
+
+def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    run = command(tmp_path, monkeypatch, capsys)
+    scheduler = ("-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
+    worker = (f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", "--no-dashboard")
+
+    def captured():
+        asked = ("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", "--max-px", "200")
+        return run(
+            *asked, "--block", "8", "--cluster", f"dask://127.0.0.1:{port}", "--data-dir", "out", "--resume"
+        )
+
+    with process(*scheduler, "--no-dashboard"):
+        with process("-c", WITHOUT, *worker):
+            refused = captured()
+        with process("-c", WORKER, *worker):
+            done = captured()
+    assert (refused.returncode, done.returncode) == (3, 0), done.stderr
+    last = refused.stderr.splitlines()[-1]
+    assert last.startswith("terrainav: workers: not all have TerrAInav 0.")
+    assert "4 images written, 0 failed" in done.stdout
 
 
 @pytest.mark.parametrize(
