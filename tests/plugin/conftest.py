@@ -116,10 +116,13 @@ def clean_project(iface: QgisInterface) -> Iterator[QgsProject]:
     So do panels of QGIS's own that it opened, such as Processing's results: they would take the next one's room.
     """
     from qgis.core import QgsProject
+    from qgis.PyQt.QtCore import Qt
     from qgis.PyQt.QtWidgets import QDockWidget
 
     def open_panels() -> set[QDockWidget]:
-        panels = iface.mainWindow().findChildren(QDockWidget)
+        panels = iface.mainWindow().findChildren(
+            QDockWidget, options=Qt.FindChildOption.FindDirectChildrenOnly
+        )
         return {panel for panel in panels if panel.isVisible() and not panel.objectName().startswith(PLUGIN)}
 
     iface.newProject(False)
