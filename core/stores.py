@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import importlib
 import io
+import logging
 import os
 import re
 from collections.abc import Iterator
@@ -33,10 +34,19 @@ _PACKAGES = {
     **dict.fromkeys(("az", "abfs", "abfss", "adl"), ("adlfs", "adlfs")),
 }
 #: What stores say where nobody has told who asks: none of these quotes a key.
-_NO_CREDENTIALS = re.compile(r"credential|token|anonymous|unauthori[sz]ed|not authenticated", re.IGNORECASE)
+_NO_CREDENTIALS = re.compile(
+    r"credential|token|anonymous|unauthori[sz]ed|not authenticated|signing|connection string", re.IGNORECASE
+)
 _EXPIRED = re.compile(r"expired", re.IGNORECASE)
-_REFUSED = re.compile(r"forbidden|access denied|accessdenied|permission", re.IGNORECASE)
-_NOT_THERE = re.compile(r"nosuchbucket|no such bucket|bucket does not exist|not ?found|404", re.IGNORECASE)
+_REFUSED = re.compile(
+    r"forbidden|access denied|accessdenied|permission|failed to authenticate|not authori[sz]ed", re.IGNORECASE
+)
+_NOT_THERE = re.compile(
+    r"nosuchbucket|no such bucket|bucket does not exist|not ?found|404|invalid ?(resource|bucket) ?name",
+    re.IGNORECASE,
+)
+#: Loggers of the stores' libraries, which print pages where one line tells.
+_TALKATIVE = ("azure", "gcsfs")
 _SAID_CHARACTERS = 120
 
 
@@ -75,6 +85,9 @@ def store_path(place: Address) -> Path:
         )
     if kind in _PACKAGES:
         _imported(*_PACKAGES[kind])
+        for log in map(logging.getLogger, _TALKATIVE):
+            if log.level == logging.NOTSET:
+                log.setLevel(logging.CRITICAL)
     path: Path = upath.UPath(place)
     with store_errors(path):
         # Asks for nothing, but makes what will ask.

@@ -7289,18 +7289,43 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
+        <source>install it on each, of the same version</source>
+        <translation>instálelo en cada uno, de la misma versión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
         <source>its worker died</source>
         <translation>su proceso de trabajo murió</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
-        <source>workers: TerrAInav is not installed on all of them</source>
-        <translation>procesos de trabajo: TerrAInav no está instalado en todos</translation>
+        <source>resume it{0} once they are well</source>
+        <translation>reanúdela{0} cuando estén bien</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
         <source>workers: all are gone ({0})</source>
         <translation>procesos de trabajo: han desaparecido todos ({0})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: none is there: waiting for one</source>
+        <translation>procesos de trabajo: no hay ninguno: se espera a uno</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: not all have TerrAInav {0}</source>
+        <translation>procesos de trabajo: no todos tienen TerrAInav {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: {0:,} there: going on</source>
+        <translation>procesos de trabajo: hay {0:,}: se continúa</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: {0} blocks in a row could not be made ({1})</source>
+        <translation>procesos de trabajo: {0} bloques seguidos no se pudieron hacer ({1})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>

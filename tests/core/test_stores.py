@@ -77,6 +77,14 @@ def test_a_bucket_that_is_not_there_is_one_line(bucket):
         (PermissionError("The provided token has expired."), "x: the credentials have expired: new ones are"),
         (PermissionError("Forbidden"), "x: access is refused: the credentials do not allow it"),
         (OSError(16, "Please reduce your request rate."), "x: cannot be reached (Please reduce your"),
+        # Azure's own words.
+        (ValueError("Server failed to authenticate the request."), "x: access is refused: the credentials"),
+        (
+            ValueError("This request is not authorized to perform it."),
+            "x: access is refused: the credentials",
+        ),
+        (ValueError("Connection string is malformed."), "x: no valid credentials: they are taken from"),
+        (ValueError("ErrorCode:InvalidResourceName"), "x: is not there, or memory://data is not; make the"),
     ],
 )
 def test_what_a_store_refuses_is_one_line(raised, said):

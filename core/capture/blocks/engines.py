@@ -131,7 +131,7 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address="127.0.0.1:0" if find_spec("bokeh") else None,
+            dashboard_address="127.0.0.1:0",
             silence_logs=50,
         )
         try:

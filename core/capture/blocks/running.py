@@ -13,7 +13,7 @@ from fractions import Fraction
 
 from ...dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
 from ...dataset.table import other_columns
-from ...errors import InvalidInput, Message, OutputError, SourceError, TerrAInavError
+from ...errors import InvalidInput, Message, OptionName, OutputError, SourceError, TerrAInavError
 from ...files import json_bytes, write_whole
 from ...imagery.opening import NamedSource
 from ...imagery.placeholder import Provided, Repeats, digests_of
@@ -49,6 +49,10 @@ from .shards import INDEX_FILE, index_of
 #: How often a block is begun before it is given up: workers that die take it with them.
 TRIES = 4
 _POLL_S = 0.1
+#: Names of errors that a worker's end looks like from here, by Dask and by Ray.
+_DEATHS = ("KilledWorker", "CancelledError", "FutureCancelledError", "CommClosedError", "WorkerCrashedError")
+#: Blocks in a row that are given up, with none made in between, after which the workers are.
+_MOST_LOST = 5
 #: Seconds without any worker after which that is said: where one dies, another one is on its way.
 _NONE_S = 5.0
 
@@ -154,6 +158,7 @@ class _Run:
         self._under_way: dict[Future[BlockResult], tuple[str, int, Fraction]] = {}
         self._none_since_s: float | None = None
         self._none_is_told = False
+        self._lost_in_a_row = 0
         self._requests = self._unique_parts = self._total = self._skipped = self._done = self._failed = 0
 
     def begin(self, *, only_failed: bool) -> None:
@@ -279,6 +284,7 @@ class _Run:
                 self._again(map_type, number, wrong)
             else:
                 self._note(map_type, number, result.record)
+                self._lost_in_a_row = 0
                 self._requests += result.requests
                 self._unique_parts += result.unique_parts
 
@@ -293,6 +299,9 @@ class _Run:
 
     def _again(self, map_type: str, number: int, wrong: BaseException) -> None:
         """Put a block in the row again, or give it up; what stops the whole run is raised."""
+        # Ray hands on what was raised within an error of its own.
+        cause = getattr(wrong, "cause", None)
+        wrong = cause if isinstance(cause, BaseException) else wrong
         if isinstance(wrong, (WrongWorker, SourceError, InvalidInput)) or (
             self._engine.in_process and isinstance(wrong, TerrAInavError)
         ):
@@ -311,6 +320,14 @@ class _Run:
         if self._tries[key] > TRIES:
             if isinstance(wrong, OutputError):
                 raise wrong
+            self._lost_in_a_row += 1
+            if self._lost_in_a_row > _MOST_LOST:
+                raise OutputError(
+                    "workers: {0} blocks in a row could not be made ({1})",
+                    self._lost_in_a_row,
+                    reason,
+                    remedy=Message("resume it{0} once they are well", OptionName("resume").in_brackets),
+                )
             lost = (self._plan.names[index] for index in self._divided[number].tolist())
             record = Record({one: Outcome(map_type, one, reason=reason) for one in lost})
             record.commit(self._place.root, name)
@@ -404,7 +421,7 @@ class _Run:
 def _died(wrong: BaseException) -> Message:
     """Few words for what a worker's end, or a fault on it, looks like from here."""
     kind = type(wrong).__name__
-    if kind in ("KilledWorker", "CancelledError", "FutureCancelledError", "CommClosedError"):
+    if kind in _DEATHS:
         return Message("its worker died")
     said = str(wrong).partition("\n")[0][:120]
     return Message("{0} on its worker ({1})", kind, said)

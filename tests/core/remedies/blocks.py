@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import sys
 import threading
+from concurrent.futures import Future, ThreadPoolExecutor
 from uuid import uuid4
 
 from terrainav.core.capture import holding
-from terrainav.core.capture.blocks.engines import open_engine
+from terrainav.core.capture.blocks.engines import Engine, open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Points
@@ -73,6 +74,57 @@ def _other_images(case: Case) -> None:
     put(store_path(f"{address}/blocks/blocks.json"), b'{"captures": 2}')
     case.refused(lambda: captured(address, resume=True))
     case.follow("choose another one", lambda: captured(new()))
+
+
+class Failing(ThreadPoolExecutor):
+    """Workers of which each block ends with an error, at first."""
+
+    def __init__(self, wrong: Exception) -> None:
+        super().__init__(1)
+        self.wrong: Exception | None = wrong
+
+    def submit(self, fn, /, *arguments):  # type: ignore[no-untyped-def]
+        if self.wrong is None:
+            return super().submit(fn, *arguments)
+        future: Future = Future()
+        future.set_exception(self.wrong)
+        return future
+
+
+@remedy(
+    "capture/blocks/running.py",
+    "workers: {} blocks in a row could not be made ({}); resume it (--resume) once they are well",
+)
+def _none_made(case: Case) -> None:
+    address, mission = (
+        new(),
+        MISSION.with_(area=Points(tuple((35.0 + 1e-4 * n, -89.9, 20.0) for n in range(7)))),
+    )
+    with Failing(RuntimeError("broken")) as workers:
+        engine = Engine(workers, lambda: 1, in_process=True)
+
+        def go(resume: bool):
+            worked_out = plan(mission, SOURCE.grid)
+            return capture(worked_out, SOURCE, address, executor=engine, blocks=Blocks(1), resume=resume)
+
+        case.refused(lambda: go(False))
+        workers.wrong = None
+        case.follow("resume it (--resume) once they are well", lambda: go(True))
+
+
+@remedy(
+    "capture/blocks/running.py", "workers: not all have TerrAInav {}; install it on each, of the same version"
+)
+def _not_installed(case: Case) -> None:
+    with Failing(ModuleNotFoundError("No module named 'terrainav'")) as workers:
+        engine = Engine(workers, lambda: 1, in_process=True)
+
+        def go():
+            return capture(plan(MISSION, SOURCE.grid), SOURCE, new(), executor=engine, blocks=Blocks())
+
+        case.refused(go)
+        workers.wrong = None
+        case.follow("install it on each, of the same version", go)
 
 
 @remedy("capture/holding.py", "address {}: another run is at work there; wait until it has ended")

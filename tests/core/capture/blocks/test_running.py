@@ -185,6 +185,35 @@ def test_a_block_that_kills_its_workers_is_given_up_and_the_others_go_on(whole, 
     assert contents(tmp_path / "out", but=("journal.jsonl", "blocks/")) == whole
 
 
+def test_a_run_whose_workers_all_die_ends_and_can_go_on(whole, tmp_path):
+    engine = Engine(Dying(lambda count: count > 2), lambda: 1)
+    with pytest.raises(
+        OutputError, match=r"^workers: \d blocks in a row could not be made \(its worker died\); resume"
+    ):
+        captured(tmp_path / "out", Blocks(2), executor=engine)
+    captured(tmp_path / "out", Blocks(2), resume=True)
+    assert contents(tmp_path / "out", but=("journal.jsonl", "blocks/")) == whole
+
+
+def test_what_an_engine_wraps_is_told_as_it_was_raised(tmp_path):
+    class TaskError(Exception):
+        """What Ray raises of what was raised in a task."""
+
+        cause = SourceError("the provider has shut down")
+
+    class Wrapping(ThreadPoolExecutor):
+        def submit(self, fn, /, *arguments):
+            future: Future = Future()
+            future.set_exception(TaskError("ray::call() (pid=1)\nTraceback"))
+            return future
+
+    with (
+        Wrapping(1) as threads,
+        pytest.raises(SourceError, match=r"^the provider has shut down$"),
+    ):
+        captured(tmp_path / "out", executor=Engine(threads, lambda: 1))
+
+
 @pytest.mark.parametrize("blocks", [Blocks(4), Blocks(8, "webdataset")])
 def test_a_run_that_was_stopped_goes_on_to_the_same_bytes(sharded, whole, tmp_path, blocks):
     done = []
