@@ -6,7 +6,7 @@ import logging
 import os
 import re
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -168,10 +168,42 @@ def _client(address: str, what: str) -> Iterator[Any]:
         log.setLevel(level)
 
 
+class _Calls(Executor):
+    """Calls as tasks of Dask's.
+
+    Dask's own executor forgets a call whose worker dies after it is done and before its result is fetched: nobody would
+    be told of its end.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Have a worker call a function."""
+        task, future = self._client.submit(fn, *args, pure=False, retries=0, **kwargs), Future[Any]()
+
+        def end(_: Any) -> None:
+            result, wrong = None, None
+            try:
+                result = task.result()
+            except BaseException as raised:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+                wrong = raised
+            if not future.set_running_or_notify_cancel():
+                return
+            if wrong is None:
+                future.set_result(result)
+            else:
+                future.set_exception(wrong)
+
+        task.add_done_callback(end)
+        future.add_done_callback(lambda it: it.cancelled() and task.cancel())
+        return future
+
+
 def _engine_of(client: Any, dashboard: str | None = None) -> Engine:
     shown = client.dashboard_link if dashboard is None else dashboard
     return Engine(
-        client.get_executor(pure=False, retries=0),
+        _Calls(client),
         lambda: sum(client.nthreads().values()),
         dashboard=shown or "",
     )

@@ -4,6 +4,7 @@ import os
 import time
 
 import pytest
+from terrainav.core.capture.blocks import running
 from terrainav.core.capture.blocks.engines import open_engine
 
 pytest.importorskip("distributed", reason="needs Dask's distributed")
@@ -11,11 +12,17 @@ pytest.importorskip("distributed", reason="needs Dask's distributed")
 pytestmark = pytest.mark.filterwarnings("default")
 
 
-def test_workers_keep_the_memory_of_arrays(monkeypatch):
+@pytest.fixture(scope="module")
+def cluster():
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
+        with open_engine("local:1") as engine:
+            yield engine
+
+
+def test_workers_keep_the_memory_of_arrays(cluster):
     # As Dask sets it, it takes half of the workers' processor time; who has set it himself keeps that.
-    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
-    with open_engine("local:1") as engine:
-        assert engine.executor.submit(os.environ.get, "MALLOC_TRIM_THRESHOLD_").result() is None
+    assert cluster.executor.submit(os.environ.get, "MALLOC_TRIM_THRESHOLD_").result() is None
 
 
 def test_a_worker_that_is_gone_for_good_is_replaced(monkeypatch):
@@ -34,3 +41,29 @@ def test_a_worker_that_is_gone_for_good_is_replaced(monkeypatch):
         (second,) = client.nthreads()
         assert second != first
         assert engine.executor.submit(os.environ.get, "MALLOC_TRIM_THRESHOLD_").result() is None
+
+
+def test_a_call_that_is_cancelled_is_not_made(cluster, tmp_path):
+    first = cluster.executor.submit(time.sleep, 0.5)
+    second = cluster.executor.submit(os.mkdir, str(tmp_path / "made"))
+    assert second.cancel()
+    assert first.result(timeout=60.0) is None
+    assert cluster.executor.submit(os.getpid).result(timeout=60.0)
+    assert not (tmp_path / "made").exists()
+
+
+#: Returns much, and ends the worker while that is fetched; the next time, ends it at once.
+ENDS = """[
+    os := __import__("os"),
+    os._exit(1) if os.path.exists({0!r}) else os.mkdir({0!r}),
+    __import__("threading").Timer(0.02, os._exit, (1,)).start(),
+    bytes(100_000_000),
+]"""
+
+
+def test_a_worker_that_dies_while_its_result_is_fetched_is_told_of(tmp_path):
+    """Dask's own executor would not say anything of it."""
+    with open_engine("local:1") as engine:
+        future = engine.executor.submit(eval, ENDS.format(str(tmp_path / "once")))
+        wrong = future.exception(timeout=60.0)
+    assert type(wrong).__name__ in running._DEATHS
