@@ -45,7 +45,7 @@ RASTER_PX = 12_000
 BLOCK_IMAGES = 32
 BLOCKS_OF = (8, 64)
 #: Captures by a commit and by what is here, one after the other.
-PAIRS = 40
+PAIRS = 60
 #: Captures, blocks and workers of the run in which blocks take no time at all.
 COORDINATED = ((100_000, 256, 2), (400_000, 256, 2), (400_000, 256, 1_000), (100_000, 32, 1_000))
 

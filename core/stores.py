@@ -116,11 +116,13 @@ def put_new(path: Path, data: bytes) -> bool:
     with store_errors(path):
         try:
             _of_store(path).pipe_file(_key(path), data, mode="create")
-        except FileExistsError:
+        except FileExistsError as wrong:
+            _let_go(wrong)
             return False
         except Exception as wrong:
             # S3 says so with the status of a condition that does not hold, of which s3fs makes no error of its own.
             if "PreconditionFailed" in repr(wrong) or "ConditionalRequestConflict" in repr(wrong):
+                _let_go(wrong)
                 return False
             raise
         return True
@@ -143,7 +145,8 @@ def get(path: Path) -> bytes | None:
     with store_errors(path):
         try:
             return bytes(_of_store(path).cat_file(_key(path)))
-        except FileNotFoundError:
+        except FileNotFoundError as wrong:
+            _let_go(wrong)
             return None
 
 
@@ -198,7 +201,8 @@ def sizes_in(folder: Path) -> dict[str, int]:
         store.invalidate_cache()
         try:
             found = store.ls(_key(folder), detail=True)
-        except FileNotFoundError:
+        except FileNotFoundError as wrong:
+            _let_go(wrong)
             return {}
         return {one["name"].rpartition("/")[2]: int(one["size"]) for one in found if one["type"] == "file"}
 
@@ -234,7 +238,8 @@ def is_file(path: Path) -> bool:
         store.invalidate_cache()
         try:
             return bool(store.info(_key(path))["type"] == "file")
-        except FileNotFoundError:
+        except FileNotFoundError as wrong:
+            _let_go(wrong)
             return False
 
 
@@ -248,8 +253,8 @@ def remove(path: Path) -> None:
     with store_errors(path):
         try:
             _of_store(path).rm_file(_key(path))
-        except FileNotFoundError:
-            return
+        except FileNotFoundError as wrong:
+            _let_go(wrong)
 
 
 @contextmanager
@@ -266,10 +271,20 @@ def store_errors(path: Path) -> Iterator[None]:
         raise
     except Exception as wrong:  # noqa: BLE001  (each store's library has errors of its own)
         problem = _problem(path, wrong)
+        _let_go(wrong)
     else:
         return
     # Out here, where what was raised, which may quote a key, is no part of it.
     raise problem
+
+
+def _let_go(wrong: Exception) -> None:
+    """Let go of the frames that an error was raised through.
+
+    fsspec's own refers to the error, in a circle that would keep all callers and what they hold, such as loaders with
+    worker processes, until garbage is collected.
+    """
+    wrong.__traceback__ = None
 
 
 def _problem(path: Path, wrong: Exception) -> OutputError:

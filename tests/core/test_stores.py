@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import pickle
 import threading
+import weakref
 from pathlib import Path
 from uuid import uuid4
 
@@ -62,6 +64,25 @@ def test_what_others_have_put_is_listed(folder):
     assert stores.sizes_in(folder) == {}
     stores.put(pickle.loads(pickle.dumps(folder)) / "a", b"123")
     assert stores.sizes_in(folder) == {"a": 3}
+
+
+@pytest.mark.parametrize("ask", [stores.get, stores.sizes_in, stores.is_file, stores.remove])
+def test_what_is_not_there_keeps_nothing_of_who_asks(folder, ask):
+    """Not until garbage is collected, either: it may be a loader with worker processes."""
+
+    class Held:
+        pass
+
+    def asks():
+        held = Held()
+        ask(folder / "nothing")
+        return weakref.ref(held)
+
+    gc.disable()
+    try:
+        assert asks()() is None
+    finally:
+        gc.enable()
 
 
 def test_a_bucket_that_is_not_there_is_one_line(bucket):
