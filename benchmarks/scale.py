@@ -294,7 +294,7 @@ def contenders(store: str, folder: str) -> list[tuple[str, str, str]]:
 def compare(source: str, images: int, rounds: int, store: ObjectStore, folder: Path) -> list[dict[str, Any]]:
     """All contenders, in turns; medians."""
     runs: dict[tuple[str, str], list[dict[str, Any]]] = {}
-    contents: dict[str, set[str]] = {}
+    contents: dict[str, dict[str, str]] = {}
     for number in range(rounds):
         for engine, layout, to in contenders(store.address, str(folder)):
             destination = f"{to}/{engine.replace(':', '-')}-{Path(source).stem}-{number}"
@@ -303,18 +303,22 @@ def compare(source: str, images: int, rounds: int, store: ObjectStore, folder: P
             found = in_own_process("do", {**job, "destination": destination, "block": BLOCK_IMAGES})
             found.update(store=store.counts(), mb=0.0)
             if layout == "folders":
-                contents.setdefault(layout, set()).add(content_of(Path(destination)))
+                content = content_of(Path(destination))
                 found["mb"] = sum(path.stat().st_size for path in Path(destination).rglob("*.tif")) / 1e6
                 shutil.rmtree(destination)
             else:
-                contents.setdefault(layout, set()).add(emptied(destination))
+                content = emptied(destination)
+            first = contents.setdefault(layout, content)
+            differ = [name for name in {**first, **content} if first.get(name) != content.get(name)]
+            if differ:
+                raise SystemExit(
+                    f"{destination}: {len(differ)} files differ from the first contender's, {differ[:5]}"
+                )
             found["store_cpu_s"], found["puts"] = found["store"]["cpu_s"], sum_of(found, "PUT", "POST")
             found["gets"] = sum_of(found, "GET", "HEAD", "DELETE")
             found["put_mb"] = found.pop("store")["received_bytes"] / 1e6
             runs.setdefault((engine, layout), []).append(found)
             print(f"{source} {engine} {layout}: {found['images'] / found['wall_s']:.1f} images/s", flush=True)
-    if any(len(each) != 1 for each in contents.values()):
-        raise SystemExit("results differ between the contenders")
     rows = []
     for (engine, layout), each in runs.items():
         row: dict[str, Any] = {key: statistics.median(one[key] for one in each) for key in each[0]}
@@ -335,19 +339,17 @@ def sum_of(found: dict[str, Any], *methods: str) -> int:
     return sum(found["store"]["requests"].get(one, 0) for one in methods)
 
 
-def content_of(folder: Path) -> str:
-    """Digest of all images and tables of a folder, by name."""
-    digest = sha256()
-    for path in sorted([*folder.rglob("*.tif"), *folder.rglob("meta_data.csv")]):
-        digest.update(str(path.relative_to(folder)).encode() + sha256(path.read_bytes()).digest())
-    return digest.hexdigest()
+def content_of(folder: Path) -> dict[str, str]:
+    """Digests of all images and tables of a folder, by name."""
+    found = sorted([*folder.rglob("*.tif"), *folder.rglob("meta_data.csv")])
+    return {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in found}
 
 
-def emptied(address: str) -> str:
-    """Digest of all shards and tables at an address, which are removed."""
+def emptied(address: str) -> dict[str, str]:
+    """Digests of all shards and tables at an address, by name; all there is is removed."""
     from terrainav.core.stores import get, remove, sizes_in, store_path
 
-    digest = sha256()
+    found = {}
     for place in (store_path(address) / "satellite", store_path(address) / "blocks", store_path(address)):
         for name in sorted(sizes_in(place)):
             data = get(place / name) or b""
@@ -355,9 +357,9 @@ def emptied(address: str) -> str:
                 with tarfile.open(fileobj=io.BytesIO(data)) as tar:
                     tar.getmembers()
             if place.name == "satellite":
-                digest.update(name.encode() + sha256(data).digest())
+                found[name] = sha256(data).hexdigest()
             remove(place / name)
-    return digest.hexdigest()
+    return found
 
 
 def block_costs(source: str, images: int, rounds: int, store: ObjectStore) -> dict[str, float]:
@@ -400,7 +402,7 @@ def before_and_now(commit: str, source: str, images: int, pairs: int, folder: Pa
     with tarfile.open(fileobj=io.BytesIO(packed)) as tar:
         tar.extractall(other / "terrainav")  # noqa: S202  # nosec B202 (of this very repository)
     ratios: dict[str, list[float]] = {"wall_s": [], "own_cpu_s": []}
-    content = set()
+    content = []
     job = {"source": source, "images": images, "engine": PLAIN, "layout": "folders", "block": images}
     with ExitStack() as opened:
         # With keys of S3 in the environment, rasters were read more slowly then, by rasterio and boto3.
@@ -417,13 +419,13 @@ def before_and_now(commit: str, source: str, images: int, pairs: int, folder: Pa
             for name in sorted(sides, reverse=bool(number % 2)):
                 destination = folder / f"{name}-out"
                 taken[name] = sides[name].do({**job, "destination": str(destination)})
-                content.add(content_of(destination))
+                content.append(content_of(destination))
                 shutil.rmtree(destination)
             # The first pair imports.
             if number:
                 for key, each in ratios.items():
                     each.append(taken["now"][key] / taken["before"][key])
-    if len(content) != 1:
+    if any(one != content[0] for one in content):
         raise SystemExit("the commit makes other images")
     found = {key: sorted(each) for key, each in ratios.items()}
     print(f"{source}: now to before {of_ratios(found['wall_s'])}", flush=True)

@@ -22,6 +22,7 @@ import pstats
 import re
 import shutil
 import socket
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -30,7 +31,6 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import count
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +42,7 @@ import webdataset
 from litdata.streaming import downloader
 from PIL import Image
 from terrainav.core.dataset.dataset import read_dataset
-from terrainav.core.dataset.loading import Batches, Samples
+from terrainav.core.dataset.loading import Batches
 from terrainav.core.dataset.loading.torch_loader import TorchDataset
 from terrainav.core.files import write_whole
 from terrainav.core.report.machine import machine, versions
@@ -157,22 +157,23 @@ def ours_in_threads(place: str) -> Callable[[], int]:
     return lambda: total(Batches(place, BATCH, workers=WORKERS, **CHOICE))
 
 
-def ours_with_torch(place: str, workers: int) -> Callable[[], int]:
+def ours_with_torch(place: str, workers: int) -> Callable[[], Iterable[Any]]:
     """Our dataset with PyTorch's loader."""
-    return lambda: total(TorchDataset(place, **CHOICE).batches(BATCH, workers, persistent_workers=False))
+    return lambda: TorchDataset(place, **CHOICE).batches(BATCH, workers, persistent_workers=False)
 
 
-def webdatasets(urls: list[str], workers: int) -> Callable[[], int]:
+def webdatasets(urls: list[str], workers: int) -> Callable[[], Iterable[Any]]:
     """Make webdataset's pipeline and loader, as its documentation has them."""
 
-    def epoch() -> int:
+    def epoch() -> Iterable[Any]:
         found = (
             webdataset.WebDataset(urls, shardshuffle=len(urls), seed=1)
             .shuffle(8 * IMAGES_A_SHARD)
             .map(of_webdataset)
             .batched(BATCH)
         )
-        return total(webdataset.WebLoader(found, batch_size=None, num_workers=workers))
+        loader: Iterable[Any] = webdataset.WebLoader(found, batch_size=None, num_workers=workers)
+        return loader
 
     return epoch
 
@@ -213,21 +214,22 @@ def profile(work: Callable[[], int]) -> list[str]:
     ]
 
 
-def first_image_s(place: str) -> float:
-    """Seconds until a worker that has just been forked has an image: it connects to the store anew."""
-    image = Samples(place, **CHOICE).file(0)
-    told, pipe = get_context("fork").Pipe(duplex=False)
-
-    def read() -> None:
-        begin = time.perf_counter()
-        image.read_bytes()
-        pipe.send(time.perf_counter() - begin)
-
-    worker = get_context("fork").Process(target=read)
-    worker.start()
-    seconds: float = told.recv()
-    worker.join()
-    return seconds
+def parts_of_an_epoch(loaders: dict[str, Callable[[], Iterable[Any]]]) -> list[str]:
+    """Lines of how long each takes to its first batch, and how fast it is from there on; medians, in turns."""
+    taken: dict[str, list[tuple[float, float]]] = {name: [] for name in loaders}
+    for _ in range(5):
+        for name, make in loaders.items():
+            began = time.perf_counter()
+            batches = iter(make())
+            next(batches)
+            first = time.perf_counter()
+            images = total(batches)
+            taken[name].append((first - began, images / (time.perf_counter() - first)))
+    lines = ["| from S3 | first batch after, s | images/s from there on |", "| --- | ---: | ---: |"]
+    for name, each in taken.items():
+        first_s, rate = (statistics.median(one) for one in zip(*each))
+        lines.append(f"| {name} | {first_s:.2f} | {rate:,.0f} |")
+    return [*lines, ""]
 
 
 def section(
@@ -282,21 +284,22 @@ def main() -> None:
             "S3": (remote, signed(tars), remote_chunks),
         }
         works: dict[tuple[str, str], Callable[[], int]] = {}
+        loaders: dict[tuple[str, str], Callable[[], Iterable[Any]]] = {}
         for place, (own, urls, packed) in places.items():
             works[place, "ours, numpy, one process"] = ours(own)
             works[place, f"ours, numpy, {WORKERS} threads"] = ours_in_threads(own)
             for workers, mode in ((0, "one process"), (WORKERS, f"{WORKERS} processes")):
-                works[place, f"ours, torch, {mode}"] = ours_with_torch(own, workers)
-                works[place, f"webdataset, {mode}"] = webdatasets(urls, workers)
+                for whose, make in (
+                    ("ours, torch", ours_with_torch(own, workers)),
+                    ("webdataset", webdatasets(urls, workers)),
+                ):
+                    loaders[place, f"{whose}, {mode}"] = make
+                    works[place, f"{whose}, {mode}"] = lambda make=make: total(make())
                 works[place, f"LitData, {mode}"] = litdatas(packed, folder / "caches", workers)
-        first_s = sorted(first_image_s(remote) for _ in range(5))[2]
         lines = section(
             works, {f"`Batches` from {place}": ours(own) for place, (own, _, _) in places.items()}
         )
-    lines += [
-        f"A worker process of ours has its first image from S3 after {first_s:.2f} s, in which it connects.",
-        "",
-    ]
+        lines += parts_of_an_epoch({name: make for (place, name), make in loaders.items() if place == "S3"})
     told = ", ".join(f"{name} {value}" for name, value in [*machine(), *versions()])
     told += f", torch {torch.__version__}, webdataset {webdataset.__version__}, LitData {litdata.__version__}"
     told += f"; load average {os.getloadavg()[0]:.1f}"
