@@ -391,7 +391,7 @@ def draw(workers: list[tuple[int, Run, Run]], rows: list[dict[str, Any]], limit:
     left.axvline(limit, color=ORANGE, linewidth=1, label=f"coordinator always busy: {limit:,}")
     left.set(title="Time of 100 million images at hand", xlabel="workers", ylabel="hours")
     left.grid(visible=True, which="major", color="#dddddd")
-    left.legend(frameon=False, fontsize=8, loc="lower left")
+    left.legend(edgecolor="none", framealpha=1.0, fontsize=8, loc="lower left")
     at = np.arange(len(rows))
     bars = right.barh(at, [row["run"].hours for row in rows], color=GREEN)
     right.bar_label(bars, [f"{row['run'].hours:,.1f}" for row in rows], padding=3, fontsize=8)
