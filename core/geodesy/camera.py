@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .ellipsoid import sin_cos
+from .ellipsoid import arctan2, sin_cos
 from .lens import Lens
 
 Floats = NDArray[np.float64]
@@ -212,7 +212,7 @@ def attitude_of(right: Floats, image_up: Floats, axis: Floats) -> tuple[Floats, 
 
     Where the top of the image points up or down, yaw and roll turn about one axis, and their split is arbitrary.
     """
-    yaw = np.degrees(np.arctan2(image_up[..., 0], image_up[..., 1]))
+    yaw = np.degrees(arctan2(image_up[..., 0], image_up[..., 1]))
     tilt = np.degrees(np.arcsin(np.clip(image_up[..., 2], -1.0, 1.0)))
     roll = np.degrees(np.arctan2(-right[..., 2], -axis[..., 2]))
     return yaw, tilt, roll

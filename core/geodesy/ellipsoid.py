@@ -346,7 +346,7 @@ def limb_azimuth(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: El
     place = _Station.of(lat_deg, agl_m, ground)
     towards = np.asarray(towards_enu, np.float64)
     lean = place.lean_m / place.reach_m
-    azimuth: Floats = np.arctan2(towards[..., 0], towards[..., 1] + lean * towards[..., 2])
+    azimuth: Floats = arctan2(towards[..., 0], towards[..., 1] + lean * towards[..., 2])
     return azimuth
 
 
@@ -443,6 +443,18 @@ def positions(
             up - height * (sine * place.sin + cosine * place.cos * cos_dlon),
         )
     return lat, dlon, height
+
+
+def arctan2(across: Floats, along: Floats) -> Floats:
+    """Angles, radians, as `numpy.arctan2` has them, of arrays that lie in memory in any way.
+
+    numpy (1.24, AVX-512) rounds those of parts of larger arrays in one of two ways, by where in memory the result
+    happens to lie: the same mission would have other last digits another time.
+    """
+    found: Floats = np.arctan2(
+        np.array(across, np.float64, order="C"), np.array(along, np.float64, order="C")
+    )
+    return found
 
 
 def sin_cos(angle_deg: Floats | float) -> tuple[Floats, Floats]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .ellipsoid import WGS84, sin_cos, trace
+from .ellipsoid import WGS84, arctan2, sin_cos, trace
 
 if TYPE_CHECKING:
     from pyproj import CRS, Transformer
@@ -93,7 +93,7 @@ class ProjectedPlane:
     def north_deg(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Direction of true north at positions (any shape), degrees clockwise from grid north."""
         slope = self._slopes(lat_deg, lon_deg)
-        bearing: Floats = np.degrees(np.arctan2(slope[..., 0, 1], slope[..., 1, 1]))
+        bearing: Floats = np.degrees(arctan2(slope[..., 0, 1], slope[..., 1, 1]))
         return bearing
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message
+from .ellipsoid import arctan2
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -121,7 +122,7 @@ def _about(ring: Floats, distance: float) -> Floats:
     come, go = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
     turn = np.arctan2(come[:, 0] * go[:, 1] - come[:, 1] * go[:, 0], np.sum(come * go, axis=1))
     # To the right of the side that comes.
-    first = np.arctan2(-come[:, 0], come[:, 1])
+    first = arctan2(-come[:, 0], come[:, 1])
     found = [np.empty((0, 2))]
     for corner, begin, angle in zip(ring, first.tolist(), turn.tolist()):
         if angle <= 0.0:

@@ -208,10 +208,13 @@ class ShardCache:
                 name = self._waiting.popleft()
             # Who needs the shard tries again, and is told.
             with suppress(TerrAInavError, OSError):
-                self._has_tried(name)
+                self._has_tried(name, if_wanted=True)
 
-    def _has_tried(self, name: str) -> bool:
-        """Fetch a shard, if it is not there and there is room; False where somebody else is about it."""
+    def _has_tried(self, name: str, *, if_wanted: bool = False) -> bool:
+        """Fetch a shard, if it is not there and there is room; False where somebody else is about it.
+
+        With ``if_wanted``, one that has made room for others meanwhile is left alone.
+        """
         copy = self.copy(name)
         if self._sizes[name] > self.limit_bytes:
             return True
@@ -222,7 +225,7 @@ class ShardCache:
                 return True
             self._place.mkdir(exist_ok=True)
             with lock_tried(self.copy(name + _LOCK_ENDING)) as held:
-                if held and not copy.exists():
+                if held and not copy.exists() and (name in self._wanted or not if_wanted):
                     self._fetch(name)
                 return held
         except OSError as wrong:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import Cancelled, InvalidInput, Message, OptionName
+from ...geodesy.ellipsoid import arctan2
 from ...geodesy.mercator import PixelGrid
 from ...geodesy.projections import LocalPlane
 from ..area import Box, Points, Polygon, Polygons
@@ -159,7 +160,7 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
     side, length = side[length > 0.0], length[length > 0.0]
     if not len(side):
         return [EASTWARD_DEG]
-    heading = np.degrees(np.arctan2(side[:, 0], side[:, 1]))
+    heading = np.degrees(arctan2(side[:, 0], side[:, 1]))
     bends = np.abs(np.mod(heading - np.roll(heading, 1) + 180.0, 360.0) - 180.0) > _STRAIGHT_DEG
     first = int(np.argmax(bends))
     whole = np.cumsum(np.roll(bends, -first)) - 1

@@ -7,7 +7,7 @@ import pytest
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import CORNERS, Camera
-from terrainav.core.geodesy.ellipsoid import WGS84, Ellipsoid, sight_lines, trace
+from terrainav.core.geodesy.ellipsoid import WGS84, Ellipsoid, arctan2, sight_lines, trace
 
 from tests.core.geodesy import longdouble, scenes
 from tests.core.geodesy.reference import distance_m, ground_point, slant_and_grazing, zone_area_m2
@@ -115,3 +115,15 @@ def test_radii_at_equator_and_pole():
 def test_an_impossible_ellipsoid_is_refused():
     with pytest.raises(InvalidInput, match="semi-axes"):
         Ellipsoid(1.0, 2.0)
+
+
+def test_angles_do_not_depend_on_where_arrays_lie_in_memory():
+    rng = np.random.default_rng(0)
+    both = rng.normal((0.0, 1.0), (1e-2, 1e-3), (256, 2))
+    found, held = set(), []
+    for length in rng.integers(1, 3000, 3000).tolist():
+        held = [*held[-40:], np.empty(length)]
+        parts = np.empty((256, 2, 2))
+        parts[:, :, 1] = both
+        found.add(arctan2(parts[:, 0, 1], parts[:, 1, 1]).tobytes())
+    assert len(found) == 1

@@ -9,6 +9,7 @@ import sys
 import tempfile
 import threading
 import time
+from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from uuid import uuid4
@@ -214,6 +215,24 @@ def test_each_shard_is_fetched_once_an_epoch_whole(in_memory, temporary, fetched
     batches_of(in_memory, workers=4)
     images = read_dataset(in_memory).image_set("satellite")
     assert sorted(fetched) == sorted(images.shards.items())
+
+
+def test_what_comes_late_fetches_nothing_that_is_past(in_memory, temporary, fetched, monkeypatch):
+    lock_tried, over = streaming.lock_tried, threading.Event()
+
+    @contextmanager
+    def late(path):
+        if threading.current_thread() is not threading.main_thread():
+            over.wait(60.0)
+        with lock_tried(path) as held:
+            yield held
+
+    monkeypatch.setattr(streaming, "lock_tried", late)
+    batches = Batches(in_memory, 4, **{**CHOICE, "shards_at_once": 1})
+    list(batches)
+    over.set()
+    settled(batches.samples)
+    assert len(fetched) == SHARDS
 
 
 def test_a_large_shard_is_fetched_in_parts(in_memory, shards, fetched, monkeypatch):
