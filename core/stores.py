@@ -142,12 +142,10 @@ def get(path: Path) -> bytes | None:
             return None
         except OSError as wrong:
             raise OutputError("file {0}: cannot be read ({1})", path, wrong.strerror) from wrong
-    with store_errors(path):
-        try:
-            return bytes(_of_store(path).cat_file(_key(path)))
-        except FileNotFoundError as wrong:
-            _let_go(wrong)
-            return None
+    data = None
+    with _if_there(path):
+        data = _of_store(path).cat_file(_key(path))
+    return None if data is None else bytes(data)
 
 
 def opened(path: Path, buffering: int = -1) -> IO[bytes]:
@@ -195,16 +193,13 @@ def sizes_in(folder: Path) -> dict[str, int]:
             return {}
         except OSError as wrong:
             raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
-    with store_errors(folder):
+    found: list[dict[str, Any]] = []
+    with _if_there(folder):
         store = _of_store(folder)
         # What was listed before is of a moment ago, and others write as well.
         store.invalidate_cache()
-        try:
-            found = store.ls(_key(folder), detail=True)
-        except FileNotFoundError as wrong:
-            _let_go(wrong)
-            return {}
-        return {one["name"].rpartition("/")[2]: int(one["size"]) for one in found if one["type"] == "file"}
+        found = store.ls(_key(folder), detail=True)
+    return {one["name"].rpartition("/")[2]: int(one["size"]) for one in found if one["type"] == "file"}
 
 
 def folders_in(folder: Path) -> list[Path]:
@@ -233,14 +228,12 @@ def is_file(path: Path) -> bool:
     """
     if not is_address(path):
         return path.is_file()
-    with store_errors(path):
+    kind = None
+    with _if_there(path):
         store = _of_store(path)
         store.invalidate_cache()
-        try:
-            return bool(store.info(_key(path))["type"] == "file")
-        except FileNotFoundError as wrong:
-            _let_go(wrong)
-            return False
+        kind = store.info(_key(path))["type"]
+    return bool(kind == "file")
 
 
 def remove(path: Path) -> None:
@@ -250,11 +243,8 @@ def remove(path: Path) -> None:
     ------
     OutputError
     """
-    with store_errors(path):
-        try:
-            _of_store(path).rm_file(_key(path))
-        except FileNotFoundError as wrong:
-            _let_go(wrong)
+    with _if_there(path):
+        _of_store(path).rm_file(_key(path))
 
 
 @contextmanager
@@ -276,6 +266,16 @@ def store_errors(path: Path) -> Iterator[None]:
         return
     # Out here, where what was raised, which may quote a key, is no part of it.
     raise problem
+
+
+@contextmanager
+def _if_there(path: Path) -> Iterator[None]:
+    """The same, and go on after what is done where there is no such object."""
+    with store_errors(path):
+        try:
+            yield
+        except FileNotFoundError as wrong:
+            _let_go(wrong)
 
 
 def _let_go(wrong: Exception) -> None:

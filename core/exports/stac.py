@@ -18,6 +18,7 @@ from ..dataset.table import NUMBER, REJECTED, TEXT, WHOLE, Column, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, write_whole
 from ..geodesy.camera import image_axes
+from ..geodesy.ellipsoid import arctan2
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.mission import Mission
 from ..stores import Address, is_file
@@ -268,7 +269,7 @@ def _properties(images: ImageSet, *, is_camera: bool | None) -> dict[str, Column
     if is_camera:
         *_, axis = image_axes(table.yaw_deg, table.tilt_deg, table.roll_deg)
         off_nadir = np.degrees(np.arctan2(np.hypot(axis[:, 0], axis[:, 1]), -axis[:, 2]))
-        azimuth = np.degrees(np.arctan2(axis[:, 0], axis[:, 1])) % 360.0
+        azimuth = np.degrees(arctan2(axis[:, 0], axis[:, 1])) % 360.0
         # Nothing is seen where it looks up, and in no direction where it looks straight down.
         found["view:off_nadir"] = np.where(off_nadir <= _LEVEL_DEG, off_nadir, np.nan)
         found["view:azimuth"] = np.where((off_nadir > 0.0) & (off_nadir <= _LEVEL_DEG), azimuth, np.nan)

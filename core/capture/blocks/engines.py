@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -183,17 +184,12 @@ class _Calls(Executor):
         task, future = self._client.submit(fn, *args, pure=False, retries=0, **kwargs), Future[Any]()
 
         def end(_: Any) -> None:
-            result, wrong = None, None
             try:
-                result = task.result()
-            except BaseException as raised:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
-                wrong = raised
-            if not future.set_running_or_notify_cancel():
-                return
-            if wrong is None:
-                future.set_result(result)
-            else:
-                future.set_exception(wrong)
+                tell = partial(future.set_result, task.result())
+            except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+                tell = partial(future.set_exception, wrong)
+            if future.set_running_or_notify_cancel():
+                tell()
 
         task.add_done_callback(end)
         future.add_done_callback(lambda it: it.cancelled() and task.cancel())
