@@ -5,6 +5,7 @@ In reading order:
 - `parts`: what is asked beside area, camera and wind: every field with all that there is to say of it
 - `area`: where a mission goes, as a box, a polygon or points
 - `coords`: areas in text
+- `geojson`: shapes of GeoJSON files, in degrees of WGS 84
 - `area_files`: polygons in GeoJSON, KML and KMZ files
 - `pose_table`: poses in a table with a header
 - `cameras`: cameras by name, those that ship and the user's own

@@ -441,18 +441,18 @@ def check_rings(polygon: Polygon) -> None:
     ------
     InvalidInput
     """
+    outer, *holes = polygon.arrays()
+    if abs(outer[0][-1] - outer[0][0]) > 180.0:
+        raise InvalidInput(
+            "polygon around a pole: its sides are straight in degrees",
+            remedy="give its corners along the pole as well",
+        )
     lon, lat = _crossing_places(*sides_of(polygon))
     if len(lon):
         raise InvalidInput(
             "polygon whose sides cross at latitude {0:.6f}, longitude {1:.6f}: its sides may only touch",
             float(lat[0]),
             float(wrap_lon_deg(lon[:1])[0]),
-        )
-    outer, *holes = polygon.arrays()
-    if abs(outer[0][-1] - outer[0][0]) > 180.0:
-        raise InvalidInput(
-            "polygon around a pole: its sides are straight in degrees",
-            remedy="give its corners along the pole as well",
         )
     whole = Part((outer,))
     for number, (hole_lon, hole_lat) in enumerate(holes, 1):

@@ -11,12 +11,15 @@ import zlib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+import numpy as np
+
 from ..errors import InvalidInput, Message, OutputError
 from ..files import read_limited
 from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
 from ..safe_json import parse_json
 from ..safe_xml import UnreadableXMLError, XMLReader, elements_of
 from .area import Polygon, Polygons, check_rings
+from .geojson import System, shapes
 
 #: First bytes of a zip, which a KMZ is.
 _ZIP = b"PK\x03\x04"
@@ -73,7 +76,8 @@ def load_polygons(
     Raises
     ------
     InvalidInput
-        The file cannot be read, holds no polygon, or one that is none, see `check_rings`.
+        The file cannot be read, is in a reference system that is not known, holds no polygon, or one that is none, see
+        `check_rings`.
     OutputError
         A KML file, and lxml is not installed.
     """
@@ -117,29 +121,17 @@ def _geojson_polygons(body: bytes, where: str) -> Iterator[_Rings]:
     except InvalidInput as wrong:
         raise InvalidInput("{0}: cannot be read as GeoJSON, KML or KMZ ({1})", where, wrong) from wrong
     try:
-        for polygon in _coordinates(data):
-            yield tuple(tuple((float(p[0]), float(p[1])) for p in ring) for ring in polygon)
+        for polygon, system in shapes(data, "Polygon", where):
+            yield tuple(_in_degrees(ring, system) for ring in polygon)
+    except InvalidInput:
+        raise
     except (TypeError, ValueError, IndexError, KeyError) as wrong:
         raise InvalidInput("{0}: a corner is not longitude, latitude ({1})", where, wrong) from wrong
 
 
-def _coordinates(data: Any) -> Iterator[list[Any]]:
-    """Coordinates of each polygon, however deep it is inside features and collections."""
-    if not isinstance(data, dict):
-        return
-    coordinates = listed(data, "coordinates")
-    if data.get("type") == "Polygon" and coordinates:
-        yield coordinates
-    elif data.get("type") == "MultiPolygon":
-        yield from (polygon for polygon in coordinates if isinstance(polygon, list) and polygon)
-    for inner in (data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")):
-        yield from _coordinates(inner)
-
-
-def listed(data: dict[str, Any], name: str) -> list[Any]:
-    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
-    value = data.get(name)
-    return value if isinstance(value, list) else []
+def _in_degrees(ring: list[Any], system: System) -> tuple[tuple[float, float], ...]:
+    corners = np.array([(float(corner[0]), float(corner[1])) for corner in ring]).reshape(-1, 2)
+    return tuple((lon, lat) for lon, lat in system.degrees(corners).tolist())
 
 
 # --- KML

@@ -8,22 +8,22 @@ that radius, the arc is as wide as they allow, and flown at the speed that the b
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import along_geodesics, geodesics
 from ..limits import MAX_MISSION_BYTES, MAX_POSES
 from ..mission.area import Points, check_agl, check_lat_lon
-from ..mission.area_files import listed
 from ..mission.flight.gusts import GRAVITY_M_PER_S2
+from ..mission.geojson import shapes
 from ..safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
@@ -293,17 +293,18 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
     Raises
     ------
     InvalidInput
-        A file that cannot be read or holds no line, a corner that is none or has no height.
+        A file that cannot be read, is in a reference system that is not known, or holds no line; a corner that is none
+        or has no height.
     """
     try:
         data = parse_json(read_limited(path, MAX_MISSION_BYTES))
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("file {0}: cannot be read as GeoJSON ({1})", path, wrong) from wrong
     found = []
-    for coordinates in _line_strings(data):
+    for coordinates, system in shapes(data, "LineString", Message("file {0}", path)):
         try:
             corners = [
-                (corner[1], corner[0], *(corner[2:3] if agl_m is None else (agl_m,)))
+                (corner[0], corner[1], *(corner[2:3] if agl_m is None else (agl_m,)))
                 for corner in coordinates
             ]
             # Some corners may have a height where others have none.
@@ -317,20 +318,7 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
                 path,
                 remedy="give one for all (--agl)",
             )
-        found.append(line)
+        found.append(system.degrees(line)[:, [1, 0, 2]])
     if not found:
         raise InvalidInput("file {0}: holds no LineString", path)
     return found
-
-
-def _line_strings(data: Any) -> Iterator[list[Any]]:
-    """Coordinates of the lines in GeoJSON, in their order."""
-    if not isinstance(data, dict):
-        return
-    coordinates = listed(data, "coordinates")
-    if data.get("type") == "LineString" and coordinates:
-        yield coordinates
-    elif data.get("type") == "MultiLineString":
-        yield from filter(None, coordinates)
-    for inner in (data.get("geometry"), *listed(data, "features"), *listed(data, "geometries")):
-        yield from _line_strings(inner)

@@ -10289,6 +10289,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
+        <location filename="../../core/poses/line.py"/>
         <source>file {0}</source>
         <translation>archivo {0}</translation>
     </message>
@@ -11134,6 +11135,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/flight/wind.py"/>
         <source>wind speed {0} m/s: must be below the airspeed, {1} m/s, to fly against it</source>
         <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/geojson.py"/>
+        <source>{0}: a side runs through a pole, across the edge of the map of {1}, or too far; must be cut</source>
+        <translation>{0}: un lado pasa por un polo, por el borde del mapa de {1} o demasiado lejos; debe cortarse</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/geojson.py"/>
+        <source>{0}: corner {1:g}, {2:g} is outside the domain of its crs {3}</source>
+        <translation>{0}: el vértice {1:g}, {2:g} está fuera del dominio de su crs {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/geojson.py"/>
+        <source>{0}: its crs has no name; must be a name such as EPSG:25832, or left out for WGS 84</source>
+        <translation>{0}: su crs no tiene nombre; debe ser un nombre como EPSG:25832, o faltar si es WGS 84</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/geojson.py"/>
+        <source>{0}: its crs is a link ({1}), which is not followed; must be a name such as EPSG:25832</source>
+        <translation>{0}: su crs es un enlace ({1}), que no se sigue; debe ser un nombre como EPSG:25832</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/geojson.py"/>
+        <source>{0}: its crs {1!r} is no geographic or projected reference system that PROJ knows; must be a code such as EPSG:25832</source>
+        <translation>{0}: su crs {1!r} no es ningún sistema de referencia geográfico o proyectado que PROJ conozca; debe ser un código como EPSG:25832</translation>
     </message>
     <message>
         <location filename="../../core/mission/imageries.py"/>

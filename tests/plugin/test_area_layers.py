@@ -19,6 +19,7 @@ from qgis.core import (
     QgsPointXY,
     QgsProject,
     QgsRectangle,
+    QgsVectorFileWriter,
     QgsVectorLayer,
 )
 from qgis.PyQt.QtCore import QDate, QDateTime, QPoint, Qt, QTime
@@ -215,6 +216,30 @@ def metres_to_outline(closed, lon, lat):
 def test_corners_are_kept_and_no_more_are_made_than_needed():
     found = polygon("Polygon ((-90 35, -89 35, -89 36, -89.5 35.2, -90 36, -90 35))", "EPSG:4326")
     assert found.rings == (((-90.0, 35.0), (-89.0, 35.0), (-89.0, 36.0), (-89.5, 35.2), (-90.0, 36.0)),)
+
+
+@pytest.mark.parametrize(
+    ("crs", "west", "south", "size", "off_deg"),
+    [
+        ("EPSG:25832", 462000, 5249900, 20000, 1e-9),
+        ("EPSG:2180", 500000, 500000, 20000, 1e-9),
+        # EPSG has 39 transformations of ED50 to WGS 84, of which GDAL and QGIS take different ones.
+        ("EPSG:4230", 8.5, 47.4, 0.1, 1e-4),
+    ],
+)
+def test_geojson_that_qgis_wrote_is_where_its_layer_is(tmp_path, crs, west, south, size, off_deg):
+    wkt = QgsGeometry.fromRect(QgsRectangle(west, south, west + size, south + size)).asWkt()
+    layer = layer_of("Polygon", crs, [wkt])
+    options = QgsVectorFileWriter.SaveVectorOptions()
+    options.driverName, options.layerOptions = "GeoJSON", ["COORDINATE_PRECISION=15"]
+    path = tmp_path / "area.geojson"
+    QgsVectorFileWriter.writeAsVectorFormatV3(layer, str(path), CONTEXT, options)
+    assert crs.partition(":")[2] in path.read_text().partition("features")[0]
+    area, no_fly = area_file(str(path))(None).area, no_fly_file(str(path))(None).area
+    assert no_fly.parts == (area,)
+    found, wanted = np.array(area.rings[0]), np.array(polygon(wkt, crs).rings[0])
+    assert found.shape == wanted.shape
+    assert np.abs(found - wanted).max() < off_deg
 
 
 def test_curves_become_edges_within_the_tolerance():

@@ -1,0 +1,226 @@
+"""Shapes of GeoJSON files in degrees of WGS 84, whatever reference system they are written in.
+
+RFC 7946 has WGS 84 alone. The specification of 2008 has a member ``crs``, which QGIS, GDAL and PostGIS still write; it
+holds for all that is inside, up to a ``crs`` further in. The easting or longitude comes first, as GDAL reads it,
+whatever order the system's own axes have.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.ellipsoid import WGS84
+
+if TYPE_CHECKING:
+    from pyproj import Transformer
+
+Floats = NDArray[np.float64]
+#: Metres that a side which is straight in its own system may be off on the ground once it is straight in degrees: about
+#: a pixel of the sharpest imagery there is. Between the places that are looked at it may be off by twice as much.
+EDGE_TOLERANCE_M = 0.1
+_LOOKED_AT = (0.25, 0.5, 0.75)
+#: Halvings of one side: what is not straight then has a pole or the map's edge in it.
+_DEEPEST = 24
+#: Corners of one ring or line once its sides have been divided.
+_MOST_CORNERS = 1_000_000
+_M_PER_DEG = math.pi / 180.0 * WGS84.a_m
+#: Names by code, which are looked up in PROJ's database alone: no file is read for them, and no server asked.
+_CODES = re.compile(
+    r"[a-z]\w*:\w[\w.]*|(urn:(x-)?ogc:def:crs|https?://(www\.)?opengis\.net/def/crs)[:,/][\w.:,/-]+|CRS84",
+    re.IGNORECASE,
+)
+#: Characters of a name that are shown.
+_SHOWN = 80
+_DEGREES = "EPSG:4326"
+
+
+class Shape(NamedTuple):
+    """A Polygon or LineString of a file: its coordinates as they are there, and the system that they are in."""
+
+    coordinates: Any
+    system: System
+
+
+def shapes(data: Any, kind: str, where: str) -> Iterator[Shape]:
+    """Yield each shape of a kind, and each part of several, however deep it is inside features and collections.
+
+    Parameters
+    ----------
+    data : object
+        A GeoJSON object.
+    kind : {"Polygon", "LineString"}
+    where : str
+        What the file is, for messages.
+
+    Raises
+    ------
+    InvalidInput
+        A reference system that cannot be read.
+    """
+    yield from _shapes(data, kind, System(where), {})
+
+
+def _shapes(data: Any, kind: str, system: System, known: dict[str, System]) -> Iterator[Shape]:
+    if not isinstance(data, dict):
+        return
+    if "crs" in data:
+        name = _name(data["crs"], system.where)
+        if name not in known:
+            known[name] = SystemOfFile(system.where, name)
+        system = known[name]
+    coordinates = _listed(data, "coordinates")
+    if data.get("type") == kind and coordinates:
+        yield Shape(coordinates, system)
+    elif data.get("type") == f"Multi{kind}":
+        yield from (Shape(part, system) for part in coordinates if part)
+    for inner in (data.get("geometry"), *_listed(data, "features"), *_listed(data, "geometries")):
+        yield from _shapes(inner, kind, system, known)
+
+
+def _listed(data: dict[str, Any], name: str) -> list[Any]:
+    """List of a name; empty where there is something else, as GeoJSON may have null for a geometry."""
+    value = data.get(name)
+    return value if isinstance(value, list) else []
+
+
+def _name(crs: Any, where: str) -> str:
+    """Name of the reference system that a ``crs`` member states, in any of the forms that GDAL reads."""
+    kind = crs.get("type") if isinstance(crs, dict) else None
+    stated = crs.get("properties") if isinstance(crs, dict) else None
+    stated = stated if isinstance(stated, dict) else {}
+    kind = kind.lower() if isinstance(kind, str) else ""
+    if kind in ("link", "url"):
+        link = str(stated.get("href") or stated.get("url") or "")
+        raise InvalidInput(
+            "{0}: its crs is a link ({1}), which is not followed; must be a name such as EPSG:25832",
+            where,
+            link[:_SHOWN],
+        )
+    name = stated.get({"name": "name", "ogc": "urn"}.get(kind, ""))
+    code = stated.get("code")
+    if kind == "epsg" and isinstance(code, (int, str)):
+        name = f"EPSG:{code}"
+    if not isinstance(name, str):
+        raise InvalidInput(
+            "{0}: its crs has no name; must be a name such as EPSG:25832, or left out for WGS 84", where
+        )
+    return name.strip()
+
+
+class System:
+    """WGS 84, which files without a ``crs`` are in.
+
+    Parameters
+    ----------
+    where : str
+        What the file is, for messages.
+    """
+
+    def __init__(self, where: str) -> None:
+        self.where = where
+
+    def degrees(self, corners: Floats) -> Floats:
+        """Return corners (m, k), with longitude and latitude first, of the corners (n, k) of a ring or line."""
+        return corners
+
+
+class SystemOfFile(System):
+    """A reference system that a file names.
+
+    Parameters
+    ----------
+    where : str
+    name : str
+
+    Raises
+    ------
+    InvalidInput
+        No geographic or projected system has this name.
+    """
+
+    def __init__(self, where: str, name: str) -> None:
+        super().__init__(where)
+        self.name = name[:_SHOWN]
+        transformer = _transformer(name)
+        if transformer is None:
+            raise InvalidInput(
+                "{0}: its crs {1!r} is no geographic or projected reference system that PROJ knows; "
+                "must be a code such as EPSG:25832",
+                where,
+                self.name,
+            )
+        self._transformer = transformer
+
+    def degrees(self, corners: Floats) -> Floats:
+        """Return corners in degrees of WGS 84, as many as keep all sides where they are.
+
+        Raises
+        ------
+        InvalidInput
+            A corner that the system does not have, or a side through a pole or across the edge of its map.
+        """
+        for _ in range(_DEEPEST):
+            places = self._places(corners)
+            bent = self._bent(corners, places)
+            if not bent.size:
+                return np.concatenate([places, corners[:, 2:]], axis=1)
+            if len(corners) + len(bent) > _MOST_CORNERS:
+                break
+            corners = np.insert(corners, bent + 1, (corners[bent] + corners[bent + 1]) / 2.0, axis=0)
+        raise InvalidInput(
+            "{0}: a side runs through a pole, across the edge of the map of {1}, or too far; must be cut",
+            self.where,
+            self.name,
+        )
+
+    def _bent(self, corners: Floats, places: Floats) -> NDArray[np.intp]:
+        """Sides that are elsewhere once they are straight in degrees, by their numbers."""
+        way = np.diff(places, axis=0)
+        way[:, 0] -= 360.0 * np.rint(way[:, 0] / 360.0)
+        farthest = np.zeros(len(way))
+        for share in _LOOKED_AT:
+            there = self._places(corners[:-1] + share * np.diff(corners, axis=0))
+            off = there - (places[:-1] + share * way)
+            east = (off[:, 0] - 360.0 * np.rint(off[:, 0] / 360.0)) * np.cos(np.radians(there[:, 1]))
+            farthest = np.maximum(farthest, np.hypot(east, off[:, 1]) * _M_PER_DEG)
+        return np.flatnonzero(farthest > EDGE_TOLERANCE_M / 2.0)
+
+    def _places(self, corners: Floats) -> Floats:
+        """Longitudes and latitudes (n, 2)."""
+        from ..geodesy.projections import through_proj
+
+        if not len(corners):
+            return corners[:, :2]
+        places = np.stack(through_proj(self._transformer.transform, corners[:, 0], corners[:, 1]), axis=1)
+        lost = np.flatnonzero(~np.isfinite(places).all(axis=1))
+        if lost.size:
+            raise InvalidInput(
+                "{0}: corner {1:g}, {2:g} is outside the domain of its crs {3}",
+                self.where,
+                *corners[lost[0], :2].tolist(),
+                self.name,
+            )
+        return places
+
+
+def _transformer(name: str) -> Transformer | None:
+    """Transformation to WGS 84 of a system by its name; None where there is none."""
+    if len(name) > _SHOWN or _CODES.fullmatch(name) is None:
+        return None
+    from pyproj import CRS, Transformer
+    from pyproj.exceptions import ProjError
+
+    try:
+        crs = CRS.from_user_input(name)
+        if not (crs.is_geographic or crs.is_projected):
+            return None
+        return Transformer.from_crs(crs, _DEGREES, always_xy=True)
+    except ProjError:
+        return None
