@@ -129,12 +129,14 @@ def _made(
     signals: list[int],
 ) -> Making:
     from ..benchmark.making import make_benchmark
-    from ..imagery.catalogue import check_policy
+    from ..imagery.catalogue import check_policy, shared_requests
 
-    for imagery, plan in worked_out.captures.values():
+    captures = [(imagery, sources[str(imagery)], plan) for imagery, plan in worked_out.captures.values()]
+    needed = shared_requests([(source, plan.requests) for _, source, plan in captures])
+    for (imagery, source, _), requests in zip(captures, needed):
         check_policy(
-            sources[str(imagery)],
-            plan.requests,
+            source,
+            requests,
             accept_terms=arguments.accept_terms,
             map_types=(imagery.map_type,),
             bounds_deg=settings_bounds(worked_out),

@@ -410,10 +410,12 @@ def _run(
 ) -> CaptureResult:
     from ..capture.runner import capture
     from ..capture.several import capture_imageries
+    from ..imagery.catalogue import shared_requests
 
     plans = {name: _planned(one, values, sources[name]) for name, one in each.items()}
-    for name, worked_out in plans.items():
-        _check_terms(worked_out, sources[name], _requests(worked_out), arguments.accept_terms)
+    needed = shared_requests([(sources[name], _requests(one)) for name, one in plans.items()])
+    for (name, worked_out), requests in zip(plans.items(), needed):
+        _check_terms(worked_out, sources[name], requests, arguments.accept_terms)
     bar = Bar(arguments.quiet)
     how: Any = {
         "connections": values["connections"],

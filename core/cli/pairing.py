@@ -188,14 +188,20 @@ def _capture(
     values: dict[str, Any],
     signals: list[int],
 ) -> PairResult:
-    from ..imagery.catalogue import check_policy
+    from ..imagery.catalogue import check_policy, shared_requests
     from ..pairs.capturing import capture_pairs
     from ..pairs.planning import DRONE, SATELLITE
 
-    for view, source in sources.items():
+    needed = shared_requests(
+        [
+            (source, worked_out.requests_of(view) if len(sources) > 1 else worked_out.requests)
+            for view, source in sources.items()
+        ]
+    )
+    for (view, source), requests in zip(sources.items(), needed):
         check_policy(
             source,
-            worked_out.requests_of(view) if len(sources) > 1 else worked_out.requests,
+            requests,
             accept_terms=arguments.accept_terms,
             map_types=(worked_out.settings.imagery_of(view).map_type,),
             bounds_deg=worked_out.bounds_deg,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -196,6 +196,20 @@ def check_policy(
     """
     instead = alternatives(map_types or source.map_types, bounds_deg) if source.policy.stops(requests) else ()
     source.policy.check(source.title, requests, accept_terms, instead)
+
+
+def shared_requests(asked: Sequence[tuple[Source | NamedSource, int]]) -> list[int]:
+    """Requests of sources of one run, each with those of the others that are under the same terms.
+
+    Parameters
+    ----------
+    asked : sequence of (Source or NamedSource, int)
+        Sources, which may be there several times, and the requests of each.
+    """
+    policies = [source.policy for source, _ in asked]
+    return [
+        sum(requests for (_, requests), policy in zip(asked, policies) if policy == own) for own in policies
+    ]
 
 
 def shelf(folder: str | os.PathLike[str] | None = None) -> Shelf[CatalogueEntry]:

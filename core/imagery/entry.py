@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import bisect
 import datetime as dt
+import html
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cache, lru_cache
 from typing import Any
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.mercator import PixelGrid, extent_of_box
@@ -20,7 +21,7 @@ from ..text import listed
 from .placeholder import Placeholder
 from .policy import BULK, Policy
 from .systems import WORLD_DEG, box_on, plane_of
-from .template import KEY_ENV, Template
+from .template import KEY_ENV, Template, host_of
 
 DATE_KINDS = ("day", "year", "listed", "any")
 #: Dates that an error names; `terrainav sources show` names more.
@@ -52,6 +53,12 @@ _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
 #: What names of sources look like.
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+#: User, host and port of an address; programs take one slash or several after the scheme. A letter alone is a drive.
+_AUTHORITY = re.compile(r"(?<=[A-Za-z0-9+.-]{2}):[/\\]{1,9}([^\s/\\?#&|'\"<>,]+)")
+#: Placeholders, as ${z}, {switch:a,b} and [1-4] of templates.
+_IN_BRACES = re.compile(r"\$?\{[\w:,.-]*\}|\[\w-\w\]")
+#: How often an address is decoded: within a data source, within another, and once more.
+_MOST_DECODED = 3
 
 
 @dataclass(frozen=True)
@@ -495,18 +502,55 @@ def serving(host: str) -> CatalogueEntry | None:
     return None
 
 
+def providers_in(text: str) -> tuple[CatalogueEntry, ...]:
+    """Shipped entries of the providers that the addresses in a text lead to, in whatever way it writes them.
+
+    Parameters
+    ----------
+    text : str
+        An address, or what holds some: a data source of QGIS, a name of GDAL's, a description in XML. User names, ports
+        and passwords, percent-encoding of any depth, entities of XML and placeholders in braces make no other host.
+    """
+    found: dict[str, None] = {}
+    for written in _readings(text):
+        found.update(dict.fromkeys(_AUTHORITY.findall(_IN_BRACES.sub("0", written))))
+    hosts = dict.fromkeys(host_of(f"//{authority.rpartition('@')[2]}") for authority in found)
+    known = map(serving, hosts)
+    return tuple({one.name: one for one in known if one is not None}.values())
+
+
+def _readings(text: str) -> list[str]:
+    """Return a text as it is, and as programs read it that decode it, up to `_MOST_DECODED` times."""
+    readings = [text]
+    for decode in (html.unescape, unquote):
+        for written in list(readings):
+            for _ in range(_MOST_DECODED):
+                decoded = decode(written)
+                if decoded == written:
+                    break
+                readings.append(written := decoded)
+    return readings
+
+
+def strictest(providers: Iterable[CatalogueEntry]) -> CatalogueEntry | None:
+    """Of several providers, the one that allows least; None of none."""
+    return max(
+        providers,
+        key=lambda one: (BULK.index(one.policy.bulk_allowed), -(one.policy.max_tiles or 0)),
+        default=None,
+    )
+
+
 def under_provider(entry: CatalogueEntry) -> CatalogueEntry:
     """Return an entry with its provider's terms: they hold however the tiles are asked for."""
     templates = (Template(url, levels=entry.levels, plane=entry.plane) for url in entry.urls.values())
     hosts = (host for template in templates for host in template.hosts)
-    known = [provider for provider in map(serving, hosts) if provider is not None]
-    if not known:
+    known = strictest(provider for provider in map(serving, hosts) if provider is not None)
+    if known is None:
         return entry
-    # Of several, the one that allows least.
-    strictest = max(known, key=lambda provider: BULK.index(provider.policy.bulk_allowed))
     return replace(
         entry,
-        policy=strictest.policy,
-        placeholder=strictest.placeholder.with_files(entry.placeholder.sha256),
-        attribution=entry.attribution or strictest.attribution,
+        policy=known.policy,
+        placeholder=known.placeholder.with_files(entry.placeholder.sha256),
+        attribution=entry.attribution or known.attribution,
     )

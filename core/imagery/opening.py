@@ -17,7 +17,7 @@ from ..bands import NO_STRETCH, Bands, bands_of
 from ..errors import InvalidInput, SourceError
 from ..files import is_there
 from ..geodesy.mercator import PixelGrid
-from .entry import NAME, PIXELS, CatalogueEntry
+from .entry import NAME, PIXELS, CatalogueEntry, providers_in, strictest
 from .placeholder import Placeholder
 from .policy import Policy
 from .raster.trust import ADDRESS as RASTER_ADDRESS
@@ -495,8 +495,9 @@ class FileSource(NamedSource):
 
     @property
     def stated_policy(self) -> Policy:
-        """Terms that the file itself would state are not read."""
-        return Policy()
+        """Terms of the provider that it is fetched from; what the file itself would state is not read."""
+        known = None if self.is_local else strictest(providers_in(self.text))
+        return Policy() if known is None else known.policy
 
     @cached_property
     def _known(self) -> Source:

@@ -240,14 +240,17 @@ class MakeBenchmark(WithImagery):
 
     def _made(self, worked_out: BenchmarkPlan, folder: Path, watch: Watch, *, accepted: bool) -> Making:
         from ...core.benchmark.making import make_benchmark
+        from ...core.imagery.catalogue import shared_requests
 
         with ExitStack() as open_now:
             sources = {
                 name: open_now.enter_context(imagery.opened())
                 for name, imagery in zip(self._named, self._taken)
             }
-            for imagery, plan in worked_out.captures.values():
-                check_terms(plan, sources[str(imagery)], plan.requests, accepted=accepted)
+            captures = [(plan, sources[str(imagery)]) for imagery, plan in worked_out.captures.values()]
+            needed = shared_requests([(source, plan.requests) for plan, source in captures])
+            for (plan, source), requests in zip(captures, needed):
+                check_terms(plan, source, requests, accepted=accepted)
             made = make_benchmark(
                 worked_out,
                 sources,

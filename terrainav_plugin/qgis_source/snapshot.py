@@ -33,6 +33,7 @@ from ..map.mission_group import ROLE
 from ..tasks import crs_named
 from .connections import is_connection
 from .renderer import Pipes
+from .terms import policies
 from .tiles import Address, Tiles, address_of
 
 #: What names of sources begin with that QGIS itself draws.
@@ -182,7 +183,7 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
         date=_date(layers[0]) if len(layers) == 1 else "",
         grid=grid,
         ground=tuple(_drawn(layer, addresses[layer.id()]) for layer in ground),
-        policy=next((policy for policy, _ in _policies(ground, addresses)), Policy()),
+        policy=next((policy for policy, _ in policies(layers)), Policy()),
         drawing=tuple(_copy(layer) for layer in drawing),
         settings=_settings(project, crs_named(grid.plane.crs)),
         paper=project.backgroundColor(),
@@ -190,24 +191,16 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
 
 
 def policies_of_layers(name: str, project: QgsProject) -> list[tuple[Policy, str]]:
-    """Terms of the providers of a source's tiles, with the layers' names, the strictest first.
+    """Terms of all providers that a source asks, with the layers' names, as `terms.policies` has them.
 
     Raises InvalidInput as `layers_of`.
     """
-    ground = _ground(layers_of(name, project))
-    return _policies(ground, _addresses(ground))
+    return policies(layers_of(name, project))
 
 
 def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
     """Where layers have their tiles from, by the layers' ids."""
     return {layer.id(): address_of(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
-
-
-def _policies(ground: list[QgsRasterLayer], addresses: Addresses) -> list[tuple[Policy, str]]:
-    found = ((addresses[layer.id()], layer.name()) for layer in ground)
-    terms = ((address.policy, name) for address, name in found if address is not None)
-    known = [(policy, name) for policy, name in terms if policy is not None and policy.bulk_allowed != "yes"]
-    return sorted(known, key=lambda terms: terms[0].max_tiles or 0)
 
 
 def _drawn(layer: QgsRasterLayer, address: Address | None) -> Pipes | Tiles:

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from qgis.PyQt.QtGui import QImage
 
     from ...core.imagery.entry import CatalogueEntry
-    from ...core.imagery.policy import Policy
     from ...core.imagery.source import Source
 
     Pixels = NDArray[np.uint8]
@@ -187,11 +186,6 @@ class Address(NamedTuple):
         if self.entry is None:
             return None
         return self.connection.max_zoom + (self.connection.tile_px // 256).bit_length() - 1
-
-    @property
-    def policy(self) -> Policy | None:
-        """What the provider allows; None where only the service knows."""
-        return None if self.entry is None else self.entry.policy
 
     def tiles(self, copy: QgsRasterLayer) -> Tiles:
         """The tiles, of a copy of the layer that is theirs to keep."""

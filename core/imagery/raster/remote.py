@@ -18,8 +18,10 @@ from typing import NamedTuple
 from urllib.parse import unquote
 
 from ...errors import InvalidInput, PartError, SourceError
+from ..entry import providers_in, strictest
 from ..http.client import FIRST_WAIT_S, TRIES, Client, NotThere
 from ..http.transport import Response, Timeouts, Transport, too_long, user_agent
+from ..policy import Policy
 from .trust import CURL
 
 #: GDAL's names of files over HTTP, and of those within archives over HTTP, with and without braces.
@@ -95,6 +97,7 @@ class Remote:
             "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR",
         }
         self.path, self._url = _address(path)
+        self._providers = list(providers_in(path))
         self._client: Client | None = None
         self._asking = threading.Lock()
         if not self._url or any(f"GDAL_HTTP_{name}" in os.environ for name in _CREDENTIALS):
@@ -121,6 +124,12 @@ class Remote:
             # A list of headers: quotes, as ETags have them, stand in it with a backslash.
             written = self._version.condition.replace('"', r"\"")
             self.options["GDAL_HTTP_HEADERS"] = f'"{written}"'
+
+    @property
+    def policy(self) -> Policy:
+        """Terms of the providers that were asked so far, wherever a redirect led; of several the strictest."""
+        known = strictest(self._providers)
+        return Policy() if known is None else known.policy
 
     def check(self, *, anew: bool = False) -> None:
         """Refuse a file that is another one by now; asks for it again after seconds, or where it is to.
@@ -155,7 +164,12 @@ class Remote:
 
     def _ask(self, client: Client) -> _Version:
         try:
-            answer = client.get(self._url, self._title, {"Range": "bytes=0-0"})
+            answer = client.get(
+                self._url,
+                self._title,
+                {"Range": "bytes=0-0"},
+                lambda asked: self._providers.extend(providers_in(asked)),
+            )
         except PartError as wrong:
             if too_long(_MOST_BYTES).message.template in map(_template, _values(wrong.message)):
                 raise self._without_parts() from wrong

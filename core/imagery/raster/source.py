@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import glob
+import itertools
 import math
 import os
 import re
@@ -187,7 +188,6 @@ class RasterSource:
     """
 
     map_types: tuple[str, ...] = ()
-    policy = Policy()
 
     def __init__(
         self,
@@ -227,6 +227,8 @@ class RasterSource:
         self._place = Place(facts)
         self._sizes = facts.sizes
         self._pool = pool
+        self.policy = Policy() if pool.remote is None else pool.remote.policy
+        self._fetched = itertools.count(1)
         self._state = _state(path)
         self.grid = self._grid(self._place.own_plane(of_degrees=heights) if own_pixels else None)
 
@@ -256,11 +258,13 @@ class RasterSource:
         PartError
             Its pixels cannot be read here.
         SourceError
-            The file is gone, or has changed since it was opened.
+            The file is gone, or has changed since it was opened; or its provider's terms let no more of it pass.
         Cancelled
             The source is closed.
         """
         check_zoom(part.zoom, self.grid, self.title)
+        if self.policy.bulk_allowed == "no":
+            self.policy.check(self.title, next(self._fetched))
         self._check_same()
         picture = self._mean_colours(boxes(*self._place.positions(part, self.grid)), part)
         if self._is_stretched:

@@ -1,0 +1,138 @@
+"""Whose terms hold for a layer: of every provider that it asks, whatever kind of layer it is and however it is written.
+
+The address is looked for in the layer's own data source, in what its provider has read of the service, and in the files
+that describe data elsewhere: GDAL's of a WMS or of tiles, VRT of those, and what stands beside them.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+import stat
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qsl
+
+from osgeo import gdal
+from qgis.core import QgsMapLayer, QgsProviderRegistry, QgsRasterLayer
+
+from ...core.imagery.entry import providers_in
+from ...core.imagery.policy import BULK, Policy
+from ...core.imagery.raster.trust import FETCHED
+from ...core.limits import MAX_VRT_BYTES
+
+if TYPE_CHECKING:
+    from ...core.imagery.entry import CatalogueEntry
+
+#: Who a request says that it comes from, which is nobody that is asked.
+_REFERRED = re.compile(r"(http-header:)?refer+er=('[^']*'|\"[^\"]*\"|[^&\s]*)", re.IGNORECASE)
+#: GDAL's addresses of tiles need no scheme.
+_BARE = re.compile(r"<(\w*url)\b[^<>]*>\s*(?!\w+:/)([^<>\s]+)", re.IGNORECASE)
+_MARKUP = re.compile(r"<!--.*?-->|<!\[CDATA\[|\]\]>", re.DOTALL)
+#: What names a file in a description: text of an element, and values of attributes and of JSON.
+_VALUES = re.compile(r">([^<>]{1,1024})<|\"([^\"<>]{1,1024})\"|'([^'<>]{1,1024})'")
+#: Files that GDAL opens with a raster.
+_BESIDE = (".aux.xml", ".ovr", ".msk")
+#: Files that are looked at for one layer, and one within another.
+_MOST_FILES, _MOST_DEPTH = 10_000, 8
+_HEAD_BYTES = 256
+
+
+def policies(layers: Iterable[QgsMapLayer]) -> list[tuple[Policy, str]]:
+    """Terms that limit how much may be had of layers, with the layers' names; those that nothing overrides come first.
+
+    Several layers of one provider share what it allows.
+    """
+    found: dict[str, tuple[CatalogueEntry, list[str]]] = {}
+    for layer in layers:
+        for provider in providers_of(layer):
+            found.setdefault(provider.name, (provider, []))[1].append(layer.name())
+    terms = [(_share(one.policy, len(names)), ", ".join(names)) for one, names in found.values()]
+    limited = [one for one in terms if one[0].bulk_allowed != "yes"]
+    return sorted(limited, key=lambda one: (-BULK.index(one[0].bulk_allowed), one[0].max_tiles or 0))
+
+
+def providers_of(layer: QgsMapLayer) -> list[CatalogueEntry]:
+    """Known providers that a layer asks, each once; on the main thread."""
+    inner = getattr(layer, "childLayers", list)()
+    found = {one.name: one for child in inner for one in providers_of(child)}
+    found.update((one.name, one) for text in _texts(layer) for one in providers_in(text))
+    return list(found.values())
+
+
+def _share(policy: Policy, count: int) -> Policy:
+    if count == 1 or policy.max_tiles is None:
+        return policy
+    return replace(policy, max_tiles=max(policy.max_tiles // count, 1))
+
+
+def _texts(layer: QgsMapLayer) -> Iterator[str]:
+    """Texts in which a layer's addresses may stand."""
+    source = _REFERRED.sub("", layer.source())
+    yield source
+    if not isinstance(layer, QgsRasterLayer):
+        return
+    provider = layer.dataProvider()
+    if layer.providerType() == "wms" and provider is not None:
+        # A service's capabilities name the addresses that are asked for pictures.
+        yield provider.htmlMetadata()
+    decoded = QgsProviderRegistry.instance().decodeUri(layer.providerType(), source).get("path", "")
+    names = [source, decoded, *(value for _, value in parse_qsl(source))]
+    yield from _Descriptions().texts(name for name in names if isinstance(name, str))
+
+
+class _Descriptions:
+    """Files that describe data elsewhere, and those that they name; each is read once."""
+
+    def __init__(self) -> None:
+        self._seen: set[str] = set()
+
+    def texts(self, names: Iterable[str], depth: int = 0) -> Iterator[str]:
+        """Texts of those of the names that are descriptions, or files of such."""
+        for name in names:
+            if name.lstrip().startswith("<"):
+                text, folder = name, ""
+            else:
+                text, folder = self._text(name), name.rpartition("/")[0]
+            if not text:
+                continue
+            plain = html.unescape(_MARKUP.sub("", text))
+            yield plain
+            yield " ".join(f"http://{address}" for _, address in _BARE.findall(plain))
+            if depth < _MOST_DEPTH:
+                named = dict.fromkeys("".join(values).strip() for values in _VALUES.findall(plain))
+                inside = (one for one in named if "://" not in one and not one.isdecimal())
+                yield from self.texts((path for one in inside for path in _paths(one, folder)), depth + 1)
+        if depth == 0:
+            beside = [name + ending for name in list(self._seen) for ending in _BESIDE]
+            yield from self.texts(beside, depth + 1)
+
+    def _text(self, name: str) -> str:
+        """Text of a file of this machine; empty where it is none, or is a picture."""
+        if name in self._seen or len(self._seen) >= _MOST_FILES or FETCHED.search(name) or "\0" in name:
+            return ""
+        found = gdal.VSIStatL(name)
+        # A pipe would be waited for.
+        if found is None or not stat.S_ISREG(found.mode):
+            return ""
+        self._seen.add(name)
+        head = _read(name, _HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n")
+        if not head.startswith((b"<", b"{", b"[")):
+            return ""
+        return _read(name, MAX_VRT_BYTES).decode("utf-8", "replace")
+
+
+def _paths(name: str, folder: str) -> list[str]:
+    """Where a name in a description of a folder may lead to."""
+    return [name, f"{folder}/{name}"] if folder else [name]
+
+
+def _read(name: str, size: int) -> bytes:
+    file = gdal.VSIFOpenL(name, "rb")
+    if file is None:
+        return b""
+    try:
+        return bytes(gdal.VSIFReadL(1, size, file) or b"")
+    finally:
+        gdal.VSIFCloseL(file)
