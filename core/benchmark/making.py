@@ -18,10 +18,12 @@ from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
 from ..dataset.table import GAP
 from ..errors import Message, OptionName, OutputError
-from ..files import json_bytes, make_folder, open_locked, write_whole
+from ..files import json_bytes, make_folder, open_locked, read_limited, write_whole
 from ..imagery.source import Source
+from ..limits import MAX_SETTINGS_BYTES
 from ..poses.priors import PRIORS_FILE, write_priors
 from ..poses.settings import Sensors
+from ..safe_json import parse_json
 from .choices import CROSS_AREA, NO_SPLIT
 from .folder import (
     BENCHMARK_FILE,
@@ -123,7 +125,7 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
     make_folder(path)
     mark = path / BENCHMARK_FILE
     try:
-        found = json.loads(mark.read_bytes()) if mark.exists() else None
+        found = parse_json(read_limited(mark, MAX_SETTINGS_BYTES)) if mark.exists() else None
         foreign = sorted(one.name for one in path.iterdir() if one.name != _LOCK_FILE)
     except (OSError, ValueError) as wrong:
         raise OutputError("folder {0}: cannot read {1} ({2})", path, BENCHMARK_FILE, wrong) from wrong

@@ -101,7 +101,10 @@ class Outcome:
                 float(fields.get(f"{what}_share", 0.0)) for what in ("sky", "unmapped", "facade")
             )
             entropy = float(fields["entropy"]) if fields["status"] == DONE else None
-            if not all(map(math.isfinite, (sky, unmapped, facades, entropy or 0.0))):
+            sizes = [int(fields.get(f"{what}_bytes", 0)) for what in ("size", "offset", "length")]
+            # Comparisons with what is no number are false.
+            is_sound = all(0.0 <= share <= 1.0 for share in (sky, unmapped, facades))
+            if not (is_sound and 0.0 <= (entropy or 0.0) < math.inf and min(sizes) >= 0):
                 return None
             return cls(
                 str(fields["map_type"]),
@@ -111,11 +114,10 @@ class Outcome:
                 sky,
                 unmapped,
                 facades,
-                int(fields.get("size_bytes", 0)),
+                sizes[0],
                 tuple(map(str, fields.get("repeated", ()))),
                 str(fields.get("shard", "")),
-                int(fields.get("offset_bytes", 0)),
-                int(fields.get("length_bytes", 0)),
+                *sizes[1:],
             )
         except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None

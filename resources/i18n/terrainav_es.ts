@@ -7234,6 +7234,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
+        <source>it holds no object</source>
+        <translation>no contiene ningún objeto</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
         <source>{0}: holds no capture in blocks of this mission, so nothing of it has failed</source>
         <translation>{0}: no contiene ninguna captura por bloques de esta misión, así que nada de ella ha fallado</translation>
     </message>
@@ -7241,6 +7246,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/destination.py"/>
         <source>{0}: holds this mission with other images, because the source or the version was another</source>
         <translation>{0}: contiene esta misión con otras imágenes, porque la fuente o la versión era otra</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>{0}: its {1} cannot be read ({2}), so it is not known how it was begun</source>
+        <translation>{0}: su {1} no se puede leer ({2}), por lo que no se sabe cómo se empezó</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>

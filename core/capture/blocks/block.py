@@ -7,7 +7,7 @@ import json
 import platform
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -21,13 +21,14 @@ from numpy.typing import NDArray
 from ...errors import OutputError, PartError
 from ...files import write_whole
 from ...imagery.opening import NamedSource, SourceOptions
-from ...imagery.placeholder import Repeats
+from ...imagery.placeholder import Repeats, digests_of
 from ...imagery.source import Source
 from ...mission.parts import Terrain
 from ...mission.plan import Plan
 from ...picture.heights import heights_for
 from ...picture.optics import Exposures
 from ...resources import version
+from ...safe_json import parse_json
 from ...stores import get, store_path
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
@@ -122,6 +123,23 @@ class Record(NamedTuple):
         """Whether any of its images has failed."""
         return any(one.status == FAILED for one in self.outcomes.values())
 
+    def is_of(self, map_type: str, names: Sequence[str]) -> bool:
+        """Whether it is of a block of these images: of each of them, and of no other."""
+        return self.outcomes.keys() == {*names} and all(
+            one.map_type == map_type for one in self.outcomes.values()
+        )
+
+    def fits(self, shard: str) -> bool:
+        """Whether its images that were made are where they may be: each by itself, or apart in a shard."""
+        made = [one for one in self.outcomes.values() if one.status != FAILED]
+        if any(one.shard != shard for one in made):
+            return False
+        ends = (
+            sorted((one.offset_bytes, one.offset_bytes + one.length_bytes) for one in made) if shard else []
+        )
+        borders = [0, *(border for pair in ends for border in pair), self.shard_bytes]
+        return not ends or borders == sorted(borders)
+
     def to_bytes(self) -> bytes:
         """Content of its file: one line of JSON for the block, and one for each image."""
         head: dict[str, Any] = {"images": len(self.outcomes), "shard_bytes": self.shard_bytes}
@@ -140,11 +158,12 @@ class Record(NamedTuple):
         first, *lines = data.splitlines(keepends=True) or [b""]
         outcomes = [Outcome.from_line(line) for line in lines]
         try:
-            head = json.loads(first)
+            head = parse_json(first)
             shard_bytes, noted = int(head["shard_bytes"]), bytes.fromhex(head.get("noted", ""))
+            digests_of(noted)
             if head["images"] != len(outcomes) or not data.endswith(b"\n"):
                 return None
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, AttributeError, OverflowError):
             return None
         known = {one.name: one for one in outcomes if one is not None}
         return cls(known, shard_bytes, noted) if len(known) == len(lines) else None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from ...dataset.folder import JOURNAL_FILE
-from ...errors import OutputError
+from ...errors import InvalidInput, Message, OutputError
 from ...files import json_bytes, write_whole
 from ...mission.plan import Plan
 from ...safe_json import parse_json
@@ -17,6 +18,7 @@ from ..folder import captured_mission, is_complete, open_place, sizes_of_picture
 from ..journal import FAILED
 from ..writers import file_endings
 from .block import Record, block_name
+from .division import Numbers
 
 #: Records that are read at once.
 _READ_AT_ONCE = 16
@@ -42,31 +44,37 @@ class Destination:
         self.root = open_place(address, captured_mission(plan), resume=resume)
         self._layout = FOLDERS
 
-    def records(self, map_type: str, count: int) -> dict[int, Record]:
+    def records(self, map_type: str, divided: Sequence[Numbers]) -> dict[int, Record]:
         """Records of the blocks that are there, whole, by number.
 
         Parameters
         ----------
-        count : int
-            How many blocks there are.
+        divided : sequence of Numbers
+            Indices of the captures of each block.
         """
         there = sizes_in(self.root / BLOCKS_FOLDER)
-        wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(count)}
+        wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(divided))}
         numbers = [number for number, name in wanted.items() if name in there]
         sizes = sizes_of_pictures(self.root / map_type)
         with ThreadPoolExecutor(_READ_AT_ONCE) as threads:
             read = threads.map(lambda number: get(self.root / BLOCKS_FOLDER / wanted[number]), numbers)
             records = {number: Record.from_bytes(data or b"") for number, data in zip(numbers, read)}
+        names = self._plan.names
         return {
             number: record
             for number, record in records.items()
-            if record is not None and self._is_whole(map_type, number, record, sizes)
+            if record is not None
+            and record.is_of(map_type, [names[index] for index in divided[number].tolist()])
+            and self._is_whole(map_type, number, record, sizes)
         }
 
     def _is_whole(self, map_type: str, number: int, record: Record, sizes: dict[str, int]) -> bool:
-        """Whether the files of a block are as long as they were when it was committed."""
-        if self._layout == WEBDATASET and record.shard_bytes:
-            return sizes.get(f"{block_name(map_type, number)}.tar") == record.shard_bytes
+        """Whether the files of a block are as long as they were when it was committed, and hold its images."""
+        shard = f"{block_name(map_type, number)}.tar" if self._layout == WEBDATASET else ""
+        if not record.fits(shard):
+            return False
+        if shard and record.shard_bytes:
+            return sizes.get(shard) == record.shard_bytes
         endings = file_endings(self._plan.mission.output.image_format, on_map=self._plan.size_px is None)
         return all(
             is_complete(one, endings, sizes) for one in record.outcomes.values() if one.status != FAILED
@@ -107,7 +115,12 @@ class Destination:
                 path.parent.mkdir(exist_ok=True)
             write_whole(path, json_bytes(wanted))
             return
-        found = parse_json(data)
+        try:
+            found = parse_json(data)
+        except InvalidInput as wrong:
+            raise self._unreadable(wrong) from wrong
+        if not isinstance(found, dict):
+            raise self._unreadable(Message("it holds no object"))
         if found == wanted:
             return
         if [found.get(name) for name in ("captures", "names_sha256")] != [
@@ -123,6 +136,15 @@ class Destination:
             self._address,
             found.get("layout_of_files"),
             found.get("images"),
+        )
+
+    def _unreadable(self, reason: object) -> OutputError:
+        return OutputError(
+            "{0}: its {1} cannot be read ({2}), so it is not known how it was begun",
+            self._address,
+            f"{BLOCKS_FOLDER}/{DIVISION_FILE}",
+            reason,
+            remedy="choose another folder",
         )
 
 

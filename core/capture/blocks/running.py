@@ -163,10 +163,9 @@ class _Run:
 
     def begin(self, *, only_failed: bool) -> None:
         """See what is there, write what tells of the whole, and put what is missing in a row."""
-        count = len(self._divided)
         for map_type in self._map_types:
-            self._records[map_type] = self._place.records(map_type, count)
-            for number in range(count):
+            self._records[map_type] = self._place.records(map_type, self._divided)
+            for number in range(len(self._divided)):
                 record = self._records[map_type].get(number)
                 missing = not only_failed if record is None else record.failed or self._is_placeholder(record)
                 if missing:

@@ -320,7 +320,7 @@ class Batches:
         self.samples = Samples(dataset, **choice)
         self.epoch = 0
         self._chunks = chunks(len(self.samples), batch_size)
-        self._position = Position(self.samples, batch_size)
+        self._position = Position(self.samples, batch_size, len(self._chunks))
         self._workers = workers
 
     def set_epoch(self, epoch: int) -> None:
@@ -337,7 +337,7 @@ class Batches:
         Raises
         ------
         InvalidInput
-            A state of other images, another order or another batch size.
+            A state of other images, another order or another batch size, or of a batch that an epoch does not have.
         """
         self.epoch = self._position.load(state)
 
@@ -369,8 +369,8 @@ class Batches:
 class Position:
     """Where in an epoch an iteration is: how many batches have been taken, not how many have been made ahead."""
 
-    def __init__(self, samples: Samples, batch_size: int) -> None:
-        self._samples, self._batch_size = samples, batch_size
+    def __init__(self, samples: Samples, batch_size: int, batches: int) -> None:
+        self._samples, self._batch_size, self._batches = samples, batch_size, batches
         self._epoch = self._taken = self._loaded = 0
         #: Number of the batch that the iteration began with.
         self.first = 0
@@ -403,12 +403,20 @@ class Position:
             )
         except (KeyError, TypeError) as wrong:
             raise InvalidInput("state {0!r}: must be one that state_dict has given", state) from wrong
+        if not _is_whole(epoch):
+            raise InvalidInput("state: epoch {0!r} must be a whole number", epoch)
         if batch_size != self._batch_size or order != self._order:
             raise InvalidInput(
                 "state: is of other images, another order or another batch size than those of this loader"
             )
-        self._epoch, self._taken, self._loaded = epoch, batch, batch
-        return int(epoch)
+        if not (_is_whole(batch) and 0 <= batch <= self._batches):
+            raise InvalidInput(
+                "state: batch {0!r} must be a whole number from 0 to {1:,}, the batches of an epoch",
+                batch,
+                self._batches,
+            )
+        self._epoch, self._taken, self._loaded = int(epoch), int(batch), int(batch)
+        return self._epoch
 
     @cached_property
     def _order(self) -> str:
@@ -416,6 +424,11 @@ class Position:
         digest = blake2b(self._samples.order(0).astype("<i8").tobytes(), digest_size=16)
         digest.update("\n".join(self._samples.names).encode())
         return digest.hexdigest()
+
+
+def _is_whole(value: object) -> bool:
+    """Whether a value is a whole number, of Python's or numpy's; what is true or false is none."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool)
 
 
 @contextmanager

@@ -21,8 +21,7 @@ class _Order:
 
     def __init__(self, dataset: _TorchSamples, batch_size: int, drop_last: bool) -> None:
         self._dataset, self._batch_size, self._drop_last = dataset, batch_size, drop_last
-        self.position = Position(dataset.samples, batch_size)
-        len(self)
+        self.position = Position(dataset.samples, batch_size, len(self))
 
     def __len__(self) -> int:
         return len(self._chunks())

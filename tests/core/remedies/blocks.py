@@ -10,6 +10,7 @@ from uuid import uuid4
 from terrainav.core.capture import holding
 from terrainav.core.capture.blocks.engines import Engine, open_engine
 from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
 from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
@@ -148,6 +149,17 @@ def _at_work(case: Case) -> None:
         captured(address, resume=True)
 
     case.follow("wait until it has ended", ended)
+
+
+@remedy(
+    "capture/blocks/destination.py",
+    "{}: its {} cannot be read ({}), so it is not known how it was begun; choose another folder",
+)
+def _torn_division(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    (case.tmp_path / "out" / BLOCKS_FOLDER / DIVISION_FILE).write_bytes(b"{")
+    case.refused(lambda: captured(case.tmp_path / "out", resume=True))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
 
 
 @remedy("capture/blocks/destination.py", "folder {}: was captured without blocks; choose another folder")

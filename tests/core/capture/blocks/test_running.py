@@ -6,6 +6,7 @@ import itertools
 import json
 import multiprocessing
 import pickle
+import shutil
 import tarfile
 import threading
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -253,6 +254,87 @@ def test_what_is_torn_is_made_again(sharded, tmp_path, place):
     result = captured(tmp_path / "out", Blocks(8, "webdataset"), resume=True)
     assert 0 < result.written <= 8
     assert contents(tmp_path / "out") == contents(sharded)
+
+
+def without_the_last(head, lines):
+    head["images"] -= 1
+    lines.pop()
+
+
+def with_another(head, lines):
+    lines[-1]["name"] = "nobody"
+
+
+def with_one_twice(head, lines):
+    lines[-1] = dict(lines[0])
+
+
+def of_another_map_type(head, lines):
+    lines[-1]["map_type"] = "roadmap"
+
+
+def of_another_shard(head, lines):
+    lines[-1]["shard"] = "satellite-000000.tar"
+
+
+def beyond_the_shard(head, lines):
+    lines[-1]["offset_bytes"] = head["shard_bytes"]
+
+
+def over_each_other(head, lines):
+    lines[-1]["offset_bytes"] = lines[0]["offset_bytes"]
+
+
+def before_the_shard(head, lines):
+    lines[-1]["offset_bytes"] = -512
+
+
+def with_a_share_of_two(head, lines):
+    lines[-1]["sky_share"] = 2.0
+
+
+def without_bound(head, lines):
+    head["shard_bytes"] = float("inf")
+
+
+def with_a_torn_note(head, lines):
+    head["noted"] = "00"
+
+
+EVERYWHERE = [without_the_last, with_another, with_one_twice, of_another_map_type, of_another_shard]
+EVERYWHERE += [with_a_share_of_two, without_bound, with_a_torn_note]
+IN_SHARDS = [beyond_the_shard, over_each_other, before_the_shard]
+
+
+@pytest.mark.parametrize(
+    ("layout", "change"),
+    [("folders", one) for one in EVERYWHERE] + [("webdataset", one) for one in EVERYWHERE + IN_SHARDS],
+)
+def test_a_record_that_is_not_of_its_block_is_not_believed(whole, sharded, tmp_path, layout, change):
+    """A block whose record says less, or other than it made, is made again: no row is lost."""
+    shutil.copytree(sharded, tmp_path / "out") if layout == "webdataset" else captured(tmp_path / "out")
+    record = tmp_path / "out" / BLOCKS_FOLDER / "satellite-000001.jsonl"
+    head, *lines = map(json.loads, record.read_text().splitlines())
+    change(head, lines)
+    record.write_text("".join(json.dumps(one) + "\n" for one in (head, *lines)))
+    result = captured(tmp_path / "out", Blocks(8, layout), resume=True)
+    assert result.written == len(lines) + (change is without_the_last)
+    if layout == "webdataset":
+        assert contents(tmp_path / "out") == contents(sharded)
+    else:
+        assert contents(tmp_path / "out", but=("journal.jsonl", "blocks/")) == whole
+    table = Table.load(tmp_path / "out" / "satellite" / "meta_data.csv")
+    assert len(table.img_names) == len(PLAN)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[1]", "3", '{"images": 8}\x00', "\xff"])
+def test_a_division_that_cannot_be_read_is_one_line(tmp_path, text):
+    captured(tmp_path / "out")
+    (tmp_path / "out" / BLOCKS_FOLDER / "blocks.json").write_bytes(text.encode("latin-1"))
+    with pytest.raises(
+        OutputError, match=r"out: its .*blocks\.json cannot be read \(.*choose another folder$"
+    ):
+        captured(tmp_path / "out", resume=True)
 
 
 class Broken(PatternSource):

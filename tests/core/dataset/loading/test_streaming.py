@@ -452,6 +452,18 @@ def test_a_state_of_another_loader_is_refused(shards, folders):
             InvalidInput, match=r"^state: is of other images, another order or another batch size"
         ):
             other.load_state_dict(state)
+    for name, odd in (
+        *(("batch", value) for value in (-5, 10**9, 6, 1.0, "1", None, True, float("nan"))),
+        *(("epoch", value) for value in (0.5, "1", None, False, [])),
+    ):
+        with pytest.raises(InvalidInput, match=rf"^state: {name} .* must be a whole number") as refused:
+            Batches(shards, 4, **CHOICE).load_state_dict({**state, name: odd})
+        assert "\n" not in str(refused.value)
+    torch_loader = torch_dataset(shards).batches(4)
+    with pytest.raises(
+        InvalidInput, match=r"^state: batch -5 must be a whole number from 0 to 5, the batches"
+    ):
+        torch_loader.load_state_dict({**state, "batch": -5})
     for odd in ({}, {"epoch": 1}, None):
         with pytest.raises(InvalidInput, match=r"^state .*: must be one that state_dict has given"):
             Batches(shards, 4, **CHOICE).load_state_dict(odd)
