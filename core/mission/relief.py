@@ -16,6 +16,7 @@ from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines, sin_cos
 from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
 from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.projections import LocalPlane
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
 from .area import ANGLES, Points, Polygon, Polygons
@@ -33,7 +34,10 @@ _LOOKED_AT = 4.0
 #: Latitudes at which it is told how much ground rows surely see, and metres by which that may change a metre.
 _LATITUDES, _STEEPEST = 2048, 0.05
 #: What is worked out of the relief that is known.
-_WORKED_OUT = ("within_m", "_lowest_near", "_lowest_within", "_tops", "_tops_within", "_seen_by_latitude")
+_WORKED_OUT = (
+    *("within_m", "_lowest_near", "_lowest_within", "_tops", "_tops_within", "_seen_by_latitude"),
+    "_overflown",
+)
 #: Share of what images reach within which captures along a row are told alike.
 _SHARE_OF_REACH = 1.0 / 16.0
 #: Share of its height above ground that a capture must keep over what it sees.
@@ -46,6 +50,8 @@ _ALONG_EDGE, _LEAST_ABOVE_M = 16, 1e-3
 _BULGE = 1.05
 #: Metres of relief that are none: level ground, to the last digit of its heights.
 _LEVEL_M = 1e-4
+#: Pieces of legs that are straight on any map, metres: to 3 mm at 60 degrees of latitude.
+_PIECE_M = 250.0
 
 
 @dataclass(frozen=True)
@@ -97,6 +103,32 @@ class ReliefFigures(NamedTuple):
     hidden_share: float
 
 
+class Profile(NamedTuple):
+    """What lies below straight legs, at nodes (m,) in their order.
+
+    A leg that is as high as this at each node is so between them, too.
+
+    Attributes
+    ----------
+    leg : array of int64
+        Number of the leg.
+    share : array
+        Where on the leg, 0 to 1.
+    lat_deg, lon_deg : array
+    highest_m : array
+        Of the surface there, or within the clearance's distance; minus infinity where there is none.
+    ground_m : array
+        Of the ground; NaN where there is none.
+    """
+
+    leg: Numbers
+    share: Floats
+    lat_deg: Floats
+    lon_deg: Floats
+    highest_m: Floats
+    ground_m: Floats
+
+
 class Overflown:
     """Relief below a path that goes beyond the captures.
 
@@ -108,7 +140,8 @@ class Overflown:
 
     def __init__(self, ground: Surface, surface: Surface, clearance_distance_m: float) -> None:
         self._ground, self._surface = ground, surface
-        self.cell_m = min(_cell_m(ground), _cell_m(surface))
+        self.cell_m = _cell_m(surface)
+        self._distance_m = clearance_distance_m
         self._near = _highest_around(surface, clearance_distance_m) if clearance_distance_m else None
 
     def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
@@ -116,11 +149,89 @@ class Overflown:
         return self._ground.heights(*self._ground.position(lat_deg, lon_deg))
 
     def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
-        """Greatest height within the clearance's distance of positions (n,); minus infinity where there is none."""
+        """Greatest height within the clearance's distance of positions (n,); minus infinity where there is none.
+
+        It looks a cell farther than that, as places between the nodes of a profile have to keep it, too.
+        """
+        return self._highest(self._near, lat_deg, lon_deg)
+
+    def highest_within_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Greatest height of the surface at positions (n,) and of its pixels within the clearance's distance, a square.
+
+        Minus infinity where there is none.
+        """
+        return self._highest(self._within, lat_deg, lon_deg)
+
+    @cached_property
+    def _within(self) -> Callable[[Floats, Floats], Floats] | None:
+        if not self._distance_m:
+            return None
+        # Half a cell lies between a place and its nearest pixel.
+        return _highest_of(self._surface, math.floor(self._distance_m / self.cell_m + 0.5))
+
+    def _highest(
+        self, near: Callable[[Floats, Floats], Floats] | None, lat_deg: Floats, lon_deg: Floats
+    ) -> Floats:
         found = self._surface.heights(*self._surface.position(lat_deg, lon_deg))
-        if self._near is not None:
-            found = np.fmax(found, self._near(lat_deg, lon_deg))
+        if near is not None:
+            found = np.fmax(found, near(lat_deg, lon_deg))
         return np.where(np.isnan(found), -np.inf, found)
+
+    def profile(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane, first: int = 0) -> Profile:
+        """Profile below straight legs of a plane from position to position (n,); the first leg has a number.
+
+        Nodes are where legs cross the lines between pixels' centres, and half-way between those: there is one
+        parabola from crossing to crossing, and what a leg has to be higher than half-way is where its tangents meet.
+        """
+        x, y = plane.forward(lat_deg, lon_deg)
+        length = np.hypot(np.diff(x), np.diff(y))
+        pieces = np.maximum(np.ceil(length / _PIECE_M), 1.0).astype(np.int64)
+        leg = np.repeat(np.arange(len(length)), pieces)
+        begin = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
+        lat, lon = plane.inverse(*(a[leg] + begin * (a[leg + 1] - a[leg]) for a in (x, y)))
+        ends = np.append(lat, lat_deg[-1]), np.append(lon, lon_deg[-1])
+        column, row = self._surface.position(*ends)
+        piece, along = _crossings(column, row)
+        half = np.flatnonzero(np.diff(piece) == 0)
+        middle = (along[half] + along[half + 1]) / 2.0
+        at = np.argsort(np.append(np.arange(len(piece)), half + 0.5), kind="stable")
+        piece, along = np.append(piece, piece[half])[at], np.append(along, middle)[at]
+        ground = self._ground.position(*ends)
+        values = [a[piece] + along * (a[piece + 1] - a[piece]) for a in (*ends, column, row, *ground)]
+        heights = self._surface.heights(values[2], values[3])
+        halves = np.flatnonzero(at >= len(at) - len(half))
+        bulge = heights[halves] - (heights[halves - 1] + heights[halves + 1]) / 2.0
+        heights[halves] += np.maximum(np.where(np.isnan(bulge), 0.0, bulge), 0.0)
+        if self._near is not None:
+            heights = np.fmax(heights, self._near(values[0], values[1]))
+        return Profile(
+            leg[piece] + first,
+            begin[piece] + along / pieces[leg[piece]],
+            values[0],
+            values[1],
+            np.where(np.isnan(heights), -np.inf, heights),
+            self._ground.heights(values[4], values[5]),
+        )
+
+
+def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
+    """Where straight pieces from place to place (n,) cross whole columns and rows: number of the piece, and share.
+
+    Beginning and end of each piece are among them.
+    """
+    count = len(column) - 1
+    pieces, shares = [np.arange(count), np.arange(count)], [np.zeros(count), np.ones(count)]
+    for at in (column, row):
+        low, high = np.minimum(at[:-1], at[1:]), np.maximum(at[:-1], at[1:])
+        first = np.floor(low).astype(np.int64) + 1
+        number = np.maximum(np.ceil(high).astype(np.int64) - first, 0)
+        piece = np.repeat(np.arange(count), number)
+        line = np.arange(len(piece)) - np.repeat(np.cumsum(number) - number, number) + first[piece]
+        pieces.append(piece)
+        shares.append((line - at[piece]) / (at[piece + 1] - at[piece]))
+    piece, share = np.concatenate(pieces), np.clip(np.concatenate(shares), 0.0, 1.0)
+    order = np.lexsort((share, piece))
+    return piece[order], share[order]
 
 
 class ReliefBelow:
@@ -189,9 +300,7 @@ class ReliefBelow:
 
     def reaches(self, lat_deg: Floats, lon_deg: Floats) -> bool:
         """Whether the relief about captures (n,) was known; if not, as their images look far ahead, it is read."""
-        column, row = self._ground.position(lat_deg, lon_deg)
-        rows, columns = self._ground.cells
-        if ((column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)).all():
+        if _holds(self._ground, lat_deg, lon_deg):
             return True
         lat, lon = (np.concatenate(at) for at in zip(self._ends, (lat_deg, lon_deg)))
         self._stand = np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()])
@@ -202,10 +311,17 @@ class ReliefBelow:
         """Relief about positions (n,), and so many metres around them."""
         distance_m = self.mission.terrain.clearance_distance_m
         around = _widened(lat_deg, lon_deg, room_m + distance_m)
+        if all(_is_finest_of(surface, *around) for surface in (self._ground, self._surface)):
+            return self._overflown
         ground = surface = self.heights.ground.surface(*around)
         if self.heights.surface is not self.heights.ground:
             surface = self.heights.surface.surface(*around)
         return Overflown(ground, surface, distance_m)
+
+    @cached_property
+    def _overflown(self) -> Overflown:
+        """The relief that is known."""
+        return Overflown(self._ground, self._surface, self.mission.terrain.clearance_distance_m)
 
     @property
     def is_level(self) -> bool:
@@ -684,9 +800,25 @@ def _cell_m(surface: Surface) -> float:
     return float(surface.grid.ground_m_per_px(lat, lon, surface.zoom)[0])
 
 
+def _holds(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
+    """Whether positions (n,) lie on a surface."""
+    column, row = surface.position(lat_deg, lon_deg)
+    rows, columns = surface.cells
+    return bool(((column >= 0.0) & (column <= columns) & (row >= 0.0) & (row <= rows)).all())
+
+
+def _is_finest_of(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
+    """Whether a surface has the finest heights of positions (n,)."""
+    return surface.zoom == surface.grid.native_zoom and _holds(surface, lat_deg, lon_deg)
+
+
 def _highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:
     """For positions (n,), the greatest height of a surface within a distance; NaN where it has none there."""
-    reach = math.ceil(radius_m / _cell_m(surface)) + 1
+    return _highest_of(surface, math.ceil(radius_m / _cell_m(surface)) + 1)
+
+
+def _highest_of(surface: Surface, reach: int) -> Callable[[Floats, Floats], Floats]:
+    """For positions (n,), the greatest height of a surface's pixels up to so many from the nearest one."""
     top = np.where(np.isnan(surface.heights_m), -np.inf, surface.heights_m).astype(np.float32)
     for axis in (0, 1):
         top = _running_max(top, min(reach, top.shape[axis] - 1), axis)

@@ -6,6 +6,7 @@ In reading order:
 - `rows`: the table, and rows, times and rings for others
 - `waypoints`, `sorties`: captures, and the path through them, as an autopilot is asked for them
 - `geojson`, `geopackage`, `kml`: for GIS and Google Earth
+- `flown`: files that lead over relief, read back and held against the surface
 - `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: for those who fly
 """
 

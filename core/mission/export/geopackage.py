@@ -13,6 +13,7 @@ from typing import Any
 from ...errors import Message, OutputError
 from ...files import partial_file
 from ..plan import Plan
+from .flown import Reader, places_of_geopackage
 from .rows import POSE_COLUMNS, Corners, batches, clock, closed_rings, parts
 from .waypoints import flight_line, takeoff_of
 
@@ -45,6 +46,8 @@ def write_geopackage(plan: Plan, path: Path) -> None:
     ------
     OutputError
         Where GDAL's Python module is missing, or the file cannot be written.
+    InvalidInput
+        The flight line comes too near to the relief.
     """
     try:
         from osgeo import ogr
@@ -61,6 +64,9 @@ def write_geopackage(plan: Plan, path: Path) -> None:
             _heard(path) as failed,
         ):
             _write(ogr, plan, partial, failed)
+            if plan.relief is not None:
+                reader = Reader(plan)
+                reader.check(reader.above_ground([places_of_geopackage(partial)]), path.name)
     except OSError as wrong:
         raise OutputError(
             "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror

@@ -7,7 +7,6 @@ https://www.litchiutilities.com/docs/litchiCsv.php; limits of a mission are thos
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import groupby
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from ..flight.motion import legs
 from ..flight.path import LANDING, TAKEOFF
 from ..parts import BY_DISTANCE, HOVER
 from ..plan import Plan
+from .sorties import sorties
 from .waypoints import Waypoint, not_flown, waypoints
 
 ACTIONS = 15
@@ -95,20 +95,21 @@ def _files(waypoints: int) -> int:
 def _shots(plan: Plan, sortie: int) -> Iterator[tuple[Waypoint, tuple[int, ...], float]]:
     """Waypoints of a sortie in the air, with the actions there, and the distance between images from there on.
 
-    Where distance releases the camera, of a row there are its ends alone.
+    Where distance releases the camera, of a row there are its ends alone, and over relief where it bends.
     """
-    trigger = plan.mission.trigger
-    hover = (_STAY, _STAY_MS) if trigger == HOVER else ()
-    flown = (one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING))
-    for (is_capture, _), group in groupby(flown, key=lambda one: (one.is_capture, one.row)):
-        run = list(group)
-        if is_capture and trigger == BY_DISTANCE and len(run) > 1:
-            way = legs(np.array([one.lat_deg for one in run]), np.array([one.lon_deg for one in run]))
-            yield run[0], (_TAKE_PHOTO, 0), float(way.distance_m.min())
-            yield run[-1], (_TAKE_PHOTO, 0), -1.0
-            continue
-        for one in run:
-            yield one, (*hover, _TAKE_PHOTO, 0) if is_capture else (), -1.0
+    hover = (_STAY, _STAY_MS) if plan.mission.trigger == HOVER else ()
+    flown = [one for one in waypoints(plan, sortie) if one.kind not in (TAKEOFF, LANDING)]
+    if plan.mission.trigger != BY_DISTANCE:
+        for one in flown:
+            yield one, (*hover, _TAKE_PHOTO, 0) if one.is_capture else (), -1.0
+        return
+    own = sorties(plan)[sortie]
+    way_m = legs(own.lat_deg, own.lon_deg).distance_m
+    spacing_m = {}
+    for first, last in own.runs(plan):
+        spacing_m.update(dict.fromkeys(range(first, last), float(way_m[first:last].min(initial=np.inf))))
+    for at in np.flatnonzero(own.waypoints(plan)).tolist():
+        yield flown[at], (_TAKE_PHOTO, 0) if flown[at].is_capture else (), spacing_m.get(at, -1.0)
 
 
 def litchi_notes(plan: Plan) -> tuple[str, ...]:

@@ -34,6 +34,10 @@ _PX4, _QUADROTOR = 12, 2
 _ALTITUDE_RELATIVE, _ALTITUDE_MIXED = 1, 0
 #: Items before and after those of the captures, and of each capture.
 _AROUND, _EACH = 4, 2
+#: Further items, at most, that lead back over relief.
+_BACK = 2
+#: Height over the place of take-off above which ArduPilot refuses an item, metres.
+_HIGHEST_M = 83_000.0
 #: How long an aircraft that hovers for an image is left to come to rest.
 _STEADY_S = 1.0
 
@@ -49,18 +53,27 @@ class Command(NamedTuple):
 
 
 def check_qgroundcontrol(plan: Plan) -> None:
-    """Raise InvalidInput for a mission of more items than MAVLink counts."""
+    """Raise InvalidInput for a mission of more items than MAVLink counts, or higher than ArduPilot takes."""
     by_distance = plan.mission.trigger == BY_DISTANCE
     for sortie in sorties(plan):
-        captures = int(np.count_nonzero(sortie.capture >= 0))
-        own = 2 * _EACH * len(sortie.runs(plan)) if by_distance else _EACH * captures
+        points, own = len(sortie), int(np.count_nonzero(sortie.capture >= 0))
+        if by_distance:
+            points, own = int(np.count_nonzero(sortie.waypoints(plan))), _EACH * len(sortie.runs(plan))
         turned = int(np.count_nonzero(np.diff(sortie.gimbal_pitch_deg)))
-        if len(sortie) - captures + own + turned + _AROUND > MOST_ITEMS:
+        back = 0 if plan.relief is None else _BACK
+        if points + own + turned + back + _AROUND > MOST_ITEMS:
             raise InvalidInput(
                 "QGroundControl plan of {0:,} waypoints: takes {1:,} or fewer",
                 len(sortie),
                 (MOST_ITEMS - _AROUND) // _EACH,
                 remedy="plan a smaller area, a greater height or less overlap",
+            )
+        highest = float(sortie.height_m.max())
+        if highest >= _HIGHEST_M:
+            raise InvalidInput(
+                "QGroundControl plan at {0:g} m: must be below {1:g} m above the take-off",
+                highest,
+                _HIGHEST_M,
             )
 
 
@@ -103,7 +116,6 @@ def qgroundcontrol_notes(plan: Plan) -> tuple[str, ...]:
 def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict[str, Any]:
     """What a plan of QGroundControl holds, without its items."""
     speed = plan.mission.flight.airspeed_m_per_s
-    home = sortie.takeoff or (float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
     return {
         "fileType": "Plan",
         "geoFence": {"circles": [], "polygons": [], "version": 2},
@@ -114,7 +126,7 @@ def plan_object(plan: Plan, sortie: Sortie, mixed_heights: bool = False) -> dict
             "globalPlanAltitudeMode": _ALTITUDE_MIXED if mixed_heights else _ALTITUDE_RELATIVE,
             "hoverSpeed": speed,
             "items": [],
-            "plannedHomePosition": [*home, sortie.base_m],
+            "plannedHomePosition": [*sortie.home, sortie.base_m],
             "vehicleType": _QUADROTOR,
             "version": 2,
         },
@@ -143,31 +155,37 @@ def simple_items(commands: Iterable[Command], first: int) -> Iterator[dict[str, 
 def _commands(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     yield from before_flight(plan, sortie)
     yield from flight(plan, sortie)
-    yield after_flight()
+    yield from after_flight(plan, sortie)
 
 
 def before_flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
     """Take-off, speed and gimbal."""
-    lat, lon = sortie.takeoff or (float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
     height = float(sortie.height_m[0])
-    yield Command(NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, lat, lon, height))
+    yield Command(NAV_TAKEOFF, FRAME_RELATIVE, (0, 0, 0, None, *sortie.home, height))
     speed = plan.mission.flight.airspeed_m_per_s
     yield Command(DO_CHANGE_SPEED, FRAME_MISSION, (_GROUND_SPEED, speed, -1, 0, 0, 0, 0))
     yield _gimbal(float(sortie.gimbal_pitch_deg[0]))
 
 
-def after_flight() -> Command:
-    """Return to the place of take-off."""
-    return Command(NAV_RETURN_TO_LAUNCH, FRAME_MISSION, (0, 0, 0, 0, 0, 0, 0))
+def after_flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
+    """Return to the place of take-off; over relief up first, as high as the way back has to be."""
+    height = sortie.way_home_m(plan, -1)
+    if sortie.takeoff is None and height > sortie.height_m[-1]:
+        heading, last = float(sortie.heading_deg[-1]), (float(sortie.lat_deg[-1]), float(sortie.lon_deg[-1]))
+        for place in (last, sortie.home):
+            yield Command(NAV_WAYPOINT, FRAME_RELATIVE, (0, 0, 0, heading, *place, height))
+    yield Command(NAV_RETURN_TO_LAUNCH, FRAME_MISSION, (0, 0, 0, 0, 0, 0, 0))
 
 
 def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
-    """Waypoints and images; where distance releases the camera, waypoints at both ends of each row.
+    """Waypoints and images; where distance releases the camera, of a row its ends, and over relief where it bends.
 
     The gimbal is turned on the way to the waypoint that asks for another pitch.
     """
     trigger = plan.mission.trigger
-    ends = dict(sortie.runs(plan)) if trigger == BY_DISTANCE else {}
+    by_distance = trigger == BY_DISTANCE
+    ends = dict(sortie.runs(plan)) if by_distance else {}
+    is_waypoint = sortie.waypoints(plan) if by_distance else np.ones(len(sortie), bool)
     hold = _STEADY_S if trigger == HOVER else 0
     last, pitch_was = -1, float(sortie.gimbal_pitch_deg[0])
     points = zip(
@@ -179,7 +197,7 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
         sortie.capture.tolist(),
     )
     for at, (lat, lon, height, heading, pitch, capture) in enumerate(points):
-        if at < last:
+        if not is_waypoint[at]:
             continue
         if pitch != pitch_was:
             yield _gimbal(pitch)
@@ -189,12 +207,14 @@ def flight(plan: Plan, sortie: Sortie) -> Iterator[Command]:
         )
         if at == last:
             yield _by_distance(0)
+        elif at < last:
+            continue
         elif ends.get(at, at) > at:
             last = ends[at]
             yield _by_distance(spacing_m(sortie, at, last))
         elif capture >= 0:
-            # One image, at once; the last four are for the camera to choose.
-            yield Command(IMAGE_START_CAPTURE, FRAME_MISSION, (0, 0, 1, None, None, None, None))
+            # One image, at once. ArduPilot refuses what is no number, also in parameters that are not used.
+            yield Command(IMAGE_START_CAPTURE, FRAME_MISSION, (0, 0, 1, 0, 0, 0, 0))
 
 
 def spacing_m(sortie: Sortie, first: int, last: int) -> float:

@@ -154,7 +154,7 @@ def _text(plan: Plan, sortie: Sortie) -> Iterator[str]:
     )
     item = _survey(plan, sortie.take(slice(first, end)), len(before) + 1)
     number = len(before) + 1 + len(item["TransectStyleComplexItem"]["Items"])
-    after = chain(_way(plan, sortie.take(slice(end, len(sortie)))), [after_flight()])
+    after = chain(_way(plan, sortie.take(slice(end, len(sortie)))), after_flight(plan, sortie))
     return text_of(
         plan_object(plan, sortie, mixed_heights=_follows_terrain(plan)),
         chain(before, [item], simple_items(after, number)),

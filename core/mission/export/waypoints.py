@@ -141,11 +141,11 @@ def takeoff_of(plan: Plan) -> tuple[float, float] | None:
 def flight_line(plan: Plan, sortie: int | None = None) -> list[tuple[Floats, Floats, Floats]]:
     """Way from waypoint to waypoint as longitudes, latitudes and heights above ground, cut at the antimeridian.
 
-    Of a path with more than its captures it has all points, of one sortie or of all. Else of more than `LINE_POINTS`
-    waypoints it goes through every k-th and through the ends of the rows, and where even those are too many, through
-    every k-th.
+    Of a path with more than its captures, or over relief, it has all points, of one sortie or of all. Else of more than
+    `LINE_POINTS` waypoints it goes through every k-th and through the ends of the rows, and where even those are too
+    many, through every k-th.
     """
-    if not plan.path.is_captures:
+    if not plan.path.is_captures or plan.relief is not None:
         path = plan.path if sortie is None else plan.path.of(sortie)
         return [(lon, lat, agl) for lon, lat, agl in cut_line(path.lon_deg, path.lat_deg, path.agl_m)]
     meant, count = plan.meant, len(plan)

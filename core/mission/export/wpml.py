@@ -14,13 +14,14 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InvalidInput, Message
 from ...fields import field_named
-from ...geodesy.projections import geodesics
+from ...geodesy.projections import LocalPlane, geodesics
 from ..parts import BY_DISTANCE, DJI_FLY, HOVER, Route, utc_time
 from ..plan import Plan
-from .sorties import Sortie, sorties
+from .sorties import Sortie, continuous, sorties
 from .waypoints import not_flown
 
 KML_NAMESPACE = "http://www.opengis.net/kml/2.2"
@@ -31,14 +32,16 @@ MOST_FILES = 100
 SLOWEST_M_PER_S, FASTEST_M_PER_S = 1.0, 15.0
 #: Lowest and highest pitch that all of these drones take.
 _PITCHES_DEG = (-90.0, 30.0)
-#: The aircraft climbs so high before it leaves the place of take-off, and comes back no lower.
+#: The aircraft climbs so high before it leaves the place of take-off, and comes back no lower, metres; higher where
+#: relief asks for it.
 _SECURITY_HEIGHT_M = 20.0
 #: How long an aircraft that stops for an image is left to come to rest.
 _STEADY_S = 1.0
 #: Where legs are shorter an aircraft stops at both ends: it has no room to round a corner.
 _SHORTEST_PASSED_M = 1.0
-#: How far before a waypoint that is passed the aircraft may leave the line to it.
-_ROUNDING_M = 0.2
+#: How far before a waypoint that is passed the aircraft may leave the line to it, and by how much it may cut the corner
+#: over relief, metres.
+_ROUNDING_M, _CUT_M = 0.2, 0.005
 _STOP, _PASS = "toPointAndStopWithDiscontinuityCurvature", "toPointAndPassWithContinuityCurvature"
 
 
@@ -93,7 +96,9 @@ def check_wpml(plan: Plan) -> None:
             MOST_FILES,
             remedy="plan a smaller area, a greater height or less overlap",
         )
-    highest = max(float(one.height_m.max()) for one in found)
+    highest = max(
+        max(float(one.height_m.max()), one.way_home_m(plan, 0), one.way_home_m(plan, -1)) for one in found
+    )
     if highest > drone.highest_m:
         raise InvalidInput(
             "DJI mission at {0:g} m: must be {1:g} m above the take-off or less", highest, drone.highest_m
@@ -124,7 +129,7 @@ def wpml_files(plan: Plan) -> list[bytes]:
     for sortie in _stops(plan):
         parts = -(-len(sortie) // drone.most_waypoints)
         edges = [len(sortie) * number // parts for number in range(parts + 1)]
-        found += [_kmz(plan, sortie.take(slice(*ends))) for ends in zip(edges, edges[1:])]
+        found += [_kmz(plan, sortie.part(slice(*ends))) for ends in zip(edges, edges[1:])]
     return found
 
 
@@ -180,12 +185,7 @@ def _stops(plan: Plan) -> list[Sortie]:
     found = sorties(plan)
     if not _by_distance(plan):
         return found
-    thinned = []
-    for sortie in found:
-        kept = sortie.capture < 0
-        kept[[end for run in sortie.runs(plan) for end in run]] = True
-        thinned.append(sortie.take(kept))
-    return thinned
+    return [sortie.take(sortie.waypoints(plan)) for sortie in found]
 
 
 def _kmz(plan: Plan, sortie: Sortie) -> bytes:
@@ -265,7 +265,9 @@ def _head(drone: _Drone) -> str:
 def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
     """What holds for the whole flight, with the place of take-off that it is worked out for."""
     drone = _drone(plan)
-    lat, lon = sortie.takeoff or (float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
+    lat, lon = sortie.home
+    there, back = (math.ceil(max(sortie.way_home_m(plan, at), _SECURITY_HEIGHT_M)) for at in (0, -1))
+    back = max(back, math.ceil(sortie.height_m.max()))
     place = f"<wpml:takeOffRefPoint>{lat:.9f},{lon:.9f},{sortie.base_m:.3f}</wpml:takeOffRefPoint>\n"
     camera = (
         f"<wpml:payloadInfo><wpml:payloadEnumValue>{drone.camera}</wpml:payloadEnumValue>"
@@ -276,10 +278,10 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
         "<wpml:missionConfig>\n<wpml:flyToWaylineMode>safely</wpml:flyToWaylineMode>\n"
         "<wpml:finishAction>goHome</wpml:finishAction>\n<wpml:exitOnRCLost>executeLostAction</wpml:exitOnRCLost>\n"
         "<wpml:executeRCLostAction>goBack</wpml:executeRCLostAction>\n"
-        f"<wpml:takeOffSecurityHeight>{_SECURITY_HEIGHT_M:g}</wpml:takeOffSecurityHeight>\n"
+        f"<wpml:takeOffSecurityHeight>{there}</wpml:takeOffSecurityHeight>\n"
         f"{place if reference and not drone.of_dji_fly else ''}"
         f"<wpml:globalTransitionalSpeed>{_speed(plan)}</wpml:globalTransitionalSpeed>\n"
-        f"<wpml:globalRTHHeight>{max(_SECURITY_HEIGHT_M, math.ceil(sortie.height_m.max())):g}</wpml:globalRTHHeight>\n"
+        f"<wpml:globalRTHHeight>{back}</wpml:globalRTHHeight>\n"
         f"<wpml:droneInfo><wpml:droneEnumValue>{drone.kind}</wpml:droneEnumValue>"
         f"<wpml:droneSubEnumValue>{drone.variant}</wpml:droneSubEnumValue></wpml:droneInfo>\n"
         f"{'' if drone.of_dji_fly else camera}</wpml:missionConfig>\n"
@@ -288,14 +290,15 @@ def _config(plan: Plan, sortie: Sortie, reference: bool) -> str:
 
 def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
     """Waypoints: of the file that is flown, or of that which is edited."""
-    passed = _passed(plan, sortie)
+    rounding_m = _rounding_m(plan, sortie)
     # DJI Fly knows no risky waypoints.
     risk = "" if _drone(plan).of_dji_fly else "<wpml:isRisky>0</wpml:isRisky>\n"
     for at, actions in enumerate(_actions(plan, sortie)):
         lat, lon, height = float(sortie.lat_deg[at]), float(sortie.lon_deg[at]), float(sortie.height_m[at])
         turn = (
-            f"<wpml:waypointTurnParam><wpml:waypointTurnMode>{_PASS if passed[at] else _STOP}</wpml:waypointTurnMode>"
-            f"<wpml:waypointTurnDampingDist>{_ROUNDING_M if passed[at] else 0:g}</wpml:waypointTurnDampingDist>"
+            "<wpml:waypointTurnParam>"
+            f"<wpml:waypointTurnMode>{_PASS if rounding_m[at] else _STOP}</wpml:waypointTurnMode>"
+            f"<wpml:waypointTurnDampingDist>{rounding_m[at]:g}</wpml:waypointTurnDampingDist>"
             "</wpml:waypointTurnParam>\n<wpml:useStraightLine>1</wpml:useStraightLine>\n"
         )
         heading = _heading(float(sortie.heading_deg[at]), executed)
@@ -320,15 +323,30 @@ def _placemarks(plan: Plan, sortie: Sortie, executed: bool) -> Iterator[str]:
         )
 
 
-def _passed(plan: Plan, sortie: Sortie) -> list[bool]:
-    """Whether the aircraft flies through each waypoint without a stop."""
-    if plan.mission.trigger == HOVER or _by_distance(plan) or _drone(plan).of_dji_fly:
-        return [False] * len(sortie)
-    lat, lon = sortie.lat_deg, sortie.lon_deg
-    far = geodesics(lat[:-1], lon[:-1], lat[1:], lon[1:])[2] >= _SHORTEST_PASSED_M
+def _rounding_m(plan: Plan, sortie: Sortie) -> list[float]:
+    """How far before each waypoint the aircraft may leave the line to it; 0 where it stops.
+
+    Over relief a corner is cut by `_CUT_M` at most.
+    """
+    found = np.zeros(len(sortie))
+    if plan.mission.trigger == HOVER or _drone(plan).of_dji_fly:
+        return [float(one) for one in found]
+    plane = LocalPlane(float(sortie.lat_deg[0]), float(sortie.lon_deg[0]))
+    lon = continuous(sortie.lon_deg, plane.lon_deg)
+    leg = np.diff(np.stack([*plane.forward(sortie.lat_deg, lon), sortie.height_m], axis=1), axis=0)
+    length = np.linalg.norm(leg, axis=1)
+    level = geodesics(sortie.lat_deg[:-1], sortie.lon_deg[:-1], sortie.lat_deg[1:], sortie.lon_deg[1:])[2]
     # The first and the last one have one leg each, and are stopped at.
-    found: list[bool] = (np.append(False, far) & np.append(far, False)).tolist()
-    return found
+    passed = np.append(False, level >= _SHORTEST_PASSED_M) & np.append(level >= _SHORTEST_PASSED_M, False)
+    if _by_distance(plan):
+        passed &= _rows_by_distance(plan, sortie).between
+    found[passed] = _ROUNDING_M
+    if plan.relief is not None:
+        way = leg / np.maximum(length, _SHORTEST_PASSED_M)[:, np.newaxis]
+        turn = np.linalg.norm(np.diff(way, axis=0), axis=1)
+        most = np.floor(2000.0 * _CUT_M / np.maximum(turn, _CUT_M)) / 1000.0
+        found[1:-1] = np.minimum(found[1:-1], most)
+    return [float(one) for one in found]
 
 
 def _actions(plan: Plan, sortie: Sortie) -> Iterator[str]:
@@ -367,32 +385,39 @@ class _Rows(NamedTuple):
         By each row's first waypoint: its last one, and the distance between its images.
     inside : set
         Waypoints at which no image is taken for themselves.
+    between : array of bool
+        Waypoints of rows that are not their ends.
     """
 
     spacing_m: dict[int, tuple[int, float]]
     inside: set[int]
+    between: NDArray[np.bool_]
 
 
 def _rows_by_distance(plan: Plan, sortie: Sortie) -> _Rows:
-    found = _Rows({}, set())
+    found = _Rows({}, set(), np.zeros(len(sortie), bool))
     if not _by_distance(plan):
         return found
     ends = {
         int(one.capture[first]): int(one.capture[last])
         for one in sorties(plan)
         for first, last in one.runs(plan)
+        if last > first
     }
-    captures = sortie.capture.tolist()
-    for at, (first, last) in enumerate(zip(captures, captures[1:])):
-        if first == last or ends.get(first) != last:
+    waypoint = {capture: at for at, capture in enumerate(sortie.capture.tolist()) if capture >= 0}
+    lat, lon = sortie.lat_deg, sortie.lon_deg
+    for first, last in ends.items():
+        if first not in waypoint or last not in waypoint:
             continue
-        places = (sortie.lat_deg[at], sortie.lon_deg[at], sortie.lat_deg[at + 1], sortie.lon_deg[at + 1])
-        length_m = float(geodesics(*places)[2])
+        begin, end = waypoint[first], waypoint[last]
+        places = (lat[begin:end], lon[begin:end], lat[begin + 1 : end + 1], lon[begin + 1 : end + 1])
+        length_m = float(geodesics(*places)[2].sum())
         # Rounded down, so that the last image is not a millimetre beyond the row.
         spacing = math.floor(length_m / (last - first) * 1000.0) / 1000.0
         if spacing > 0.0:
-            found.spacing_m[at] = at + 1, spacing
-            found.inside.update((at, at + 1))
+            found.spacing_m[begin] = end, spacing
+            found.inside.update(range(begin, end + 1))
+            found.between[begin + 1 : end] = True
     return found
 
 

@@ -13,6 +13,7 @@ from ...errors import InvalidInput, Message, OutputError
 from ...files import write_whole
 from ...stores import is_address, store_path
 from ..plan import Plan
+from .flown import Floats, Reader, Way, places_of_gpx, places_of_kml
 from .geojson import geojson_text
 from .geopackage import geopackage_notes, write_geopackage
 from .gpx import gpx_notes, gpx_text
@@ -56,17 +57,19 @@ class PartsAlreadyThere(OutputError):
 
 
 class _Format(NamedTuple):
+    """Format of one text; and what reads the places of its ways, where it has any, of a block."""
+
     text: Callable[[Plan], Iterator[str]]
-    check: Callable[[Plan], None] | None = None
     notes: Callable[[Plan], tuple[str, ...]] | None = None
+    places: Callable[[str], Floats] | None = None
 
 
-#: Formats of one text each.
+#: Formats of one text each. Tables and footprints have captures alone, and no way between them.
 _TEXTS = {
     ".csv": _Format(csv_text),
     ".geojson": _Format(geojson_text),
-    ".kml": _Format(kml_text, notes=kml_notes),
-    ".gpx": _Format(gpx_text, notes=gpx_notes),
+    ".kml": _Format(kml_text, kml_notes, places_of_kml),
+    ".gpx": _Format(gpx_text, gpx_notes, places_of_gpx),
 }
 
 
@@ -76,18 +79,25 @@ class _Parted(NamedTuple):
     contents: Callable[[Plan], list[Iterable[bytes]]]
     check: Callable[[Plan], None]
     notes: Callable[[Plan], tuple[str, ...]]
+    read: Callable[[Reader, bytes], list[Way]]
 
 
 def _encoded(texts: Callable[[Plan], list[Iterator[str]]]) -> Callable[[Plan], list[Iterable[bytes]]]:
     return lambda plan: [(block.encode() for block in text) for text in texts(plan)]
 
 
+def _decoded(read: Callable[[Reader, str], list[Way]]) -> Callable[[Reader, bytes], list[Way]]:
+    return lambda reader, data: read(reader, data.decode())
+
+
 #: Formats of one file, or of several where the flight is in parts.
 _PARTED = {
-    LITCHI_ENDING: _Parted(_encoded(litchi_texts), check_litchi, litchi_notes),
-    ".kmz": _Parted(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes),
-    ".plan": _Parted(_encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes),
-    ".survey.plan": _Parted(_encoded(survey_texts), check_survey, survey_notes),
+    LITCHI_ENDING: _Parted(_encoded(litchi_texts), check_litchi, litchi_notes, _decoded(Reader.litchi)),
+    ".kmz": _Parted(lambda plan: [[whole] for whole in wpml_files(plan)], check_wpml, wpml_notes, Reader.kmz),
+    ".plan": _Parted(
+        _encoded(qgroundcontrol_texts), check_qgroundcontrol, qgroundcontrol_notes, _decoded(Reader.plan)
+    ),
+    ".survey.plan": _Parted(_encoded(survey_texts), check_survey, survey_notes, _decoded(Reader.plan)),
 }
 #: What a plan's file may end in.
 ENDINGS = (".csv", ".geojson", ".kml", GEOPACKAGE_ENDING, ".gpx", *_PARTED)
@@ -119,7 +129,7 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     Raises
     ------
     InvalidInput
-        Any other ending, and a plan that the format cannot hold.
+        Any other ending, a plan that the format cannot hold, and a file whose flight comes too near to the relief.
     PartsAlreadyThere
         Some parts would replace files, and must not.
     OutputError
@@ -134,16 +144,42 @@ def write_plan(plan: Plan, path: str | os.PathLike[str], *, replace_parts: bool 
     if ending in _PARTED:
         return _write_parts(plan, target, ending, replace_parts)
     form = _TEXTS[ending]
-    if form.check is not None:
-        form.check(plan)
-    write_whole(target, (text.encode() for text in form.text(plan)))
+    texts = form.text(plan)
+    if plan.relief is not None and form.places is not None:
+        texts = _read_back(plan, target.name, texts, form.places)
+    write_whole(target, (text.encode() for text in texts))
     return Exported((target,), () if form.notes is None else form.notes(plan))
+
+
+def _read_back(
+    plan: Plan, name: str, texts: Iterable[str], places_of: Callable[[str], Floats]
+) -> Iterator[str]:
+    """Hand blocks of a text on, and check the flight that they say before they end."""
+    places = []
+    for text in texts:
+        places.append(places_of(text))
+        yield text
+    reader = Reader(plan)
+    reader.check(reader.above_ground(places), name)
+
+
+def _checked(
+    plan: Plan, name: str, contents: list[Iterable[bytes]], read: Callable[[Reader, bytes], list[Way]]
+) -> list[Iterable[bytes]]:
+    """Contents of files, each of which was read back and checked."""
+    reader, wholes = Reader(plan), [b"".join(blocks) for blocks in contents]
+    for number, whole in enumerate(wholes, 1):
+        part = name if len(wholes) == 1 else Message("{0}, part {1}", name, number)
+        reader.check(read(reader, whole), part)
+    return [[whole] for whole in wholes]
 
 
 def _write_parts(plan: Plan, target: Path, lowered: str, replace_parts: bool) -> Exported:
     form = _PARTED[lowered]
     form.check(plan)
     contents = form.contents(plan)
+    if plan.relief is not None:
+        contents = _checked(plan, target.name, contents, form.read)
     stem, ending = target.name[: -len(lowered)], target.name[-len(lowered) :]
     parts = (target.with_name(f"{stem}-{number}{ending}") for number in count(1))
     files, there = [target], tuple[Path, ...]()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple, Protocol
 
@@ -19,7 +19,7 @@ from ..area import Points, Polygon
 from ..mission import Mission
 from ..no_fly import in_no_fly
 from ..parts import GROUND, HOVER, ONE_WAY
-from ..relief import Overflown, ReliefBelow, no_ground
+from ..relief import Overflown, Profile, ReliefBelow, no_ground
 from .motion import legs
 
 Floats = NDArray[np.float64]
@@ -43,11 +43,12 @@ _NO_FLY_M = 5.0
 #: Sides of no-fly areas are straight in longitude and latitude: pieces of this length leave their chords by 2 cm where
 #: parallels bend most; and no side is cut into more.
 _SIDE_M, _MOST_PIECES = 1000.0, 256
-#: Heights that are the same, metres.
-_LOW_M = 0.01
-#: Legs are looked at every half cell of the relief, but not finer than this, metres, and not at more places in all, of
-#: which so many at once.
-_FINEST_M, _MOST_SAMPLES, _SAMPLES_AT_ONCE = 0.5, 20_000_000, 1_000_000
+#: Heights that are the same, and what a leg may be too low by, which is noise, metres.
+_SAME_M, _NOISE_M = 0.01, 1e-3
+#: What points that lift a leg are above the least, metres: else a round hill takes one for every few metres.
+_SPARE_M = 0.5
+#: Metres of legs over relief that are looked at together, for each metre of its cells.
+_AT_ONCE_CELLS = 250_000
 
 
 class Planned(Protocol):
@@ -159,7 +160,7 @@ class FlightPath:
 
 
 def flight_path(plan: Planned) -> FlightPath:
-    """Work out the path of a plan; of a mission without a route the captures alone.
+    """Work out the path of a plan; of a mission without a route the captures, and what lifts legs over relief.
 
     Where wind moves the captures it goes through the places that they were meant at. Sorties follow each other without
     a pause; a leg takes what its length takes at the ground speed, or its height at the climb rate, whichever is
@@ -174,7 +175,13 @@ def flight_path(plan: Planned) -> FlightPath:
     further = (
         route.takeoff is not None or route.turnaround_m or route.lead_in_m or plan.mission.trigger == HOVER
     )
-    return _Maker(plan).path() if further or plan.mission.no_fly else _captures_alone(plan)
+    if further or plan.mission.no_fly:
+        return _Maker(plan).path()
+    alone = _captures_alone(plan)
+    if plan.relief is None:
+        return alone
+    lifted = _Maker(plan).path()
+    return alone if len(lifted) == len(alone) else lifted
 
 
 def _captures_alone(plan: Planned) -> FlightPath:
@@ -336,11 +343,15 @@ class _Maker:
         if self._relief is None:
             none = np.full(len(lat), -np.inf)
             return none, none
-        least = self._relief.highest_m(lat, lon) + self._mission.terrain.clearance_m
+        return self._kept_m(self._relief.highest_m(lat, lon), self._relief.ground_m(lat, lon), agl_m)
+
+    def _kept_m(self, highest_m: Floats, ground_m: Floats, agl_m: Floats | float) -> tuple[Floats, Floats]:
+        """The same of places with the highest that is near to them, and the ground below."""
+        least = highest_m + self._mission.terrain.clearance_m
+        given = least + _SPARE_M
         if self._mission.terrain.height_above != GROUND:
-            return least, least
-        ground = self._relief.ground_m(lat, lon)
-        return np.fmax(least, ground + (1.0 - SAG_SHARE) * agl_m), np.fmax(least, ground + agl_m)
+            return least, given
+        return np.fmax(least, ground_m + (1.0 - SAG_SHARE) * agl_m), np.fmax(given, ground_m + agl_m)
 
     # --- rows and what lies between them
 
@@ -417,28 +428,38 @@ class _Maker:
         """Points with further ones where a leg would come too low over the relief."""
         if self._relief is None or len(points.kind) < 2:
             return points
-        length = legs(points.lat, points.lon).distance_m
-        step = max(self._relief.cell_m / 2.0, float(length.sum()) / _MOST_SAMPLES, _FINEST_M)
-        pieces = np.maximum(np.ceil(length / step), 1.0).astype(np.int64)
         agl = self._agl_of(points)
+        points = self._raised(points, np.append(agl, agl[-1]))
         added: list[tuple[int, _Points]] = []
-        blocks = np.flatnonzero(np.diff(np.cumsum(pieces) // _SAMPLES_AT_ONCE)) + 1
-        for some in np.split(np.arange(len(length)), blocks):
-            leg = np.repeat(some, pieces[some])
-            number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces[some]) - pieces[some], pieces[some])
-            share = number / pieces[leg]
-            lat, lon, line = (
-                values[leg] + share * (values[leg + 1] - values[leg])
-                for values in (points.lat, points.lon, points.height)
-            )
-            least, given = self._least_m(lat, lon, agl[leg])
-            low = np.unique(leg[(least - line > _LOW_M) & (number > 0)])
-            for one in low.tolist():
-                at = slice(*np.searchsorted(leg, [one, one + 1]))
+        for below in self._profiles(points):
+            least, given = self._kept_m(below.highest_m, below.ground_m, agl[below.leg])
+            line = points.height[below.leg]
+            line = line + below.share * (points.height[below.leg + 1] - line)
+            for one in np.unique(below.leg[least - line > _NOISE_M]).tolist():
+                at = slice(*np.searchsorted(below.leg, [one, one + 1]))
                 ends = float(points.height[one]), float(points.height[one + 1])
-                which, height = _lifted(share[at], least[at], given[at], ends)
-                added.append((one, _Points.of(TRANSIT, lat[at][which], lon[at][which], height)))
+                which, height = _lifted(below.share[at], least[at], given[at], ends)
+                lat, lon = below.lat_deg[at][which], below.lon_deg[at][which]
+                added.append((one, _Points.of(TRANSIT, lat, lon, height)))
         return _with(points, added)
+
+    def _raised(self, points: _Points, agl_m: Floats) -> _Points:
+        """Points of which those that are no captures, and stand too low over the relief, are lifted."""
+        least, given = self._least_m(points.lat, points.lon, agl_m)
+        low = (points.capture < 0) & (points.height < least)
+        return points._replace(height=np.where(low, given, points.height))
+
+    def _profiles(self, points: _Points) -> Iterator[Profile]:
+        """Relief below legs, of so many at a time as memory is for."""
+        if self._relief is None:
+            return
+        lat, lon = points.lat, points.lon
+        way_m = np.append(0.0, np.cumsum(legs(lat, lon).distance_m))
+        blocks = np.unique(way_m // (_AT_ONCE_CELLS * self._relief.cell_m), return_index=True)[1]
+        for first, last in zip(blocks, np.append(blocks[1:], len(lat) - 1)):
+            if last > first:
+                some = slice(first, last + 1)
+                yield self._relief.profile(lat[some], lon[some], self._plane, int(first))
 
     def _agl_of(self, points: _Points) -> Floats:
         """Height above ground that is asked for on each leg, (m - 1,): the lower one of the captures around it."""
@@ -538,25 +559,20 @@ class _Maker:
         across = self._around(_Points.joined([start, place._replace(kind=start.kind, capture=start.capture)]))
         cruise_m = max(float(place.height[0]), self._highest_along(across, float(self._asked_agl[capture])))
         across = across._replace(height=np.full(len(across.kind), cruise_m))
-        if cruise_m - float(place.height[0]) <= _LOW_M:
+        if cruise_m - float(place.height[0]) <= _SAME_M:
             across = across.taken(slice(0, -1))
         takeoff = _Points.of(TAKEOFF, *home, np.array([self._base_m]))
         return _Points.joined([takeoff, across])
 
     def _highest_along(self, points: _Points, agl_m: float) -> float:
         """Height that is safe all along legs; minus infinity over level ground."""
-        if self._relief is None:
-            return -math.inf
-        length = legs(points.lat, points.lon).distance_m
-        highest = -math.inf
-        step = max(self._relief.cell_m / 2.0, _FINEST_M)
-        for leg, metres in enumerate(length.tolist()):
-            share = np.linspace(0.0, 1.0, min(math.ceil(metres / step), _SAMPLES_AT_ONCE) + 1)
-            lat, lon = (
-                values[leg] + share * (values[leg + 1] - values[leg]) for values in (points.lat, points.lon)
-            )
-            highest = max(highest, float(self._least_m(lat, lon, agl_m)[1].max()))
-        return highest
+        return max(
+            (
+                float(self._kept_m(below.highest_m, below.ground_m, agl_m)[1].max())
+                for below in self._profiles(points)
+            ),
+            default=-math.inf,
+        )
 
     # --- time
 
@@ -605,19 +621,23 @@ def _with(points: _Points, added: list[tuple[int, _Points]]) -> _Points:
 
 
 def _lifted(share: Floats, least: Floats, given: Floats, ends: tuple[float, float]) -> tuple[Numbers, Floats]:
-    """Places of a leg (k,) that it is to go through, by index, and heights there: nowhere is it below the least then.
+    """Nodes of a leg (k,) that it is to go through, by index, and heights there: nowhere is it below the least then.
 
-    The lowest place is lifted, and so on with what remains too low.
+    The lowest node is lifted, and so on to both sides of it with what remains too low.
     """
-    share, height = np.append(share, 1.0), {0: ends[0], len(share): ends[1]}
-    least = np.append(least, -np.inf)
-    while True:
-        known = sorted(height)
-        line = np.interp(share, share[known], [height[one] for one in known])
-        below = least - line
-        below[known] = -np.inf
-        lowest = int(np.argmax(below))
-        if below[lowest] <= _LOW_M:
-            inner = known[1:-1]
-            return np.array(inner, np.int64), np.array([height[one] for one in inner])
-        height[lowest] = float(given[lowest])
+    height = {0: ends[0], len(share) - 1: ends[1]}
+    waiting = [(0, len(share) - 1)]
+    while waiting:
+        first, last = waiting.pop()
+        # Of several nodes at the ends there is one height.
+        inner = np.flatnonzero((share[first:last] > share[first]) & (share[first:last] < share[last])) + first
+        if not len(inner):
+            continue
+        line = np.interp(share[inner], share[[first, last]], [height[first], height[last]])
+        lowest = int(np.argmax(least[inner] - line))
+        if least[inner[lowest]] - line[lowest] > _NOISE_M:
+            at = int(inner[lowest])
+            height[at] = float(given[at])
+            waiting += [(first, at), (at, last)]
+    inner = np.array(sorted(height)[1:-1], np.int64)
+    return inner, np.array([height[one] for one in inner.tolist()])

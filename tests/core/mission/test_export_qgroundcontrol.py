@@ -87,6 +87,49 @@ def test_home_is_below_the_first_waypoint(tmp_path):
     assert home == [flown.lat_deg[0], flown.lon_deg[0], 80.0]
 
 
+#: Parameters that ArduPilot lets be no number, by command: AP_Mission::sanity_check_params.
+MAY_BE_NULL = {16: {4}, 21: {4}, 22: {4}, 84: {4}, 85: {3, 4}}
+
+
+def items_within(node):
+    """Simple items at any depth."""
+    if isinstance(node, dict):
+        if node.get("type") == "SimpleItem":
+            yield node
+        node = list(node.values())
+    if isinstance(node, list):
+        for value in node:
+            yield from items_within(value)
+
+
+@pytest.mark.parametrize("ending", [".plan", ".survey.plan"])
+@pytest.mark.parametrize("trigger", ["waypoint", "distance", "hover"])
+def test_ardupilot_takes_every_parameter(tmp_path, ending, trigger):
+    mission = SURVEY.with_(trigger=trigger, takeoff=(47.39, 8.49), turnaround_m=20.0)
+    (path,) = write_plan(worked_out(mission), tmp_path / f"field{ending}").files
+    items = list(items_within(read(path)))
+    null = [
+        (item["command"], number)
+        for item in items
+        for number, value in enumerate(item["params"], 1)
+        if value is None and number not in MAY_BE_NULL.get(item["command"], ())
+    ]
+    assert null == []
+    # mavlink_int_to_mission_cmd: places, and heights below LOCATION_ALT_MAX_M.
+    for item in items:
+        if item["frame"] == 3:
+            lat, lon, height = item["params"][4:]
+            assert abs(lat) <= 90.0
+            assert abs(lon) <= 180.0
+            assert abs(height) < 83_000.0
+
+
+def test_heights_that_ardupilot_refuses_are_refused(tmp_path):
+    points = tuple((47.4, 8.5 + 0.01 * at, 83_000.0) for at in range(3))
+    with pytest.raises(InvalidInput, match=r"at 83000 m: must be below 83000 m above the take-off"):
+        write_plan(worked_out(Mission(Points(points), 83_000.0)), tmp_path / "field.plan")
+
+
 def test_more_than_mavlink_counts_is_refused(tmp_path):
     flown = worked_out(HERE.with_(agl_m=10.0, tilt_deg=0.0, area=Box(35.19, -89.90, 35.15, -89.86)))
     assert len(flown) > 32_765

@@ -1,0 +1,311 @@
+"""Files that lead an aircraft over relief, read back: the ways that they describe, held against the surface.
+
+Each format has a reader of its text. It knows what the format says (from where heights count, which corners are cut),
+and of the plan no more than its relief and its take-off.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import re
+import zipfile
+from collections.abc import Iterable, Iterator
+from itertools import chain
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InvalidInput
+from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.projections import LocalPlane
+from ..plan import Plan
+from ..relief import Overflown
+from .sorties import continuous
+
+Floats = NDArray[np.float64]
+#: Between two lines of places.
+_END = np.full((1, 3), np.nan)
+#: A waypoint's number in its file, its latitude and longitude, and its height.
+Place = tuple[str, float, float, float]
+
+#: Legs are looked at so often, metres, and so many places at once.
+_STEP_M, _AT_ONCE = 0.5, 1 << 20
+#: Pieces of legs that are straight in longitude and latitude, too: to half a millimetre at 60 degrees.
+_PIECE_M = 100.0
+#: What the digits of files, and centimetres beside a wall, take from a clearance, metres.
+_TOLERANCE_M = 0.05
+#: Places that are the same, metres.
+_SAME_M = 1e-3
+#: MAVLink's frame of heights over home.
+_RELATIVE = 3
+#: A number in a file's text.
+_NUMBER = r"([-+.\deE]+)"
+_POINT = re.compile(
+    rf'<rtept lat="{_NUMBER}" lon="{_NUMBER}">.*?<terrainav:agl_m>{_NUMBER}</terrainav:agl_m>', re.DOTALL
+)
+_LINE = re.compile(
+    "<LineString><altitudeMode>relativeToGround</altitudeMode><coordinates>([^<]*)</coordinates></LineString>"
+)
+_MARK = re.compile(
+    rf"<coordinates>{_NUMBER},{_NUMBER}</coordinates>.*?<wpml:index>(\d+)</wpml:index>.*?"
+    rf"<wpml:executeHeight>{_NUMBER}</wpml:executeHeight>.*?"
+    rf"<wpml:waypointTurnDampingDist>{_NUMBER}</wpml:waypointTurnDampingDist>",
+    re.DOTALL,
+)
+
+
+class Way(NamedTuple):
+    """Straight legs from place to place, (n,) each.
+
+    Attributes
+    ----------
+    waypoint : tuple of str
+        Number of each place in the file.
+    lat_deg, lon_deg : array
+        Longitudes in one turn of the world.
+    height_m : array
+        Over the ellipsoid.
+    """
+
+    waypoint: tuple[str, ...]
+    lat_deg: Floats
+    lon_deg: Floats
+    height_m: Floats
+
+
+class Reader:
+    """Reads the files of a plan back.
+
+    Parameters
+    ----------
+    plan : Plan
+        Over relief.
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._lon_deg = float(plan.lon_deg[0])
+        self._takeoff, self._takeoff_m = plan.mission.route.takeoff, plan.path.base_m
+        self._relief, self._clearance_m = plan.relief, plan.mission.terrain.clearance_m
+
+    def _way(self, places: Iterable[Place], base_m: float | None) -> list[Way]:
+        """Way through places whose heights count from a height, or from the ground below each."""
+        found = list(places)
+        if len(found) < 2:
+            return []
+        names = tuple(place[0] for place in found)
+        lat, lon, height = np.array([place[1:] for place in found]).T
+        lon = continuous(lon, self._lon_deg)
+        base = self._over(lat, lon).ground_m(lat, lon) if base_m is None else base_m
+        return [Way(names, lat, lon, height + base)]
+
+    def _over(self, lat: Floats, lon: Floats) -> Overflown:
+        if self._relief is None:
+            raise ValueError("a plan without relief")
+        return self._relief.around(lat, lon, 0.0)
+
+    def plan(self, text: str) -> list[Way]:
+        """QGroundControl's ``.plan``: heights count from the planned home; the return is the autopilot's own."""
+        mission = json.loads(text)["mission"]
+        places: list[Place] = [
+            (str(item["doJumpId"]), *item["params"][4:])
+            for item in chain.from_iterable(map(_simple_items, mission["items"]))
+            if item["frame"] == _RELATIVE
+        ]
+        return self._way(places, mission["plannedHomePosition"][2])
+
+    def litchi(self, text: str) -> list[Way]:
+        """Litchi's table: heights count from the ground below each waypoint."""
+        places = (
+            (str(number), float(row["latitude"]), float(row["longitude"]), float(row["altitude(m)"]))
+            for number, row in enumerate(csv.DictReader(io.StringIO(text)), 1)
+        )
+        return self._way(places, None)
+
+    def kmz(self, data: bytes) -> list[Way]:
+        """KMZ of WPML: from the take-off up, across to the first waypoint, and at the end back at the height of return.
+
+        Heights count from the take-off. Where a waypoint is passed without a stop, its corner is cut.
+        """
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            template, flown = (
+                archive.read(f"wpmz/{name}").decode() for name in ("template.kml", "waylines.wpml")
+            )
+        places, cuts_m = [], []
+        for lon, lat, index, height, cut_m in _MARK.findall(flown):
+            places.append((index, float(lat), float(lon), float(height)))
+            cuts_m.append(float(cut_m))
+        first, last = places[0], places[-1]
+        found = re.search(rf"<wpml:takeOffRefPoint>{_NUMBER},{_NUMBER},{_NUMBER}<", template)
+        home = self._home(first)
+        if found:
+            home = float(found.group(1)), float(found.group(2)), float(found.group(3))
+        up_m, back_m = (
+            max(float(re.findall(rf"<wpml:{name}>{_NUMBER}<", flown)[0]), one[3])
+            for name, one in (("takeOffSecurityHeight", first), ("globalRTHHeight", last))
+        )
+        whole = [
+            *(("take-off", lat, lon, up_m) for lat, lon in (home[:2], first[1:3])),
+            *_cut(places, cuts_m),
+            *(("return", lat, lon, back_m) for lat, lon in (last[1:3], home[:2])),
+        ]
+        return self._way(whole, home[2])
+
+    def _home(self, first: Place) -> tuple[float, float, float]:
+        """Take-off of a file that names none, as DJI Fly's: the mission's, or below the first waypoint."""
+        if self._takeoff is not None:
+            return (*self._takeoff, self._takeoff_m)
+        lat, lon = np.array([first[1]]), continuous(np.array([first[2]]), self._lon_deg)
+        return first[1], first[2], float(self._over(lat, lon).ground_m(lat, lon)[0])
+
+    def above_ground(self, places: Iterable[Floats]) -> list[Way]:
+        """Ways through places (k, 3) of `places_of_gpx` and its like, some at a time, above the ground below each."""
+        whole = np.concatenate([*places, _END])
+        ends = np.flatnonzero(np.isnan(whole[:, 0]))
+        found = []
+        for first, end in zip(np.append(0, ends + 1), ends):
+            rows = whole[first:end].tolist()
+            found += self._way(((str(at), lat, lon, agl) for at, (lat, lon, agl) in enumerate(rows, 1)), None)
+        return found
+
+    def check(self, ways: Iterable[Way], name: str) -> None:
+        """Refuse ways that come nearer to the surface than the clearance, or into it.
+
+        They are looked at each half metre, but for climbs that a way begins with, and descents that it ends with.
+
+        Parameters
+        ----------
+        name : str
+            Of the file, for the message.
+
+        Raises
+        ------
+        InvalidInput
+            Says where, on which leg, and how far short.
+        """
+        for way in map(_in_the_air, ways):
+            if len(way.waypoint) < 2:
+                continue
+            over = self._over(way.lat_deg, way.lon_deg)
+            worst, at = -np.inf, (0, 0.0, 0.0)
+            for leg, lat, lon, height in _places(way):
+                short = over.highest_within_m(lat, lon) + self._clearance_m - height
+                most = int(np.argmax(np.nan_to_num(short, nan=-np.inf)))
+                if short[most] > worst:
+                    worst, at = float(short[most]), (int(leg[most]), float(lat[most]), float(lon[most]))
+            if worst > _TOLERANCE_M:
+                raise self._refusal(name, way, at, worst)
+
+    def _refusal(self, name: str, way: Way, at: tuple[int, float, float], short_m: float) -> InvalidInput:
+        leg, lat, lon = at
+        values = (
+            name,
+            way.waypoint[leg],
+            way.waypoint[leg + 1],
+            lat,
+            float(wrap_lon_deg(np.array(lon))),
+            short_m,
+        )
+        if self._clearance_m:
+            return InvalidInput(
+                "{0}: between waypoints {1} and {2} the flight comes {5:.2f} m short of its clearance of {6:g} m, at "
+                "latitude {3:.6f}, longitude {4:.6f}",
+                *values,
+                self._clearance_m,
+                field="clearance_m",
+            )
+        return InvalidInput(
+            "{0}: between waypoints {1} and {2} the flight comes {5:.2f} m below the surface, at latitude {3:.6f}, "
+            "longitude {4:.6f}",
+            *values,
+            field="agl_m",
+        )
+
+
+def places_of_gpx(text: str) -> Floats:
+    """Latitudes, longitudes and heights above ground of route points, (k, 3), with a row of NaN before each route.
+
+    ``text`` is a part of GPX of whole points; the heights are in their extensions.
+    """
+    first, *routes = (
+        np.array(_POINT.findall(route), np.float64).reshape(-1, 3) for route in text.split("<rte>")
+    )
+    return np.concatenate([first, *chain.from_iterable((_END, route) for route in routes)])
+
+
+def places_of_kml(text: str) -> Floats:
+    """The same of flight lines in a part of KML of whole lines."""
+    lines = (np.array(line.replace(",", " ").split(), np.float64) for line in _LINE.findall(text))
+    return np.concatenate(
+        [_END, *chain.from_iterable((_END, line.reshape(-1, 3)[:, [1, 0, 2]]) for line in lines)]
+    )
+
+
+def places_of_geopackage(path: Path) -> Floats:
+    """The same of the flight lines of a GeoPackage."""
+    from osgeo import ogr
+
+    data = ogr.Open(str(path))
+    lines = [feature.GetGeometryRef().Clone() for feature in data.GetLayerByName("flight_line")]
+    parts = chain.from_iterable(
+        (line.GetGeometryRef(part).GetPoints() for part in range(line.GetGeometryCount())) for line in lines
+    )
+    return np.concatenate(
+        [_END, *chain.from_iterable((_END, np.array(part)[:, [1, 0, 2]]) for part in parts)]
+    )
+
+
+def _simple_items(item: dict[str, Any]) -> list[dict[str, Any]]:
+    found: list[dict[str, Any]] = (
+        item["TransectStyleComplexItem"]["Items"] if item["type"] == "ComplexItem" else [item]
+    )
+    return found
+
+
+def _cut(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
+    """Places with corners cut by so much before and behind each."""
+    plane = LocalPlane(places[0][1], places[0][2])
+    lat, lon, height = (np.array(column) for column in list(zip(*places))[1:])
+    at = np.stack([*plane.forward(lat, continuous(lon, plane.lon_deg)), height], axis=1)
+    leg = np.diff(at, axis=0)
+    way = leg / np.maximum(np.linalg.norm(leg, axis=1), _SAME_M)[:, np.newaxis]
+    for number, (place, cut_m) in enumerate(zip(places, cuts_m)):
+        if not cut_m:
+            yield place
+            continue
+        corner = at[number] + cut_m * np.stack([-way[number - 1], way[number]])
+        corner_lat, corner_lon = plane.inverse(corner[:, 0], corner[:, 1])
+        for values in zip(corner_lat.tolist(), corner_lon.tolist(), corner[:, 2].tolist()):
+            yield (place[0], *values)
+
+
+def _in_the_air(way: Way) -> Way:
+    """Way without its first place where it goes straight up from there, and its last one likewise."""
+    plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
+    x, y = plane.forward(way.lat_deg, way.lon_deg)
+    length = np.hypot(np.diff(x), np.diff(y))
+    some = slice(int(length[0] < _SAME_M), len(x) - int(length[-1] < _SAME_M))
+    return Way._make(column[some] for column in way)
+
+
+def _places(way: Way) -> Iterator[tuple[NDArray[np.int64], Floats, Floats, Floats]]:
+    """Places along a way, some at a time: number of the leg, latitude, longitude and height."""
+    plane = LocalPlane(float(way.lat_deg[0]), float(way.lon_deg[0]))
+    x, y = plane.forward(way.lat_deg, way.lon_deg)
+    length = np.hypot(np.diff(x), np.diff(y))
+    pieces = np.maximum(np.ceil(length / _PIECE_M), 1.0).astype(np.int64)
+    leg = np.repeat(np.arange(len(length)), pieces)
+    share = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
+    x, y, height = (values[leg] + share * np.diff(values)[leg] for values in (x, y, way.height_m))
+    lat, lon = plane.inverse(x, y)
+    ends = [np.append(a, b[-1]) for a, b in zip((lat, lon, height), way[1:])]
+    steps = np.maximum(np.ceil(length / pieces / _STEP_M), 1.0).astype(np.int64)[leg]
+    for some in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(np.cumsum(steps) // _AT_ONCE)) + 1):
+        count = steps[some] + 1
+        piece = np.repeat(some, count)
+        along = (np.arange(len(piece)) - np.repeat(np.cumsum(count) - count, count)) / steps[piece]
+        lat, lon, height = (values[piece] + along * np.diff(values)[piece] for values in ends)
+        yield leg[piece], lat, lon, height

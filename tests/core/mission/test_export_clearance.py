@@ -1,0 +1,293 @@
+"""Files for those who fly keep clear of the relief all along their legs, or are refused with the place."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pyproj
+import pytest
+from osgeo import gdal
+from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.export import write_plan
+from terrainav.core.mission.flight.path import TRANSIT
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
+
+from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of
+from tests.core.mission.wpml_reader import Wpml
+from tests.support import rasters
+
+WEST, NORTH, SIDE, CELL = 320_000.0, 4_298_000.0, 500, 2.0
+GRID, CAMERA = PixelGrid(max_zoom=20, native_zoom=20), Camera(78.8, 4 / 3)
+GEOD = pyproj.Geod(ellps="WGS84")
+TO_DEGREES = pyproj.Transformer.from_crs(32618, 4326, always_xy=True)
+ENDINGS = (".plan", ".survey.plan", ".kmz", ".litchi.csv", ".gpx", ".kml", ".gpkg")
+#: Digits of the files, and what they make of a wall of 60 m a cell.
+LEAST_M = -0.06
+#: Images of a random mission that is tried; steep ground right below asks for very many.
+MOST_IMAGES = 300
+
+
+def hill(x, y):
+    return 100.0 + 60.0 * np.exp(-((x - 500.0) ** 2 + (y - 500.0) ** 2) / (2.0 * 150.0**2))
+
+
+def cliffs(x, y):
+    return 100.0 + 45.0 * (x + 0.4 * y > 700.0) - 20.0 * (y > 560.0)
+
+
+def towers(x, y):
+    return hill(x, y) + 25.0 * ((x % 70.0 < 8.0) & (y % 90.0 < 8.0))
+
+
+def rough(x, y):
+    return 100.0 + 12.0 * np.sin(x / 11.0) * np.cos(y / 7.0) + 15.0 * np.sin(x / 60.0)
+
+
+def masts(x, y):
+    """On both sides of a square of 36 m."""
+    return 100.0 + 50.0 * ((np.abs(x - 500.0) < 14.0) & (np.abs(np.abs(y - 500.0) - 25.0) < 6.0))
+
+
+def level(x, y):
+    return np.full(x.shape, 100.0)
+
+
+SURFACES = {"level": level, "masts": masts, "hill": hill, "cliffs": cliffs, "towers": towers, "rough": rough}
+
+
+@pytest.fixture(scope="module")
+def dem(tmp_path_factory):
+    """Paths of surfaces by name, as files of 2 m pixels."""
+    folder, at = tmp_path_factory.mktemp("dem"), (np.arange(SIDE) + 0.5) * CELL
+    x, y = np.meshgrid(at, at)
+    transform = (WEST, CELL, 0.0, NORTH, 0.0, -CELL)
+    return {
+        name: str(
+            rasters.write(
+                folder / f"{name}.tif", make(x, y)[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32
+            )
+        )
+        for name, make in SURFACES.items()
+    }
+
+
+def placed(x, y):
+    """Latitude and longitude of metres from the corner of the relief, southward for the second."""
+    lon, lat = TO_DEGREES.transform(WEST + x, NORTH - y)
+    return lat, lon
+
+
+def box(west, south, east, north):
+    (north_lat, west_lon), (south_lat, east_lon) = placed(west, north), placed(east, south)
+    return Box(north_lat, west_lon, south_lat, east_lon)
+
+
+def square(x, y, half):
+    corners = ((x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half))
+    return Polygon((tuple(placed(*corner)[::-1] for corner in corners),))
+
+
+def worked_out(mission):
+    return plan(mission, GRID, heights_of(mission))
+
+
+def shortfalls(made, folder, endings=ENDINGS):
+    """By file, the least that legs keep beyond what is asked for, as read by another reader, and where."""
+    terrain = made.mission.terrain
+    surface = Ground((terrain.surface or terrain.elevation)[0])
+    ground = Ground(terrain.elevation[0])
+    found = {}
+    for ending in endings:
+        try:
+            files = write_plan(made, folder / f"field{ending}").files
+        except InvalidInput as wrong:
+            if "survey" in str(wrong) or "of one waypoint" in str(wrong):
+                continue
+            raise
+        for file in files:
+            legs = legs_of(file, ground, made.mission.route.takeoff)
+            least, where = least_clearance_m(legs, surface, terrain.clearance_distance_m)
+            found[file.name] = least - terrain.clearance_m, where
+            if terrain.height_above == "ground":
+                # Where heights are above the ground, nine tenths of them are kept.
+                least, where = least_clearance_m(legs, ground)
+                least -= 0.9 * float(made.meant.agl_m.min())
+                found[file.name] = min(found[file.name], (least, where), key=lambda one: one[0])
+    return found
+
+
+@pytest.mark.parametrize("trigger", ["waypoint", "distance", "hover"])
+def test_a_hill_of_60_m_is_flown_over_at_30_m_in_every_file(dem, tmp_path, trigger):
+    mission = Mission(
+        box(400.0, 570.0, 620.0, 430.0), 30.0, CAMERA, elevation=(dem["hill"],), trigger=trigger
+    )
+    made = worked_out(mission)
+    found = shortfalls(made, tmp_path)
+    assert {ending for ending in ENDINGS if any(name.endswith(ending) for name in found)} == set(ENDINGS)
+    assert min(least for least, _ in found.values()) >= LEAST_M
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_detour_keeps_clear_of_the_tower_that_it_passes(dem, tmp_path, ending):
+    # One row, and on both ways around the square stands a mast that no image is taken above.
+    mission = Mission(
+        box(430.0, 504.0, 570.0, 496.0),
+        80.0,
+        Camera(40.0, 1.0),
+        elevation=(dem["level"],),
+        surface=(dem["masts"],),
+        clearance_m=40.0,
+        no_fly=(square(500.0, 500.0, 18.0),),
+    )
+    made = worked_out(mission)
+    assert (made.path.kind == TRANSIT).any()
+    for least, where in shortfalls(made, tmp_path, [ending]).values():
+        assert least >= LEAST_M, where
+
+
+def without_lifts(made):
+    """The plan with a path of nothing but its captures."""
+    path = made.path
+    kept = {
+        name: values[path.capture >= 0]
+        for name, values in vars(path).items()
+        if isinstance(values, np.ndarray)
+    }
+    made.__dict__["path"] = replace(path, **kept)
+    return made
+
+
+def refused(made, target):
+    """How far short of its clearance, or how deep, a refusal says that a file is, and where."""
+    target.write_bytes(b"mine")
+    with pytest.raises(InvalidInput, match=re.escape(f"{target.name}: between waypoints ")) as wrong:
+        write_plan(made, target)
+    # What was there is there, and nothing else.
+    assert [path.name for path in target.parent.iterdir()] == [target.name]
+    assert target.read_bytes() == b"mine"
+    return [float(value) for value in re.findall(r"-?\d+\.\d+", str(wrong.value).replace(" of 50 m", ""))]
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_file_that_does_not_keep_the_clearance_is_refused_with_the_place(dem, tmp_path, ending):
+    mission = Mission(
+        box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0
+    )
+    made = without_lifts(worked_out(mission))
+    path = made.path
+    places = list(zip(path.lat_deg.tolist(), path.lon_deg.tolist(), path.height_m.tolist()))
+    least, (lat, lon, _) = least_clearance_m(
+        [Leg(*pair) for pair in zip(places, places[1:])], Ground(dem["towers"])
+    )
+    short, *place = refused(made, tmp_path / f"field{ending}")
+    assert short == pytest.approx(50.0 - least, abs=0.3)
+    assert GEOD.inv(place[1], place[0], lon, lat)[2] < 2.0
+
+
+@pytest.mark.parametrize("ending", [one for one in ENDINGS if one != ".survey.plan"])
+def test_a_flight_into_the_surface_is_refused_with_the_place(dem, tmp_path, ending):
+    points = Points(tuple((*placed(x, 500.0), 15.0) for x in (330.0, 670.0)))
+    made = without_lifts(worked_out(Mission(points, 15.0, Camera(20.0, 1.0), elevation=(dem["hill"],))))
+    below, *place = refused(made, tmp_path / f"field{ending}")
+    top = placed(500.0, 500.0)
+    assert GEOD.inv(place[1], place[0], top[1], top[0])[2] < 5.0
+    assert below == pytest.approx(160.0 - float(made.height_m.mean()), abs=0.1)
+
+
+def test_over_relief_a_drone_cuts_corners_by_half_a_centimetre_at_most(dem, tmp_path):
+    mission = Mission(
+        box(380.0, 560.0, 520.0, 440.0), 60.0, CAMERA, elevation=(dem["towers"],), clearance_m=50.0
+    )
+    write_plan(worked_out(mission), tmp_path / "field.kmz")
+    read = Wpml(tmp_path / "field.kmz")
+    first = read.marks[0]
+    plane = pyproj.Proj(proj="aeqd", lat_0=first.lat_deg, lon_0=first.lon_deg, ellps="WGS84")
+    at = np.array([(*plane(one.lon_deg, one.lat_deg), one.height_m) for one in read.marks])
+    way = np.diff(at, axis=0)
+    way /= np.linalg.norm(way, axis=1)[:, np.newaxis]
+    marks = read.folder.findall(read.path("Placemark"))[1:-1]
+    damping = [float(read.text(one, "waypointTurnParam/waypointTurnDampingDist")) for one in marks]
+    assert len(set(damping)) > 3
+    assert 0.0 < max(damping) <= 0.2
+    # Half-way between where the aircraft leaves its line and where it is on the next one.
+    cut = np.array(damping) * np.linalg.norm(np.diff(way, axis=0), axis=1) / 2.0
+    assert cut.max() <= 0.005 + 1e-6
+
+
+def random_mission(rng, dem):
+    """A mission over one of the surfaces, with as many of the options that change its legs as chance has it."""
+
+    def chance(share, value, otherwise=None):
+        return value if rng.random() < share else otherwise
+
+    x, y = rng.uniform(330.0, 480.0, 2)
+    wide, high = rng.uniform(60.0, 200.0, 2)
+    agl = clear = float(rng.uniform(30.0, 70.0))
+    area = box(x, y + high, x + wide, y)
+    above = str(rng.choice(["ground", "ground", "ground", "takeoff", "ellipsoid"]))
+    if rng.random() < 0.2:
+        corners = rng.uniform(330.0, 680.0, (6, 2))
+        area = Points(tuple((*placed(*corner), agl) for corner in corners))
+    if above != "ground":
+        # High enough for the highest of all surfaces.
+        agl += 180.0 if above == "ellipsoid" else 90.0
+        if isinstance(area, Points):
+            area = Points(tuple((lat, lon, agl) for lat, lon, _ in area.poses))
+    routed = rng.random() < 0.5
+    takeoff = placed(*rng.uniform(300.0, 720.0, 2)) if routed else None
+    ground = str(rng.choice(["hill", "cliffs", "towers", "rough", "masts"]))
+    return Mission(
+        area,
+        agl,
+        Camera(float(rng.uniform(25.0, 60.0)), 4 / 3),
+        elevation=(dem[ground],),
+        height_above=above,
+        clearance_m=float(chance(0.7, rng.uniform(0.7, 1.0) * clear, 0.0)),
+        clearance_distance_m=float(chance(0.5, rng.uniform(1.0, 15.0), 0.0)),
+        climb_m_per_s=chance(0.3, float(rng.uniform(1.0, 5.0))),
+        overlap_along=float(rng.uniform(0.0, 0.6)),
+        overlap_across=float(rng.uniform(0.0, 0.4)),
+        row_azimuth_deg=float(chance(0.4, rng.uniform(0.0, 180.0), 90.0)),
+        trigger=str(rng.choice(["waypoint", "distance", "distance", "hover"])),
+        order=str(rng.choice(["serpentine", "one-way"])),
+        takeoff=takeoff,
+        battery_min=chance(0.5, float(rng.uniform(2.0, 6.0))) if routed else None,
+        turnaround_m=float(chance(0.3, rng.uniform(5.0, 30.0), 0.0)),
+        lead_in_m=float(chance(0.3, rng.uniform(5.0, 20.0), 0.0)),
+        no_fly=(square(x + wide * rng.random(), y + high * rng.random(), 12.0),)
+        if rng.random() < 0.4
+        else (),
+        drone=str(rng.choice(["mavic-3e", "m350", "dji-fly"])),
+    )
+
+
+@pytest.mark.parametrize(
+    "seeds",
+    [(6, 8, 12, 19, 24, 35), pytest.param(range(400), marks=pytest.mark.thorough)],
+    ids=["few", "many"],
+)
+def test_random_missions_keep_clear_of_relief_in_every_file(dem, tmp_path, seeds):
+    flown = 0
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
+        try:
+            made = worked_out(random_mission(rng, dem))
+            if len(made) > MOST_IMAGES:
+                continue
+            _ = made.path
+        except InvalidInput:
+            # What cannot be flown at all: below what is seen, a take-off in a no-fly area, a battery too small.
+            continue
+        folder = tmp_path / str(seed)
+        folder.mkdir()
+        for name, (least, where) in shortfalls(made, folder).items():
+            assert least >= LEAST_M, (seed, name, where, made.mission.to_dict())
+        flown += 1
+    assert flown >= len(seeds) / 2
