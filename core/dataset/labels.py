@@ -17,13 +17,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import CRS, Transformer
+from pyproj import CRS
 from pyproj.exceptions import CRSError
 
 from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
-from ..geodesy.projections import geodesics, through_proj, utm_zone
+from ..geodesy.projections import geodesics, transformation, utm_zone
 from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import decoded, parse_json
 from .folder import FRAMES, TRAIN
@@ -271,7 +271,7 @@ class Frame:
             u = lon_to_u(np.where(np.abs(continuous - lon) < 180.0, lon, continuous))
             metres: Floats = np.stack([2.0 * u - 1.0, 1.0 - 2.0 * lat_to_v(lat)], axis=-1) * HALF_WORLD_M
             return metres
-        return np.stack(through_proj(_transformer(self.crs).transform, lon, lat), axis=-1)
+        return np.stack(transformation(self.crs).forward(lat, lon), axis=-1)
 
     def inverse(self, metres: Floats) -> tuple[Floats, Floats]:
         """Latitudes and longitudes (n,) in degrees, the latter in [-180, 180), of eastings and northings (n, 2)."""
@@ -280,7 +280,7 @@ class Frame:
         if self.crs == MERCATOR:
             lat = v_to_lat((1.0 - north / HALF_WORLD_M) / 2.0)
             return lat, wrap_lon_deg(u_to_lon((east / HALF_WORLD_M + 1.0) / 2.0))
-        lon, lat = through_proj(_transformer(self.crs).transform, east, north, direction="INVERSE")
+        lat, lon = transformation(self.crs).inverse(east, north)
         return lat, wrap_lon_deg(lon)
 
 
@@ -406,12 +406,6 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
 def _crs(code: str) -> CRS:
     """Systems are costly to make (some ms)."""
     return CRS.from_user_input(code)
-
-
-@lru_cache(maxsize=8)
-def _transformer(code: str) -> Transformer:
-    """From longitude and latitude on WGS84; costly to make, and used by one thread at a time."""
-    return Transformer.from_crs(CRS.from_epsg(4326), _crs(code), always_xy=True)
 
 
 @dataclass(frozen=True)

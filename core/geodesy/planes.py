@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import threading
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from .ellipsoid import WGS84, arctan2, sin_cos, trace
 
 if TYPE_CHECKING:
-    from pyproj import CRS, Transformer
+    from pyproj import CRS
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +26,6 @@ _DIRECTIONS, _BETWEEN_DIRECTIONS = 16, 1.02
 _LOOKED_AT, _BETWEEN_POSITIONS = 1000, 1.1
 #: Characters of a code such as EPSG:32616; WKT has more.
 _LONGEST_CODE = 32
-#: Geographic coordinates are taken for those of WGS 84.
-_GEOGRAPHIC = "EPSG:4326"
 
 
 @dataclass(frozen=True)
@@ -68,10 +65,10 @@ class ProjectedPlane:
 
     def to_crs(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Easting and northing in the CRS's unit of positions in degrees (any shape)."""
-        from .projections import through_proj
+        from .projections import transformation
 
         with np.errstate(invalid="ignore"):
-            x, y = through_proj(_TRANSFORMERS.of(self.crs).transform, lon_deg, lat_deg)
+            x, y = transformation(self.crs).forward(lat_deg, lon_deg)
         if self._is_geographic:
             # Continuous about the rectangle, which may lie across the antimeridian.
             x = x - 360.0 * np.rint((x - (self.west + self.width / 2.0)) / 360.0)
@@ -79,14 +76,10 @@ class ProjectedPlane:
         return np.where(there, x, np.nan), np.where(there, y, np.nan)
 
     def from_crs(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-        """Latitude and longitude in degrees of eastings and northings (any shape)."""
-        from pyproj.enums import TransformDirection
+        """Latitude and longitude in degrees of eastings and northings (any shape); the inverse of `to_crs`."""
+        from .projections import transformation
 
-        from .projections import through_proj
-
-        lon, lat = through_proj(
-            _TRANSFORMERS.of(self.crs).transform, x, y, direction=TransformDirection.INVERSE
-        )
+        lat, lon = transformation(self.crs).inverse(x, y)
         there = np.isfinite(lon) & np.isfinite(lat)
         return np.where(there, lat, np.nan), np.where(there, lon, np.nan)
 
@@ -224,19 +217,3 @@ def _system(crs: str) -> CRS:
     from pyproj import CRS
 
     return CRS.from_user_input(crs)
-
-
-def _transformer(crs: str) -> Transformer:
-    from pyproj import Transformer
-
-    return Transformer.from_crs(_GEOGRAPHIC, _system(crs), always_xy=True)
-
-
-class _Transformers(threading.local):
-    """Transformations that this thread has made: costly to make, and PROJ's are for one thread at a time."""
-
-    def __init__(self) -> None:
-        self.of = lru_cache(maxsize=8)(_transformer)
-
-
-_TRANSFORMERS = _Transformers()

@@ -1,7 +1,9 @@
-"""Geodesics, and projections in metres: UTM, and a conformal plane about any place."""
+"""Geodesics, projections in metres (UTM, and a conformal plane about any place), and the way to any CRS and back."""
 
 from __future__ import annotations
 
+import math
+import re
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import Geod, Proj
+from pyproj import CRS, Geod, Proj, Transformer
 
 from .ellipsoid import WGS84, sin_cos
 
@@ -20,6 +22,14 @@ NOISE_M = 5e-8
 #: Half a step of latitude from which the direction of north is worked out, degrees: 11 m of ground, so that the noise
 #: of positions turns it by 4e-10 rad.
 _STEP_DEG = 1e-4
+#: Geographic coordinates are taken for those of WGS 84.
+_GEOGRAPHIC = "EPSG:4326"
+#: Times that an inverse is tried: each leaves about 1e-5 of what it was off by.
+_MOST_TURNS = 8
+#: Projections whose inverses PROJ has to `NOISE_M`, and steps of its definitions, of which some move nothing.
+_EXACT_INVERSES = frozenset({"utm", "tmerc", "lcc", "merc", "sterea"})
+_STEP = re.compile(r"\bproj=(\w+)")
+_NO_STEPS = frozenset({"pipeline", "unitconvert", "axisswap", "noop"})
 
 
 @dataclass(frozen=True)
@@ -152,6 +162,85 @@ def through_proj(
     return tuple(
         np.asarray(result, np.float64)[:size].reshape(shape) for result in function(*flat, **options)
     )
+
+
+class Transformation:
+    """PROJ's transformation from WGS 84 to a CRS, and its exact inverse; for the thread that made it.
+
+    PROJ has ways back of its own, which are only near: that of a Helmert transformation is up to 6 mm off, as small
+    angles stand for their sines, and of a CRS with a transformation for each of its parts it may take another one than
+    on the way there. So the way there alone defines where places are.
+
+    Parameters
+    ----------
+    crs : CRS
+    """
+
+    def __init__(self, crs: CRS) -> None:
+        self._proj = Transformer.from_crs(_GEOGRAPHIC, crs, always_xy=True)
+        unit = float(crs.axis_info[0].unit_conversion_factor)
+        #: Once around the Earth, where coordinates are angles, and noise, in the CRS's unit.
+        self._turn = 2.0 * math.pi / unit if crs.is_geographic else math.inf
+        self._noise = NOISE_M / (unit * (WGS84.b_m if crs.is_geographic else 1.0))
+        steps = [step for step in _STEP.findall(self._proj.definition) if step not in _NO_STEPS]
+        self._is_exact = len(steps) == 1 and steps[0] in _EXACT_INVERSES
+
+    def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
+        """Coordinates, easting first, of positions in degrees (any shape); infinite where there are none."""
+        x, y = through_proj(self._proj.transform, lon_deg, lat_deg)
+        return x, y
+
+    def inverse(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Latitude and longitude (in [-180, 180]) in degrees of coordinates, easting first (any shape).
+
+        What `forward` is off by from PROJ's own inverse is taken off and tried again, until that is noise or no less.
+        """
+        lat, lon = self._back(x, y)
+        if self._is_exact:
+            return lat, lon
+        shape, (x, y) = lat.shape, (part.ravel() for part in np.broadcast_arrays(x, y))
+        found, tried = np.stack([lat.ravel(), lon.ravel()]), np.stack([lat.ravel(), lon.ravel()])
+        asked_x, asked_y, least = x.astype(np.float64), y.astype(np.float64), np.full(x.size, np.inf)
+        index = np.flatnonzero(np.isfinite(found).all(axis=0))
+        for _ in range(_MOST_TURNS):
+            if not len(index):
+                break
+            with np.errstate(invalid="ignore"):
+                there_x, there_y = self.forward(*tried[:, index])
+                off_x, off_y = there_x - x[index], there_y - y[index]
+                if np.isfinite(self._turn):
+                    off_x -= self._turn * np.rint(off_x / self._turn)
+                off = np.hypot(off_x, off_y)
+                nearer = off < least[index]
+            at = index[nearer]
+            found[:, at], least[at] = tried[:, at], off[nearer]
+            more = nearer & (off > self._noise)
+            index = index[more]
+            asked_x[index] -= off_x[more]
+            asked_y[index] -= off_y[more]
+            tried[:, index] = self._back(asked_x[index], asked_y[index])
+        lat, lon = found.reshape(2, *shape)
+        return lat, lon
+
+    def _back(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+        """Latitude and longitude by PROJ's own inverse."""
+        lon, lat = through_proj(self._proj.transform, x, y, direction="INVERSE")
+        return lat, lon
+
+
+class _Transformations(threading.local):
+    """Transformations that this thread has made: costly to make, and PROJ's are for one thread at a time."""
+
+    def __init__(self) -> None:
+        self.of = lru_cache(maxsize=8)(lambda crs: Transformation(CRS.from_user_input(crs)))
+
+
+_TRANSFORMATIONS = _Transformations()
+
+
+def transformation(crs: str) -> Transformation:
+    """Transformation to a CRS by its code, WKT or PROJ's text, for the current thread alone."""
+    return _TRANSFORMATIONS.of(crs)
 
 
 def geodesics(

@@ -22,6 +22,7 @@ from terrainav.core.report import positions  # noqa: E402
 
 from tests.core.geodesy.reference import see  # noqa: E402
 from tests.support import rasters  # noqa: E402
+from tests.support.systems import NATIONAL  # noqa: E402
 
 SIDE = 1500
 #: Orthophotos of 0.5 m about a place: their EPSG code, and the place.
@@ -91,6 +92,22 @@ def test_every_pixel_is_the_file_s(place, tmp_path, library):
         else:
             expected = values[:, row : row + shown.shape[1], column : column + shown.shape[2]]
         assert np.array_equal(shown, expected)
+
+
+@pytest.mark.parametrize(
+    ("crs", "lat", "lon"),
+    [place for place in NATIONAL if pyproj.CRS(place[0]).axis_info[0].unit_name == "metre"],
+)
+def test_orthophotos_of_national_systems_keep_their_pixels(crs, lat, lon, tmp_path):
+    """A shift of the datum does not bring PROJ back to where it came from: to some millimetres."""
+    for pixel in (0.25, 0.02):
+        _, (west, _, _, north, _, _) = noise(tmp_path / "o.tif", int(crs[5:]), lat, lon, pixel=pixel, side=64)
+        source = open_raster(tmp_path / "o.tif")
+        grid = source.grid
+        source.close()
+        assert grid.own is not None
+        assert (grid.own.crs, grid.own.west, grid.own.north) == (crs, west, north)
+        assert grid.pixel_size(grid.native_zoom) == pytest.approx((pixel, pixel), rel=1e-12)
 
 
 def test_images_about_the_pole_are_the_file_s_and_cover_it(tmp_path):
