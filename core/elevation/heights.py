@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import weakref
 from collections import OrderedDict
@@ -14,10 +15,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
+from ..files import is_there
 from ..geodesy.mercator import PixelGrid
 from ..imagery.entry import CatalogueEntry
-from ..imagery.opening import NamedSource, SourceOptions, named_source, whole_path
+from ..imagery.opening import NAMED, NamedSource, SourceOptions, kind_of, named_source, whole_path
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..resources import read_json
@@ -263,6 +265,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
                 field="elevation",
             )
         return LevelGround(height_m)
+    _check_one(text)
     datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
     asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)
     if text.lower() == "world":
@@ -287,6 +290,31 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     return _of_raster(text, named_source(text, asked), datum, options)
 
 
+def _check_one(text: str) -> None:
+    """Refuse several sources in one text."""
+    parts = re.split(r"\s*[;,]\s*", text)
+    if len(parts) > 1 and not is_there(text) and all(_may_be_heights(part, text) for part in parts):
+        raise InvalidInput(
+            "heights {0!r}: are several sources in one",
+            text,
+            field="elevation",
+            remedy=Message(
+                "write a semicolon between them in QGIS, and a space in a command{0}",
+                OptionName("elevation").in_brackets,
+            ),
+        )
+
+
+def _may_be_heights(part: str, text: str) -> bool:
+    """Whether a part of a text may be a source of heights; numbers may also be parts of an address."""
+    if _number(part) is not None:
+        return "://" not in text
+    if part.lower() == "world" or part in _shipped() or part.partition(":")[0] in _ENCODED:
+        return True
+    kind = kind_of(part)
+    return kind.is_file or kind.is_address
+
+
 def with_whole_path(text: str) -> str:
     """Text that names the same heights in processes with another current folder."""
     if _number(text) is not None:
@@ -295,7 +323,22 @@ def with_whole_path(text: str) -> str:
     return f"{encoding}:{whole_path(inner)}" if colon and encoding in _ENCODED else whole_path(text)
 
 
+def _check_known(named: NamedSource) -> None:
+    """Refuse a name that nothing goes by, in words of heights."""
+    try:
+        _ = named.title
+    except InvalidInput as unknown:
+        raise InvalidInput(
+            "heights {0!r}: no such source is known",
+            named.text,
+            field="elevation",
+            remedy="name a raster file of heights, terrarium, world or a number of metres",
+        ) from unknown
+
+
 def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
+    if kind_of(text).named_by == NAMED:
+        _check_known(named)
     if not named.has_bands and named.title:
         raise InvalidInput(
             "heights {0}: is a source of images",

@@ -8176,9 +8176,29 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: sus coordenadas están en {1}, y no dice si sus alturas están en metros</translation>
     </message>
     <message>
+        <location filename="../../core/elevation/filling.py"/>
+        <source>missing heights: are interpolated by GDAL, which is not there: pip install terrainav[raster]</source>
+        <translation>alturas que faltan: las interpola GDAL, que no está: pip install terrainav[raster]</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/filling.py"/>
+        <source>missing heights: cannot be interpolated: {0}</source>
+        <translation>alturas que faltan: no se pueden interpolar: {0}</translation>
+    </message>
+    <message>
         <location filename="../../core/elevation/heights.py"/>
         <source>height {0:g} m: must be from {1:g} to {2:g}</source>
         <translation>altura {0:g} m: debe estar entre {1:g} y {2:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0!r}: are several sources in one</source>
+        <translation>alturas {0!r}: son varias fuentes en una</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0!r}: no such source is known</source>
+        <translation>alturas {0!r}: no se conoce tal fuente</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -8197,8 +8217,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>name a raster file of heights, terrarium, world or a number of metres</source>
+        <translation>nombre un archivo ráster de alturas, terrarium, world o un número de metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata</source>
         <translation>dígalo en el archivo si el valor significa que no hay datos, por ejemplo con gdal_edit.py -a_nodata</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>write a semicolon between them in QGIS, and a space in a command{0}</source>
+        <translation>escriba un punto y coma entre ellas en QGIS, y un espacio en una orden{0}</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -10463,6 +10493,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>holes interpolated</source>
+        <translation>huecos interpolados</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <location filename="../../core/mission/methods.py"/>
         <source>image</source>
         <translation>imagen</translation>
@@ -10577,6 +10612,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} images left out</source>
         <translation>{0:,} imágenes omitidas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,} of {1:,} heights around the area ({2}), from the heights around them</source>
+        <translation>{0:,} de {1:,} alturas en torno al área ({2}), de las alturas que las rodean</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -11795,6 +11835,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
+        <source>Interpolated where no source has any</source>
+        <translation>Se interpolan donde ninguna fuente las tiene</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/parts.py"/>
         <source>JPEG (smaller)</source>
         <translation>JPEG (menor)</translation>
     </message>
@@ -12573,8 +12618,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>what becomes of places in the area at which the first source of heights has none: filled from the next source that has one, and counted, or refused</source>
-        <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan, o se rechazan</translation>
+        <source>what becomes of places in the area at which the first source of heights has none: filled from the next source that has one, and counted; or also interpolated where no source has one, from heights within 100 pixels on all sides; or refused</source>
+        <translation>qué se hace con los lugares del área de los que la primera fuente no tiene altura: se rellenan con la siguiente fuente que la tenga, y se cuentan; o además se interpolan donde ninguna la tiene, a partir de alturas a menos de 100 píxeles por todos los lados; o se rechazan</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -12763,8 +12808,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>
-        <source>name a further source that fills it{0}</source>
-        <translation>nombre otra fuente que lo complete{0}</translation>
+        <source>name a further source that fills it{0}, or have holes interpolated{1}</source>
+        <translation>nombre otra fuente que lo complete{0}, o haga interpolar los huecos{1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/relief.py"/>

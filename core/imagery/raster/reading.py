@@ -174,6 +174,39 @@ def opener() -> Opener:
     raise InvalidInput("raster files need rasterio: pip install terrainav[raster]")
 
 
+def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
+    """Values (h, w) of float32 with GDAL's FillNodata where there are none.
+
+    Each becomes the mean of the nearest one in each of the four quadrants, as far as there is one within reach, by the
+    inverse of their distances. Where there is none in any, it stays as it is.
+
+    Raises
+    ------
+    InvalidInput
+        As `opener` does.
+    ReadError
+    """
+    height, width = values.shape
+    if opener() is RasterioFile:
+        from rasterio.fill import fillnodata
+
+        with _refused(NO_OPTIONS):
+            return np.asarray(fillnodata(values.copy(), there, reach_px, 0), np.float32)
+    from osgeo import gdal
+
+    with _heard(NO_OPTIONS) as said:
+        memory = gdal.GetDriverByName("MEM")
+        target = memory.Create("", width, height, 1, gdal.GDT_Float32)
+        mask = memory.Create("", width, height, 1, gdal.GDT_Byte)
+        target.WriteRaster(0, 0, width, height, np.ascontiguousarray(values, np.float32).tobytes())
+        mask.WriteRaster(0, 0, width, height, there.astype(np.uint8).tobytes())
+        # Otherwise its work files may lie in the current folder.
+        options = ["TEMP_FILE_DRIVER=MEM"]
+        gdal.FillNodata(target.GetRasterBand(1), mask.GetRasterBand(1), reach_px, 0, options)
+        made = target.ReadRaster(0, 0, width, height)
+    return _array(made, said, (height, width), "float32")
+
+
 @contextmanager
 def _heard(options: Options) -> Iterator[list[str]]:
     """Errors of GDAL in this thread: collected instead of printed, and raised where the bindings are told to.
