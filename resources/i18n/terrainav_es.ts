@@ -8207,8 +8207,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
-        <source>heights {0}: maxzoom {1!r} must be a whole number</source>
-        <translation>alturas {0}: maxzoom {1!r} debe ser un número entero</translation>
+        <source>heights {0}: {1!r} behind # must be maxzoom or tilesize</source>
+        <translation>alturas {0}: {1!r} detrás de # debe ser maxzoom o tilesize</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0}: {1} {2!r} must be a whole number</source>
+        <translation>alturas {0}: {1} {2!r} debe ser un número entero</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -9995,6 +10000,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/xyz.py"/>
         <source>source {0}: its URL has a {{date}}</source>
         <translation>fuente {0}: su URL tiene una {{date}}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/xyz.py"/>
+        <source>write #tilesize={0} behind its address</source>
+        <translation>escriba #tilesize={0} detrás de su dirección</translation>
     </message>
     <message>
         <location filename="../../core/imagery/xyz.py"/>

@@ -17,6 +17,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 
+from tests.core.elevation.test_height_tiles import surface_of, tiles
 from tests.support import rasters
 from tests.support.remedies import Case, remedy
 
@@ -113,7 +114,8 @@ def _unknown(case: Case) -> None:
 
 @remedy(
     "elevation/heights.py",
-    "heights {}: are several sources in one; write a semicolon between them in QGIS, and a space in a command (--elevation)",
+    "heights {}: are several sources in one; write a semicolon between them in QGIS, and a space in a command "
+    "(--elevation)",
 )
 def _several(case: Case) -> None:
     path = str(written(case, "heights.tif"))
@@ -121,6 +123,16 @@ def _several(case: Case) -> None:
     # The panel's entry makes the same value of what stands between ;.
     case.follow("write a semicolon between them in QGIS", lambda: open_relief([path, "10"]))
     case.follow("a space in a command (--elevation)", lambda: open_relief([path, "10"]))
+
+
+@remedy("imagery/xyz.py", "{}; write #tilesize={} behind its address")
+def _tiles_of_512_px(case: Case) -> None:
+    with tiles("terrain-rgb", 512) as address:
+        case.refused(lambda: surface_of(f"{address}.png#maxzoom=12"))
+        case.follow(
+            "write #tilesize=512 behind its address",
+            lambda: surface_of(f"{address}.png#maxzoom=12&tilesize=512"),
+        )
 
 
 @remedy(
