@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -29,6 +29,39 @@ Range = tuple[float, float]
 
 
 @dataclass(frozen=True)
+class BandMetadata:
+    """What a file says that the stored values of one of its bands mean.
+
+    Parameters
+    ----------
+    scale, offset : float
+        The quantity is so many times the stored value, and so much more.
+    unit : str
+        Of the quantity; empty for none.
+    colour : str
+        GDAL's name of its colour interpretation, such as NIR; empty for none.
+    items : tuple of (domain, name, value)
+        Of GDAL's metadata, such as its wavelength; the domain is empty for the default one.
+    """
+
+    scale: float = 1.0
+    offset: float = 0.0
+    unit: str = ""
+    colour: str = ""
+    items: tuple[tuple[str, str, str], ...] = ()
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether the quantity is another number than the stored value."""
+        return (self.scale, self.offset) != (1.0, 0.0)
+
+    @property
+    def quantity(self) -> BandMetadata:
+        """Scale, offset and unit alone."""
+        return replace(self, colour="", items=())
+
+
+@dataclass(frozen=True)
 class Bands:
     """What the channels of a source's pixels are.
 
@@ -40,14 +73,29 @@ class Bands:
         Of `DATA_TYPES`.
     shown : tuple of int
         Channels, counted from 0, that are shown as red, green and blue, or the one as grey.
+    metadata : tuple of BandMetadata
+        Of each channel; empty where nothing is stated of any.
+    nodata : float or None
+        Stored value that stands for no data, in every band.
     """
 
     names: tuple[str, ...]
     data_type: str = "uint8"
     shown: tuple[int, ...] = (0, 1, 2)
+    metadata: tuple[BandMetadata, ...] = ()
+    nodata: float | None = None
+
+    def __post_init__(self) -> None:
+        if all(one == BandMetadata() for one in self.metadata):
+            object.__setattr__(self, "metadata", ())
 
     def __len__(self) -> int:
         return len(self.names)
+
+    @property
+    def each_metadata(self) -> tuple[BandMetadata, ...]:
+        """Metadata of each channel, of nothing where nothing is stated."""
+        return self.metadata or (BandMetadata(),) * len(self)
 
     @cached_property
     def dtype(self) -> np.dtype[Any]:
@@ -61,10 +109,17 @@ class Bands:
 
     def of_channels(self, channels: int) -> Bands:
         """Bands of a picture that is made grey (1) or colours (3) of these."""
+        metadata = tuple(self.metadata[at] for at in self.shown) if self.metadata else ()
         if channels == _GREY and len(self.shown) > _GREY:
-            return Bands(("grey",), self.data_type, (0,))
+            # A mean of values means what all of them do.
+            quantities = {one.quantity for one in metadata}
+            return Bands(("grey",), self.data_type, (0,), tuple(quantities) if len(quantities) == 1 else ())
         return Bands(
-            tuple(self.names[at] for at in self.shown), self.data_type, tuple(range(len(self.shown)))
+            tuple(self.names[at] for at in self.shown),
+            self.data_type,
+            tuple(range(len(self.shown))),
+            metadata,
+            self.nodata,
         )
 
     @property

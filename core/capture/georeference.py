@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import CRS
 
+from ..bands import RGB, Bands, unnamed
 from ..errors import InvalidInput
 from ..geodesy.mercator import WebMercator
 from ..mission.plan import Plan
@@ -34,6 +35,8 @@ WEB_MERCATOR_WKT = (
 )
 Floats = NDArray[np.float64]
 _GEOGRAPHIC_EPSG = 4326
+#: Names that say no more of bands than their order does.
+_PLAIN_NAMES = (RGB.names, ("grey",), ("grey",) * len(RGB))
 #: Points along the longer and the shorter side, and how often both are doubled where the horizon leaves too few.
 _LONG_SIDE, _SHORT_SIDE, _DOUBLINGS = 9, 7, 4
 #: What the least surface through control points, a plane's perspective, needs.
@@ -106,12 +109,13 @@ class Georeference:
         middle = x + (across_x + down_x) / 2.0, y + (across_y + down_y) / 2.0
         return "".join(f"{value!r}\n" for value in (across_x, across_y, down_x, down_y, *middle))
 
-    def aux_xml(self, metadata: Mapping[str, str]) -> str:
+    def aux_xml(self, metadata: Mapping[str, str], bands: Bands | None = None) -> str:
         """Text of GDAL's auxiliary file (PAM): CRS, geotransform and metadata, for formats that hold no CRS."""
         return _pam_text(
             f'  <SRS dataAxisToSRSAxisMapping="1,2">{xml_text(wkt_1(self.crs))}</SRS>\n'
             f"  <GeoTransform>{', '.join(map(repr, self.geotransform))}</GeoTransform>\n",
             metadata,
+            bands,
         )
 
     def tags(self) -> list[Tag]:
@@ -189,7 +193,7 @@ class ControlPoints:
                 break
         return cls(found)
 
-    def aux_xml(self, metadata: Mapping[str, str]) -> str:
+    def aux_xml(self, metadata: Mapping[str, str], bands: Bands | None = None) -> str:
         """Text of GDAL's auxiliary file (PAM): the points, their CRS, and metadata."""
         points = "".join(
             f'    <GCP Id="{number}" Pixel="{column!r}" Line="{row!r}" X="{lon!r}" Y="{lat!r}" Z="{height!r}" />\n'
@@ -197,7 +201,7 @@ class ControlPoints:
         )
         crs = xml_text(WGS84_WKT)
         place = f'  <GCPList Projection="{crs}" dataAxisToSRSAxisMapping="2,1">\n{points}  </GCPList>\n'
-        return _pam_text(place, metadata)
+        return _pam_text(place, metadata, bands)
 
     def tags(self) -> list[Tag]:
         """GeoTIFF's tags: tie points, and a geographic CRS by its code."""
@@ -226,9 +230,26 @@ def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:
     return [1, 1, 0, count, *(number for key, value in keys for number in (key, 0, 1, value)), *cited]
 
 
-def _pam_text(place: str, metadata: Mapping[str, str]) -> str:
+def _pam_text(place: str, metadata: Mapping[str, str], bands: Bands | None) -> str:
     """GDAL's auxiliary file around the elements that say where the picture lies."""
     items = "".join(
         f'    <MDI key="{xml_text(key)}">{xml_text(value)}</MDI>\n' for key, value in metadata.items()
     )
-    return f"<PAMDataset>\n{place}  <Metadata>\n{items}  </Metadata>\n</PAMDataset>\n"
+    of_bands = "" if bands is None else _pam_bands(bands)
+    return f"<PAMDataset>\n{place}  <Metadata>\n{items}  </Metadata>\n{of_bands}</PAMDataset>\n"
+
+
+def _pam_bands(bands: Bands) -> str:
+    """Elements of bands of which more is known than their colours: names, and what values mean."""
+    lines = []
+    names = [""] * len(bands) if bands.names in _PLAIN_NAMES else bands.names
+    for number, (name, about) in enumerate(zip(names, bands.each_metadata), 1):
+        known = {"Description": name} if name not in ("", unnamed(number - 1)) else {}
+        if about.unit:
+            known["UnitType"] = about.unit
+        if about.is_scaled:
+            known.update(Offset=repr(about.offset), Scale=repr(about.scale))
+        if known:
+            inside = "".join(f"<{element}>{xml_text(text)}</{element}>" for element, text in known.items())
+            lines.append(f'  <PAMRasterBand band="{number}">{inside}</PAMRasterBand>\n')
+    return "".join(lines)

@@ -21,6 +21,7 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Part, Source, Window
 from ..mission.export.rows import clock
 from ..mission.layout.framing import sampled_zooms
+from ..mission.parts import INTERPOLATE
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
 from ..picture.optics import Exposures
@@ -240,7 +241,13 @@ def _camera_metadata(shot: Shot) -> tuple[tuple[str, str], ...]:
         ("SKY_SHARE", repr(figure(shot.view.sky_share))),
         ("ERROR_BOUND_PX", repr(figure(plan.accuracy.bound_px))),
         *((("HEIGHTS", plan.relief.attribution),) if plan.relief is not None else ()),
+        *((("MISSING_HEIGHTS", "interpolated"),) if _interpolates(plan) else ()),
     )
+
+
+def _interpolates(plan: Plan) -> bool:
+    """Whether heights may be interpolated: how many are is known for the area alone, and not for what images see."""
+    return plan.relief is not None and plan.mission.terrain.holes == INTERPOLATE
 
 
 def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Table:

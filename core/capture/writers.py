@@ -32,10 +32,7 @@ _COLOURS, _WITH_ALPHA = 3, 4
 #: Types of values (SampleFormat) by numpy's kinds; what is packed (Predictor): differences, and those of floats' bytes.
 _SAMPLE_FORMATS, _DIFFERENCES, _OF_FLOATS = {"u": 1, "i": 2, "f": 3}, 2, 3
 #: Types whose mask is a value that they hardly ever have: GDAL knows alpha of whole numbers without sign alone.
-_NO_DATA: dict[str, tuple[str, float]] = {
-    "int16": ("-32768", -32768),
-    **dict.fromkeys(("float32", "float64"), ("nan", float("nan"))),
-}
+_NO_DATA: dict[str, float] = {"int16": -32768, **dict.fromkeys(("float32", "float64"), float("nan"))}
 #: Where a GeoTIFF says which values of a band are shown darkest and brightest.
 DISPLAY_RANGE = "DISPLAY_RANGE"
 #: Where a picture lies: a map frame by its edges, a camera frame by points.
@@ -104,7 +101,7 @@ def write_picture(
     on_map = isinstance(place, Georeference)
     contents = [encoded(image_format, pixels, place, description, bands, ranges)]
     if image_format != "tif":
-        contents.insert(0, place.aux_xml(description.metadata()).encode("utf-8"))
+        contents.insert(0, place.aux_xml(description.metadata(), bands).encode("utf-8"))
         if isinstance(place, Georeference):
             contents.insert(0, place.world_file().encode("ascii"))
     for ending, data in zip(file_endings(image_format, on_map=on_map), contents):
@@ -145,7 +142,7 @@ def geotiff(
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     tags = [
         Tag(262, Kind.SHORT, [1 if channels == 1 else 2]),  # black is zero; RGB
-        Tag(42112, Kind.ASCII, _gdal_metadata(description)),
+        Tag(42112, Kind.ASCII, gdal_metadata(_description_items(description))),
     ]
     if channels == _WITH_ALPHA:
         tags.append(
@@ -161,15 +158,24 @@ def _geotiff_of_bands(
     is_masked = pixels.shape[2] > count
     are_shown_first = bands.shown == (0, 1, 2)
     extra = [0] * (count - (_COLOURS if are_shown_first else 1))
-    items = _band_items(bands, ranges, is_masked and bands.data_type not in _NO_DATA)
+    items = band_items(bands, ranges, has_alpha=is_masked and bands.data_type not in _NO_DATA)
     tags = [
         Tag(262, Kind.SHORT, [2 if are_shown_first else 1]),  # RGB; black is zero
-        Tag(42112, Kind.ASCII, _gdal_metadata(description, items)),
+        Tag(42112, Kind.ASCII, gdal_metadata(_description_items(description) + items)),
     ]
+    nodata = bands.nodata
+    if nodata is not None:
+        pixels = _without(bands.dtype.type(nodata), pixels, count)
+    elif is_masked:
+        nodata = _NO_DATA.get(bands.data_type)
+    if nodata is not None:
+        tags.append(Tag(42113, Kind.ASCII, repr(nodata)))
+    if is_masked and nodata is not None:
+        there = pixels[..., count:] != 0
+        values = np.where(there, pixels[..., :count], bands.dtype.type(nodata))
+        pixels = np.concatenate([values, pixels[..., count:]], axis=2)
     if is_masked and bands.data_type in _NO_DATA:
-        text, value = _NO_DATA[bands.data_type]
-        tags.append(Tag(42113, Kind.ASCII, text))
-        pixels = np.where(pixels[..., count:] == 0, bands.dtype.type(value), pixels[..., :count])
+        pixels = pixels[..., :count]
     elif is_masked:
         extra.append(2)
     if extra:
@@ -177,6 +183,24 @@ def _geotiff_of_bands(
     if bands.dtype.kind != "u":
         tags.append(Tag(339, Kind.SHORT, [_SAMPLE_FORMATS[bands.dtype.kind]] * pixels.shape[2]))
     return _with_pixels(pixels, place, description, tags)
+
+
+def _without(nodata: Any, pixels: Pixels, count: int) -> Pixels:
+    """Pixels of which none has the value for no data in all of so many bands, as a mean of others may.
+
+    The first band's value becomes the next one to it, as gdalwarp does.
+    """
+    alike = (pixels[..., :count] == nodata).all(axis=-1)
+    if not alike.any():
+        return pixels
+    dtype = pixels.dtype
+    if dtype.kind == "f":
+        other = np.nextafter(nodata, dtype.type(0.0 if nodata else 1.0))
+    else:
+        other = dtype.type(int(nodata) + (1 if nodata < np.iinfo(dtype).max else -1))
+    pixels = pixels.copy()
+    pixels[alike, 0] = other
+    return pixels
 
 
 def _with_pixels(pixels: Pixels, place: Place, description: Description, more: list[Tag]) -> bytes:
@@ -216,26 +240,46 @@ def _as_bytes(pixels: Pixels) -> NDArray[np.uint8]:
     return np.ascontiguousarray(high_first.transpose(0, 2, 1)).reshape(height, -1, channels)
 
 
-def _band_items(bands: Bands, ranges: Sequence[Range], has_alpha: bool) -> str:
-    """What GDAL's tag says of bands: names, the values to show them by, and colours that do not come first."""
+def band_items(bands: Bands, ranges: Sequence[Range] = (), *, has_alpha: bool = False) -> str:
+    """What GDAL's tag says of bands: names, what values mean and are shown by, and colours that do not come first."""
     lines = []
 
-    def say(band: int, name: str, text: str, role: str = "") -> None:
-        role = f' role="{role}"' if role else ""
-        lines.append(f'  <Item name="{name}" sample="{band}"{role}>{xml_text(xml_text(text))}</Item>\n')
+    def say(band: int, name: str, text: str, role: str = "", domain: str = "") -> None:
+        more = "".join(f' {key}="{value}"' for key, value in (("role", role), ("domain", domain)) if value)
+        lines.append(
+            f'  <Item name="{xml_text(name)}" sample="{band}"{more}>{xml_text(xml_text(text))}</Item>\n'
+        )
 
-    for band, name in enumerate(bands.names):
+    for band, (name, about) in enumerate(zip(bands.names, bands.each_metadata)):
+        if about.is_scaled:
+            say(band, "OFFSET", repr(about.offset), "offset")
+            say(band, "SCALE", repr(about.scale), "scale")
+        if about.unit:
+            say(band, "UNITTYPE", about.unit, "unittype")
+        for domain, key, text in about.items:
+            say(band, key, text, domain=domain)
         if name != unnamed(band):
             say(band, "DESCRIPTION", name, "description")
         if bands.data_type != "uint8":
             say(band, DISPLAY_RANGE, " ".join(map(repr, ranges[band])))
-    if len(bands.shown) == _COLOURS and bands.shown != (0, 1, 2):
-        colours = dict(zip(bands.shown, ("Red", "Green", "Blue")))
-        for band in range(len(bands)):
-            say(band, "COLORINTERP", colours.get(band, "Undefined"), "colorinterp")
-        if has_alpha:
-            say(len(bands), "COLORINTERP", "Alpha", "colorinterp")
+    for band, colour in _interpretations(bands, has_alpha=has_alpha).items():
+        say(band, "COLORINTERP", colour, "colorinterp")
     return "".join(lines)
+
+
+def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
+    """Colour interpretations of channels that TIFF's own tags do not tell, by the channel."""
+    found = {
+        band: about.colour
+        for band, about in enumerate(bands.each_metadata)
+        if about.colour and band not in bands.shown
+    }
+    if len(bands.shown) == _COLOURS and bands.shown != (0, 1, 2):
+        found = {**dict.fromkeys(range(len(bands)), "Undefined"), **found}
+        found.update(zip(bands.shown, ("Red", "Green", "Blue")))
+        if has_alpha:
+            found[len(bands)] = "Alpha"
+    return found
 
 
 def png(pixels: Pixels, description: Description) -> bytes:
@@ -305,13 +349,16 @@ def _with_strips(tags: list[Tag], strips: list[bytes]) -> bytes:
     )
 
 
-def _gdal_metadata(description: Description, of_bands: str = "") -> str:
-    """XML of GDAL's own tag, whose values are escaped twice: GDAL writes them so, and undoes both."""
-    items = (
+def _description_items(description: Description) -> str:
+    return "".join(
         f'  <Item name="{xml_text(key)}">{xml_text(xml_text(value))}</Item>\n'
         for key, value in description.metadata().items()
     )
-    return "<GDALMetadata>\n" + "".join(items) + of_bands + "</GDALMetadata>\n"
+
+
+def gdal_metadata(items: str) -> str:
+    """XML of GDAL's own tag, whose values are escaped twice: GDAL writes them so, and undoes both."""
+    return f"<GDALMetadata>\n{items}</GDALMetadata>\n"
 
 
 def _segment(mark: bytes, data: bytes) -> bytes:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, UnidentifiedImageError
 
+from ..bands import Bands
 from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..stores import Address, is_address, sizes_in, store_path
 from .folder import (
@@ -32,7 +33,7 @@ from .folder import (
     place_of,
     raster_folders,
 )
-from .geotiff import GeoTiff, geotiff_of
+from .geotiff import GeoTiff, geotiff_of, pam_bands, stated_bands
 from .published import check_names
 from .stored import ImageFile, Range, StoredImage, is_name, shards_of
 from .table import Table
@@ -55,6 +56,8 @@ _GREY, _COLOUR = (
 #: with less, the result begins to differ from that of the whole one.
 _SPARE = 2
 _GEOTIFF = (".tif", ".tiff")
+#: Ending of GDAL's file beside an image, behind its name.
+_NOTES = ".aux.xml"
 #: A size that is not known.
 _UNKNOWN_PX = (math.nan, math.nan)
 #: What an image is read from.
@@ -578,6 +581,22 @@ def open_bands(path: Place, said_px: tuple[float, float] = _UNKNOWN_PX) -> GeoTi
     except OSError:
         return None
     return _bands_of(path, data, said_px)
+
+
+def bands_in(path: Place, channels: int) -> Bands | None:
+    """Bands of an image as its file, or GDAL's file beside it, states them; None where neither does.
+
+    Parameters
+    ----------
+    channels : int
+        1 or 3, of an image that is no GeoTIFF.
+    """
+    if _suffix(path) in _GEOTIFF:
+        return stated_bands(_read(path))
+    if isinstance(path, StoredImage):
+        return None
+    beside = Path(f"{path}{_NOTES}")
+    return pam_bands(beside.read_text("utf-8", "replace"), channels) if beside.is_file() else None
 
 
 def _bands_of(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:

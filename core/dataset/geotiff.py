@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..bands import Bands, Range, percentiles, shown_in_8_bits, shown_of, unnamed
+from ..bands import BandMetadata, Bands, Range, percentiles, shown_in_8_bits, shown_of, unnamed
 from ..limits import MAX_BANDS, MAX_PICTURE_BYTES, MAX_PICTURE_SIDE_PX
 
 _HEADER, _ENTRY_BYTES = b"II*\0", 12
@@ -30,8 +30,13 @@ _PLACES = frozenset((_PIXEL_SCALE, _TRANSFORMATION))
 _DEFLATE, _RGB, _ALPHA, _OF_FLOATS = 8, 2, 2, 3
 _KINDS = {1: "u", 2: "i", 3: "f"}
 _COLOURS = 3
+#: Items of GDAL's tag by their names and bands, from 0.
+Said = Mapping[tuple[str, int], str]
 #: What GDAL's tag says of a band.
 _ITEM = re.compile(r'<Item name="([A-Z_]+)" sample="(\d{1,4})"[^>]*>([^<]*)</Item>')
+#: What GDAL's file beside an image says of a band.
+_PAM_BAND = re.compile(r'<PAMRasterBand band="(\d{1,4})">(.*)</PAMRasterBand>')
+_PAM_ELEMENT = re.compile(r"<(\w+)>([^<]*)</\1>")
 
 
 class Strip(NamedTuple):
@@ -100,7 +105,8 @@ class GeoTiff:
             return None
         values = self._pixels
         nothing = np.isnan(values) if self.mask == "nan" else values == float(self.mask)
-        return np.asarray(~nothing.any(axis=-1))
+        # One band alone may have a value that, in all of them, says that nothing is there.
+        return np.asarray(~nothing.all(axis=-1))
 
     def shown(self) -> NDArray[np.uint8]:
         """Picture (h, w) or (h, w, 3) as it is shown: by the values that the file states, or by its own percentiles."""
@@ -159,8 +165,7 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
         return None
     kind, size = _KINDS.get(min(formats), "c"), min(bits) // 8
     data_type = {"u1": "uint8", "u2": "uint16", "i2": "int16", "f4": "float32"}.get(f"{kind}{size}")
-    extra = tags.get(_EXTRA, ())
-    has_alpha = bool(extra) and extra[-1] == _ALPHA
+    has_alpha = _has_alpha(tags)
     count = channels - has_alpha
     if data_type is None or (data_type == "uint8" and count in (1, _COLOURS)):
         return None
@@ -169,18 +174,10 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
     if largest or not 1 <= count <= MAX_BANDS or min(width, height) < 1:
         raise ValueError("it is larger than images are")
     said = _said_of_bands(str(tags.get(_METADATA, "")))
-    names = tuple(said.get(("DESCRIPTION", band), unnamed(band)) for band in range(count))
-    shown = shown_of(names)
-    if tags.get(_PHOTOMETRIC) == (_RGB,):
-        shown = (0, 1, 2)
-    else:
-        stated = {said.get(("COLORINTERP", band)): band for band in range(count)}
-        colours = tuple(stated.get(colour, -1) for colour in ("Red", "Green", "Blue"))
-        shown = colours if min(colours) >= 0 else (0,)
     return GeoTiff(
         width,
         height,
-        Bands(names, data_type, shown),
+        _bands(tags, said, count, data_type),
         "alpha" if has_alpha else str(tags.get(_NO_DATA, "")),
         _ranges(said),
         not _PLACES.isdisjoint(tags),
@@ -189,6 +186,55 @@ def _image(tags: Mapping[int, Any], data: bytes) -> GeoTiff | None:
         channels,
         tags.get(_PREDICTOR, (1,))[0],
         data,
+    )
+
+
+def stated_bands(data: bytes) -> Bands | None:
+    """What a GeoTIFF as captures write them says of its bands, also of 8-bit grey or colours; None for others."""
+    if not data.startswith(_HEADER):
+        return None
+    try:
+        tags = _tags(data)
+        kind, bits = _KINDS.get(tags.get(_FORMAT, (1,))[0], "c"), tags[_BITS][0]
+        count = tags.get(_SAMPLES, (1,))[0] - _has_alpha(tags)
+        said = _said_of_bands(str(tags.get(_METADATA, "")))
+        return _bands(tags, said, count, np.dtype(f"{kind}{bits // 8}").name)
+    except (struct.error, IndexError, KeyError, TypeError, ValueError):
+        return None
+
+
+def pam_bands(text: str, channels: int) -> Bands:
+    """What GDAL's file beside an image of 8-bit grey (1) or colours (3), as captures write it, says of its bands."""
+    said = {
+        (element, int(number) - 1): unescape(value)
+        for number, inside in _PAM_BAND.findall(text)
+        for element, value in _PAM_ELEMENT.findall(inside)
+    }
+    names = tuple(said.get(("Description", band), unnamed(band)) for band in range(channels))
+    metadata = (_metadata(said, band, "Scale", "Offset", "UnitType") for band in range(channels))
+    return Bands(names, "uint8", shown_of(names), tuple(metadata))
+
+
+def _has_alpha(tags: Mapping[int, Any]) -> bool:
+    extra = tags.get(_EXTRA, ())
+    return bool(extra) and extra[-1] == _ALPHA
+
+
+def _bands(tags: Mapping[int, Any], said: Said, count: int, data_type: str) -> Bands:
+    names = tuple(said.get(("DESCRIPTION", band), unnamed(band)) for band in range(count))
+    if tags.get(_PHOTOMETRIC) == (_RGB,):
+        shown: tuple[int, ...] = (0, 1, 2)
+    else:
+        stated = {said.get(("COLORINTERP", band)): band for band in range(count)}
+        colours = tuple(stated.get(colour, -1) for colour in ("Red", "Green", "Blue"))
+        shown = colours if min(colours) >= 0 else (0,)
+    metadata = (_metadata(said, band, "SCALE", "OFFSET", "UNITTYPE") for band in range(count))
+    return Bands(names, data_type, shown, tuple(metadata))
+
+
+def _metadata(said: Said, band: int, scale: str, offset: str, unit: str) -> BandMetadata:
+    return BandMetadata(
+        float(said.get((scale, band), 1.0)), float(said.get((offset, band), 0.0)), said.get((unit, band), "")
     )
 
 
@@ -215,12 +261,12 @@ def _tags(data: bytes | mmap) -> dict[int, Any]:
     return tags
 
 
-def _said_of_bands(text: str) -> dict[tuple[str, int], str]:
+def _said_of_bands(text: str) -> Said:
     """Items of GDAL's tag by their names and bands, unescaped as often as they were escaped."""
     return {(name, int(band)): unescape(unescape(value)) for name, band, value in _ITEM.findall(text)}
 
 
-def _ranges(said: Mapping[tuple[str, int], str]) -> dict[int, Range]:
+def _ranges(said: Said) -> dict[int, Range]:
     found = {}
     for (name, band), text in said.items():
         if name == "DISPLAY_RANGE":

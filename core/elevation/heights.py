@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import weakref
 from collections import OrderedDict
@@ -14,10 +15,11 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
+from ..files import is_there
 from ..geodesy.mercator import PixelGrid
 from ..imagery.entry import CatalogueEntry
-from ..imagery.opening import NamedSource, SourceOptions, named_source, whole_path
+from ..imagery.opening import NAMED, NamedSource, SourceOptions, kind_of, named_source, whole_path
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..resources import read_json
@@ -42,8 +44,12 @@ _ENCODED: dict[str, Callable[[NDArray[Any]], Floats]] = {
     "terrarium": lambda rgb: rgb @ np.array([256.0, 1.0, 1.0 / 256.0]) - 32768.0,
     "terrain-rgb": lambda rgb: rgb @ np.array([6553.6, 25.6, 0.1]) - 10000.0,
 }
+#: Heights that tiles so encoded have where there are none, beside black, which is the least that they can state.
+_VOIDS_OF_TILES = (_VOID, -32767.0, -32768.0)
 #: Highest zoom of templates that do not say theirs.
 _DEFAULT_MAX_ZOOM = 15
+#: Size of tiles of addresses with @2x.
+_LARGE_TILE_PX = 512
 _SHIPPED_FILE = "elevation.json"
 
 
@@ -184,9 +190,13 @@ class TiledHeights:
         pixels = self._source.fetch("", tile)
         channels = 1 if self._decoded is None else 3
         values = pixels[..., :channels].astype(np.float64)
-        heights = (
-            values[..., 0] * self._scale + self._offset if self._decoded is None else self._decoded(values)
-        )
+        if self._decoded is None:
+            heights = values[..., 0] * self._scale + self._offset
+        else:
+            heights = self._decoded(values)
+            # Sums of products of floats are off by their last digits, and steps are 4 mm at least.
+            void = np.isin(np.round(heights, 3), _VOIDS_OF_TILES) | ~values.any(axis=-1)
+            heights = np.where(void, np.nan, heights)
         if pixels.shape[2] > channels:
             heights = np.where(pixels[..., channels] != 0, heights, np.nan)
         void = heights == _VOID
@@ -242,8 +252,9 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     text : str
         A raster file; ``world``, the embedded landscape; ``terrarium``, the public tiles of that name;
         ``terrarium:SOURCE`` or ``terrain-rgb:SOURCE``, a URL template or an MBTiles file of tiles so encoded, with
-        ``#maxzoom=N`` behind it where a template's tiles end elsewhere than at zoom 15; or a number: level ground so
-        many metres above the ellipsoid.
+        ``#maxzoom=N`` behind it where a template's tiles end elsewhere than at zoom 15, and ``#tilesize=512`` where
+        they have other than 256 px (512 where @2x is in the address), or both with & between them; or a number: level
+        ground so many metres above the ellipsoid.
 
     Raises
     ------
@@ -263,6 +274,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
                 field="elevation",
             )
         return LevelGround(height_m)
+    _check_one(text)
     datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
     asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)
     if text.lower() == "world":
@@ -273,18 +285,58 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
     encoding, colon, inner = text.partition(":")
     if text in _shipped():
         entry = CatalogueEntry.from_dict(text, _shipped()[text])
-        tiles = open_entry(entry, entry.date(None), None, asked)
+        tiles = open_entry(entry, entry.date(None), None, replace(asked, encoded=True))
         return TiledHeights(tiles, _ENCODED[text], datum or Datum.named("EGM96"), options.offset_m)
     if colon and encoding in _ENCODED:
-        inner, _, zoom = inner.partition("#maxzoom=")
-        if zoom and not zoom.isdecimal():
-            raise InvalidInput("heights {0}: maxzoom {1!r} must be a whole number", text, zoom)
-        asked = replace(asked, heights=False, max_zoom=int(zoom) if zoom else _DEFAULT_MAX_ZOOM)
+        inner, max_zoom, tile_px = _of_template(inner, text)
+        asked = replace(asked, heights=False, encoded=True, max_zoom=max_zoom, tile_px=tile_px)
         source = named_source(inner, asked).open()
         return TiledHeights(
             source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m
         )
     return _of_raster(text, named_source(text, asked), datum, options)
+
+
+def _of_template(inner: str, text: str) -> tuple[str, int, int | None]:
+    """Source that an encoding stands before, and the highest zoom and the size of tiles that stand behind it."""
+    source, _, behind = inner.partition("#")
+    words = dict(word.split("=", 1) for word in behind.split("&") if "=" in word)
+    if not words.keys() & {"maxzoom", "tilesize"}:
+        source, words = inner, {}
+    for name, value in words.items():
+        if name not in ("maxzoom", "tilesize"):
+            raise InvalidInput("heights {0}: {1!r} behind # must be maxzoom or tilesize", text, name)
+        if not (value.isascii() and value.isdecimal()):
+            raise InvalidInput("heights {0}: {1} {2!r} must be a whole number", text, name, value)
+    is_template = kind_of(source).is_address
+    usual = _LARGE_TILE_PX if is_template and "@2x" in source else None
+    tile_px = int(words["tilesize"]) if "tilesize" in words else usual
+    return source, int(words.get("maxzoom", _DEFAULT_MAX_ZOOM)), tile_px
+
+
+def _check_one(text: str) -> None:
+    """Refuse several sources in one text."""
+    parts = re.split(r"\s*[;,]\s*", text)
+    if len(parts) > 1 and not is_there(text) and all(_may_be_heights(part, text) for part in parts):
+        raise InvalidInput(
+            "heights {0!r}: are several sources in one",
+            text,
+            field="elevation",
+            remedy=Message(
+                "write a semicolon between them in QGIS, and a space in a command{0}",
+                OptionName("elevation").in_brackets,
+            ),
+        )
+
+
+def _may_be_heights(part: str, text: str) -> bool:
+    """Whether a part of a text may be a source of heights; numbers may also be parts of an address."""
+    if _number(part) is not None:
+        return "://" not in text
+    if part.lower() == "world" or part in _shipped() or part.partition(":")[0] in _ENCODED:
+        return True
+    kind = kind_of(part)
+    return kind.is_file or kind.is_address
 
 
 def with_whole_path(text: str) -> str:
@@ -295,7 +347,22 @@ def with_whole_path(text: str) -> str:
     return f"{encoding}:{whole_path(inner)}" if colon and encoding in _ENCODED else whole_path(text)
 
 
+def _check_known(named: NamedSource) -> None:
+    """Refuse a name that nothing goes by, in words of heights."""
+    try:
+        _ = named.title
+    except InvalidInput as unknown:
+        raise InvalidInput(
+            "heights {0!r}: no such source is known",
+            named.text,
+            field="elevation",
+            remedy="name a raster file of heights, terrarium, world or a number of metres",
+        ) from unknown
+
+
 def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
+    if kind_of(text).named_by == NAMED:
+        _check_known(named)
     if not named.has_bands and named.title:
         raise InvalidInput(
             "heights {0}: is a source of images",

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.relief import Surface
+from .filling import REACH_PX, interpolated
 from .heights import HeightOptions, Heights32, Layer, LevelGround, open_heights
 
 Floats = NDArray[np.float64]
@@ -30,9 +31,12 @@ class Relief:
     ----------
     layers : sequence of Layer
         The first that has a height counts; at least one.
+    interpolates : bool
+        Whether holes that no layer fills are interpolated.
     """
 
     layers: Sequence[Layer]
+    interpolates: bool = False
 
     @property
     def title(self) -> str:
@@ -76,6 +80,21 @@ class Relief:
         )
         alone = len(self.layers) == 1
         zoom, (left, top, right, bottom) = _window(layer, lat, lon, cell_m, cut=alone)
+        heights, holes = self._read(layer, zoom, left, top, right, bottom)
+        made = None
+        if self.interpolates and np.isnan(heights).any():
+            # A height depends on those within reach alone, wherever the window ends.
+            reach = REACH_PX
+            wide, _ = self._read(layer, zoom, left - reach, top - reach, right + reach, bottom + reach)
+            whole = interpolated(wide)[reach:-reach, reach:-reach]
+            made = np.isnan(heights) & ~np.isnan(whole)
+            heights = whole
+        return Surface(layer.grid, zoom, left, top, heights, holes, made)
+
+    def _read(
+        self, layer: Layer, zoom: int, left: int, top: int, right: int, bottom: int
+    ) -> tuple[Heights32, NDArray[np.bool_] | None]:
+        """Heights of a window of a layer's pixels, and those of them that the first source does not have."""
         heights = np.full((bottom - top, right - left), np.nan, np.float32)
         missing, holes = np.isnan(heights), None
         for other in self.layers:
@@ -88,7 +107,7 @@ class Relief:
             if not missing.any():
                 break
             holes = missing if holes is None else holes
-        return Surface(layer.grid, zoom, left, top, heights, holes)
+        return heights, holes
 
     @staticmethod
     def _fill(layer: Layer, grid: PixelGrid, first: tuple[int, int, int], heights: Heights32) -> None:
@@ -115,7 +134,12 @@ class Relief:
         heights[rows, columns] = found
 
 
-def open_relief(texts: Sequence[str], options: HeightOptions = HeightOptions()) -> Relief:  # noqa: B008  frozen
+def open_relief(
+    texts: Sequence[str],
+    options: HeightOptions = HeightOptions(),  # noqa: B008  frozen
+    *,
+    interpolates: bool = False,
+) -> Relief:
     """Open the sources of heights that texts name, see `open_heights`; the first that has a height counts.
 
     Raises
@@ -123,7 +147,7 @@ def open_relief(texts: Sequence[str], options: HeightOptions = HeightOptions()) 
     InvalidInput, SourceError
         As `open_heights` does.
     """
-    return Relief(tuple(open_heights(text, options) for text in texts))
+    return Relief(tuple(open_heights(text, options) for text in texts), interpolates)
 
 
 def _size_m(layer: Layer, lat_deg: float, lon_deg: float, zoom: int) -> float:

@@ -117,6 +117,8 @@ class Surface:
     holes : array (rows, columns) of bool, or None
         Pixels whose heights the first source does not have: those that others have filled, and those that are NaN. None
         where the first has all of them.
+    interpolated : array (rows, columns) of bool, or None
+        Pixels whose heights no source has, and which are interpolated. None where none is.
     """
 
     grid: PixelGrid
@@ -125,6 +127,7 @@ class Surface:
     top_px: int
     heights_m: NDArray[Any]
     holes: Bools | None = None
+    interpolated: Bools | None = None
 
     @property
     def cells(self) -> tuple[int, int]:

@@ -36,6 +36,10 @@ _PIXEL_BYTES = 8
 _KIND_CHARACTERS = 60
 
 
+class WrongSizeError(PartError):
+    """A picture of another size than was asked for; its first two values are the width and height that it has."""
+
+
 def decode(
     body: bytes, width_px: int, height_px: int, content_type: str = "", *, alpha: bool = False
 ) -> Pixels:
@@ -63,7 +67,8 @@ def decode(
     Raises
     ------
     PartError
-        With the reason alone: who asked knows the part. `BrokenPictureError` where another copy may be whole.
+        With the reason alone: who asked knows the part. `BrokenPictureError` where another copy may be whole, and
+        `WrongSizeError` for what is too large or too small.
     """
     most_bytes = _PIXEL_BYTES * width_px * height_px + MAX_PICTURE_EXTRA_BYTES
     if len(body) > most_bytes:
@@ -77,7 +82,7 @@ def decode(
     try:
         image = _open(body, content_type, whole=True)
         if image.size != (width_px, height_px):
-            raise PartError(
+            raise WrongSizeError(
                 "an image of {0}x{1} px instead of {2}x{3}",
                 image.size[0],
                 image.size[1],

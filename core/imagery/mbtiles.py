@@ -63,7 +63,7 @@ class MBTilesFile(FileSource):
     """An MBTiles file as a mission names it."""
 
     def _open(self, date: str) -> MBTilesSource:  # noqa: ARG002
-        return open_mbtiles(self.text)
+        return open_mbtiles(self.text, alpha=self.options.encoded)
 
 
 class MBTilesSource:
@@ -79,6 +79,8 @@ class MBTilesSource:
     rows : mapping
         Metadata of the file.
     grid : PixelGrid
+    alpha : bool
+        Whether the fourth channel is what the tiles have.
     """
 
     map_types: tuple[str, ...] = ()
@@ -90,6 +92,8 @@ class MBTilesSource:
         clock: _Clock,
         rows: Mapping[str, str],
         grid: PixelGrid,
+        *,
+        alpha: bool = False,
     ) -> None:
         self.name = str(path)
         self.title = one_line(rows.get("name", "")) or path.stem
@@ -98,6 +102,7 @@ class MBTilesSource:
         date = rows.get("date", "").strip()
         self.date = date if re.fullmatch(r"\d{4}(-\d\d){0,2}", date) else ""
         self.policy = Policy(licence=one_line(rows.get("license", rows.get("licence", ""))))
+        self._alpha = alpha
         self._connection: sqlite3.Connection | None = connection
         self._clock = clock
         self._lock = threading.Lock()
@@ -125,7 +130,7 @@ class MBTilesSource:
         if body is None:
             raise PartError("{0}: is not in {1}", tile, Path(self.name).name)
         try:
-            return decode(body, part.width_px, part.height_px)
+            return decode(body, part.width_px, part.height_px, alpha=self._alpha)
         except PartError as reason:
             raise PartError("{0}: {1}", tile, reason) from reason
 
@@ -165,10 +170,11 @@ class MBTilesSource:
         return bytes(row[0]) if row and isinstance(row[0], bytes) else None
 
 
-def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
+def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTilesSource:
     """Open an MBTiles file as a source.
 
-    Size of tiles and, where the metadata do not tell them, zooms are read from the tiles.
+    Size of tiles and, where the metadata do not tell them, zooms are read from the tiles. With ``alpha``, translucent
+    tiles are handed out as they are.
 
     Raises
     ------
@@ -187,7 +193,7 @@ def open_mbtiles(path: str | os.PathLike[str]) -> MBTilesSource:
         connection = _opened(file, clock)
         _check_defined(connection)
         rows, sample = _first_look(connection)
-        source = MBTilesSource(file, connection, clock, rows, _grid(connection, rows, sample))
+        source = MBTilesSource(file, connection, clock, rows, _grid(connection, rows, sample), alpha=alpha)
     except InvalidInput as wrong:
         failure = InvalidInput("MBTiles {0}: {1}", file, wrong)
     except FILE_ERRORS as wrong:

@@ -79,6 +79,8 @@ class SourceOptions:
         red, green and blue of 8 bits.
     heights : bool
         Pixels are heights: the first band of a raster file as float32, whose rows may run along degrees.
+    encoded : bool
+        Colours of tiles are numbers, such as heights: they are handed out as they are, with their own alpha.
     named_by_user : bool
         The user has named the source himself, and no file has: where it is an address with {key}, the environment's
         key is for its host. Otherwise that goes to the hosts of TERRAINAV_KEY_HOSTS alone.
@@ -103,6 +105,7 @@ class SourceOptions:
     stretch: str = NO_STRETCH
     as_stored: bool = False
     heights: bool = False
+    encoded: bool = False
     named_by_user: bool = False
     sharers: int = 0
 

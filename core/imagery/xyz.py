@@ -8,12 +8,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import astuple
 from typing import Callable
 
-from ..errors import InvalidInput, PartError, SourceError
+from ..errors import InvalidInput, Message, PartError, SourceError
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
 from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
-from .decode import decode
+from .decode import WrongSizeError, decode
 from .entry import CatalogueEntry, serving
 from .http.client import Client
 from .http.requests_transport import RequestsTransport
@@ -56,6 +56,8 @@ class XYZSource:
         Tiles there are, as `CatalogueEntry.tile_limits`.
     alpha : bool
         Whether the fourth channel is what the tiles have, for who lays them over something else.
+    encoded : bool
+        Whether colours are numbers, such as heights: as ``alpha``, and named in ways of their own.
 
     Attributes
     ----------
@@ -81,6 +83,7 @@ class XYZSource:
         cache: TileCache | None = None,
         limits: Iterable[tuple[int, int, int, int, int]] = (),
         alpha: bool = False,
+        encoded: bool = False,
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
         self._templates = {
@@ -98,7 +101,7 @@ class XYZSource:
         self.policy = policy
         self.map_types = self._map_types_of_templates()
         self.placeholder = placeholder
-        self._alpha = alpha
+        self._alpha, self._encoded = alpha or encoded, encoded
         self._limits = {zoom: ends for zoom, *ends in limits}
         self.received: Received | None = None
         self._key = key or ""
@@ -194,7 +197,14 @@ class XYZSource:
         """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
         self.placeholder.refuse(body, headers)
         size, kind = self.grid.tile_px, headers.get("content-type", "")
-        pixels = decode(body, size, size, kind, alpha=self._alpha)
+        try:
+            pixels = decode(body, size, size, kind, alpha=self._alpha)
+        except WrongSizeError as wrong:
+            if not self._encoded:
+                raise
+            raise PartError(
+                wrong, remedy=Message("write #tilesize={0} behind its address", wrong.message.values[0])
+            ) from wrong
         self.placeholder.refuse_flat(pixels)
         return pixels
 
@@ -282,4 +292,5 @@ def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: Sourc
         cache=options.cache,
         connections=options.connections,
         limits=entry.tile_limits,
+        encoded=options.encoded,
     )

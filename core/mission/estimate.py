@@ -119,6 +119,7 @@ class Summary:
     clearance_m: float | None = None
     hidden_share: float | None = None
     filled_heights: int | None = None
+    interpolated_heights: int | None = None
     heights: int | None = None
     path_m: float | None = None
     path_s: float | None = None
@@ -251,7 +252,16 @@ class Summary:
                 self.heights,
                 share,
             )
-            filled = [(Message("holes filled"), counts)]
+            filled.append((Message("holes filled"), counts))
+        if self.interpolated_heights and self.heights:
+            share = percent(self.interpolated_heights / self.heights, exact=False)
+            counts = Message(
+                "{0:,} of {1:,} heights around the area ({2}), from the heights around them",
+                self.interpolated_heights,
+                self.heights,
+                share,
+            )
+            filled.append((Message("holes interpolated"), counts))
         return [
             (Message("ground below"), ground),
             *filled,
@@ -361,7 +371,7 @@ def _over_relief(plan: Plan) -> dict[str, Any]:
     if plan.relief is None or plan.flown is None or plan.size_px is None:
         return {}
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
-    filled, count = plan.relief.filled
+    filled, interpolated, count = plan.relief.filled
     px_per_m = plan.mission.camera.ground_size_m(1.0)[0] / plan.size_px[0]
     return {
         "lowest_ground_m": found.lowest_m,
@@ -371,6 +381,7 @@ def _over_relief(plan: Plan) -> dict[str, Any]:
         "clearance_m": found.clearance_m,
         "hidden_share": found.hidden_share,
         "filled_heights": filled,
+        "interpolated_heights": interpolated,
         "heights": count,
     }
 

@@ -48,7 +48,7 @@ BY_WAYPOINT, BY_DISTANCE, HOVER = "waypoint", "distance", "hover"
 #: Of the drones that a file for DJI's programs is for, those that DJI Fly flies.
 DJI_FLY = "dji-fly"
 #: What becomes of holes in the first source of heights.
-FILL, REFUSE = "fill", "refuse"
+FILL, INTERPOLATE, REFUSE = "fill", "interpolate", "refuse"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 #: A code, or the WKT of a raster whose coordinate reference system has none.
@@ -619,8 +619,13 @@ class Terrain(Part):
         FILL,
         title="missing heights",
         help="what becomes of places in the area at which the first source of heights has none: filled from the next "
-        "source that has one, and counted, or refused",
-        choices={FILL: "Filled from the next source", REFUSE: "Refused"},
+        "source that has one, and counted; or also interpolated where no source has one, from heights within 100 "
+        "pixels on all sides; or refused",
+        choices={
+            FILL: "Filled from the next source",
+            INTERPOLATE: "Interpolated where no source has any",
+            REFUSE: "Refused",
+        },
         advanced=True,
     )
     height_above: str = declared(

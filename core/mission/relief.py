@@ -275,7 +275,9 @@ class ReliefBelow:
     def __getstate__(self) -> dict[str, Any]:
         """What images depend on, but the heights, which are large: see `opened`."""
         kept = ("mission", "radius_m", "lowest_m", "highest_m", "has_holes")
-        without = replace(self._surface, heights_m=np.empty((0, 0), np.float32), holes=None)
+        without = replace(
+            self._surface, heights_m=np.empty((0, 0), np.float32), holes=None, interpolated=None
+        )
         return {**{name: getattr(self, name) for name in kept}, "_surface": without}
 
     @property
@@ -329,16 +331,18 @@ class ReliefBelow:
         return self.highest_m - self.lowest_m <= _LEVEL_M and self._ground.heights_m.size > 0
 
     @cached_property
-    def filled(self) -> tuple[int, int]:
-        """How many heights about the area the first sources lack and others have filled, and how many there are."""
-        filled = count = 0
+    def filled(self) -> tuple[int, int, int]:
+        """Heights about the area that further sources have filled, those that are interpolated, and all there are."""
+        filled = interpolated = count = 0
         for surface in {id(one): one for one in (self._ground, self._surface)}.values():
             about = self._about_area(surface)
             heights = surface.heights_m[about]
             count += heights.size
+            made = 0 if surface.interpolated is None else int(np.count_nonzero(surface.interpolated[about]))
+            interpolated += made
             if surface.holes is not None:
-                filled += int(np.count_nonzero(surface.holes[about] & ~np.isnan(heights)))
-        return filled, count
+                filled += int(np.count_nonzero(surface.holes[about] & ~np.isnan(heights))) - made
+        return filled, interpolated, count
 
     def _about_area(self, surface: Surface) -> tuple[slice, slice]:
         """Rows and columns of a surface's pixels about the area."""
@@ -703,7 +707,11 @@ def no_ground(lat_deg: float, lon_deg: float) -> InvalidInput:
         lat_deg,
         lon_deg,
         field="elevation",
-        remedy=Message("name a further source that fills it{0}", OptionName("elevation").in_brackets),
+        remedy=Message(
+            "name a further source that fills it{0}, or have holes interpolated{1}",
+            OptionName("elevation").in_brackets,
+            OptionName("holes").in_brackets,
+        ),
     )
 
 

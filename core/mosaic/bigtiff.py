@@ -9,9 +9,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..bands import Bands
 from ..capture.georeference import Georeference
 from ..capture.metadata import SOFTWARE
 from ..capture.tiff import Kind, Tag, big_header, directory, header
+from ..capture.writers import band_items, gdal_metadata
 from ..errors import OutputError
 from ..files import partial_file
 
@@ -42,6 +44,7 @@ def write_tiles(
     tiles: Iterable[tuple[int, int, bytes]],
     title: str = "",
     attribution: str = "",
+    bands: Bands | None = None,
 ) -> None:
     """Write a tiled GeoTIFF, whole or not at all; a BigTIFF where it might not fit a classic one.
 
@@ -51,6 +54,8 @@ def write_tiles(
         2 or 4: grey, or red, green and blue; the last is alpha.
     tiles : iterable of (column, row, bytes)
         `packed_tile` of each tile, in any order; those that are missing show nothing.
+    bands : Bands or None
+        Of what they are named, and what their values mean; None for nothing beyond their colours.
 
     Raises
     ------
@@ -96,6 +101,8 @@ def write_tiles(
                 Tag(33432, Kind.ASCII, attribution),
                 *place.tags(),
             ]
+            if about := "" if bands is None else band_items(bands):
+                tags.append(Tag(42112, Kind.ASCII, gdal_metadata(about)))
             file.write(directory(tags, at, big=is_big))
             file.seek(0)
             file.write(big_header(at) if is_big else header(at))

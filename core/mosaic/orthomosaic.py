@@ -22,7 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..dataset.dataset import open_masked
+from ..bands import Bands
+from ..dataset.dataset import bands_in, open_masked
 from ..errors import Cancelled, InvalidInput
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
@@ -253,7 +254,7 @@ def write_orthomosaic(
             if not progress((number + 1) / len(blocks)):
                 raise Cancelled("mosaic: stopped")
 
-    write_tiles(target, raster.place, channels + 1, tiles(), title, attribution)
+    write_tiles(target, raster.place, channels + 1, tiles(), title, attribution, images.bands())
     return len(used), shown / (raster.width_px * raster.height_px)
 
 
@@ -363,6 +364,13 @@ class _Images:
         self._lock = Lock()
         self.channels = 0
         self.channels = self.of(0)[0].shape[2]
+
+    def bands(self) -> Bands | None:
+        """Bands of the mosaic, where its values are those that images have: of more than 8 bits they are not."""
+        stated = bands_in(self._paths[0], self.channels)
+        if stated is None or stated.data_type != "uint8" or len(stated.shown) != self.channels:
+            return None
+        return stated.of_channels(self.channels)
 
     def of(self, index: int) -> tuple[Pixels, Pixels | None]:
         """Pixels (h, w, c), and the mask (h, w), 0 where nothing is shown, or None where all is."""

@@ -8,7 +8,7 @@ from ..elevation.heights import HeightOptions, with_whole_path
 from ..elevation.relief import Relief, open_relief
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
-from ..mission.parts import Terrain
+from ..mission.parts import INTERPOLATE, Terrain
 from ..mission.relief import Heights
 
 
@@ -43,8 +43,9 @@ def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:
     if not terrain.elevation:
         return None
     wanted = HeightOptions(terrain.vertical_datum, terrain.height_unit, terrain.height_offset_m, asked)
-    ground = open_relief(terrain.elevation, wanted)
+    interpolates = terrain.holes == INTERPOLATE
+    ground = open_relief(terrain.elevation, wanted, interpolates=interpolates)
     if not terrain.surface:
         return Heights(ground, ground)
     seen = open_relief(terrain.surface, wanted)
-    return Heights(ground, Relief((*seen.layers, *ground.layers)))
+    return Heights(ground, Relief((*seen.layers, *ground.layers), interpolates))

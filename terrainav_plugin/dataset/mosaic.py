@@ -407,6 +407,9 @@ def _virtual_raster(
             kind = "ComplexSource"
             scaling = f"<ScaleOffset>{-low * ratio!r}</ScaleOffset><ScaleRatio>{ratio!r}</ScaleRatio>"
         yield f'<VRTRasterBand dataType="Byte" band="{band}"><ColorInterp>{colour}</ColorInterp>\n'
+        if shown.stated:
+            for element, text in shown.stated[band - 1].items():
+                yield f"<{element}>{xml_text(text)}</{element}>\n"
         for name, properties, places in sources:
             yield f"<{kind}>{name}<SourceBand>{own}</SourceBand>{properties}{places}{scaling}</{kind}>\n"
         yield "</VRTRasterBand>\n"

@@ -27,12 +27,16 @@ class Shown(NamedTuple):
         GDAL's name of the values' type.
     mask : int or str or None
         Band that is 0 where nothing is shown; ``mask`` where a value says so; None for neither.
+    stated : tuple of mapping
+        Of each band, where they are of 8 bits, by elements of GDAL's virtual rasters: its description, and the unit,
+        offset and scale of its values, as far as the file states them.
     """
 
     bands: tuple[int, ...]
     ranges: tuple[tuple[float, float], ...]
     data_type: str
     mask: int | str | None
+    stated: tuple[dict[str, str], ...] = ()
 
     @property
     def is_plain(self) -> bool:
@@ -58,7 +62,8 @@ def how_shown(image: gdal.Dataset) -> Shown:
         mask = "mask"
     is_8_bit = first.DataType == gdal.GDT_Byte
     ranges = () if is_8_bit else tuple(_range(bands[at - 1]) for at in shown)
-    return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask)
+    stated = tuple(_stated(bands[at - 1]) for at in shown) if is_8_bit else ()
+    return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask, stated)
 
 
 def open_shown(path: str | Path) -> gdal.Dataset | None:
@@ -85,6 +90,16 @@ def open_shown(path: str | Path) -> gdal.Dataset | None:
         scaleParams=[[*one, _DARKEST, _BRIGHTEST] for one in ranges],
         noData="none",
     )
+
+
+def _stated(band: gdal.Band) -> dict[str, str]:
+    """Description, unit, offset and scale of a band, as far as its file states them."""
+    found = {"Description": band.GetDescription(), "UnitType": band.GetUnitType()}
+    numbers = {"Offset": (band.GetOffset(), 0.0), "Scale": (band.GetScale(), 1.0)}
+    found.update(
+        {name: repr(value) for name, (value, plain) in numbers.items() if value not in (None, plain)}
+    )
+    return {name: text for name, text in found.items() if text}
 
 
 def _range(band: gdal.Band) -> tuple[float, float]:

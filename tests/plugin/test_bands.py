@@ -85,6 +85,32 @@ def test_images_and_mosaics_show_what_the_bands_have(data_type, bands, tmp_path)
     assert smaller.max() > 20 * smaller.min()
 
 
+@pytest.mark.parametrize("data_type", ["uint8", "uint16"])
+def test_a_mosaic_says_what_the_stored_values_mean(data_type, tmp_path):
+    path = written(tmp_path / "r.tif", deep(data_type), NIR)
+    made = gdal.Open(str(path), gdal.GA_Update)
+    made.GetRasterBand(2).SetScale(0.02)
+    made.GetRasterBand(2).SetOffset(-5.5)
+    made.GetRasterBand(2).SetUnitType("<K>")
+    del made
+    asked = Mission(about(), 60.0, source=str(path))
+    source = open_for_capture(asked, None)
+    worked_out = plan(asked, grid_of(asked))
+    capture(worked_out, source, tmp_path / "out")
+    source.close()
+    (mosaic,) = build_mosaics(worked_out, tmp_path / "out", lambda _share: True)
+    whole = gdal.Open(str(mosaic.path))
+    band = whole.GetRasterBand(2)
+    # Of more than 8 bits they are stretched, and no longer those that the scale is of.
+    is_stored = data_type == "uint8"
+    assert ((band.GetScale() or 1.0), (band.GetOffset() or 0.0)) == (
+        (0.02, -5.5) if is_stored else (1.0, 0.0)
+    )
+    assert band.GetUnitType() == ("<K>" if is_stored else "")
+    assert whole.GetRasterBand(1).GetDescription() == ("red" if is_stored else "")
+    assert whole.GetRasterBand(1).GetScale() in (None, 1.0)
+
+
 def test_a_camera_frame_of_more_bits_is_laid_on_the_map(tmp_path):
     lat, lon = place()
     worked_out, folder = flown(tmp_path, deep("uint16"), NIR, Points(((lat, lon, 60.0),)), tilt_deg=25.0)

@@ -17,9 +17,10 @@ from typing import Any, TypeVar, Union
 import numpy as np
 from numpy.typing import NDArray
 
+from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
 from ...stores import Address, is_address, is_file
-from ..dataset import Dataset, ImageSet, open_image, read_dataset, some
+from ..dataset import Dataset, ImageSet, bands_in, open_image, read_dataset, some
 from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
 from ..labels import LABELS_FILE, Labels, labels_of_tables
 from ..stored import ImageFile, StoredImage
@@ -102,6 +103,9 @@ class Samples:
         What they are, with their units; ``easting`` and ``northing`` are scaled.
     labels : Labels
         What the numbers mean, and the way back to latitude and longitude (`Labels.positions`).
+    bands : Bands or None
+        Of images as stored, as the first one states them: names, and scale, offset and unit of their values
+        (`Bands.each_metadata`). None for others, and where nothing is stated.
 
     Raises
     ------
@@ -152,8 +156,10 @@ class Samples:
             [_values(one, self.labels, self.images, self._rows) for one in targets], axis=1
         )
         self.shape, self.dtype = self._shape(), np.dtype(BYTES if self._is_stored else dtype)
+        self.bands: Bands | None = None
         if self._is_stored:
             self.dtype = self._stored(0).dtype
+            self.bands = bands_in(self.file(0), self.shape[2])
 
     def _shape(self) -> tuple[int, int, int]:
         """Height, width and channels of every image."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...bands import DATA_TYPES, RGB, Bands, chosen, shown_of, unnamed
+from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, shown_of, unnamed
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
 from ...text import printable
@@ -21,8 +23,17 @@ _OTHER_COLOURS = frozenset(
 )
 #: Colour interpretations that name no band.
 _NAMELESS = frozenset(["", "undefined", "palette", "gray"])
-#: Characters of a band's name.
-_NAME_CHARACTERS = 100
+#: Those that images state by their order, or not at all.
+_UNSTATED = _NAMELESS | _OTHER_COLOURS | {"red", "green", "blue", "alpha"}
+#: Characters of a band's name, and of its metadata's names and values; items of its metadata.
+_NAME_CHARACTERS, _VALUE_CHARACTERS, _MOST_ITEMS = 100, 1000, 100
+#: Names of items that are taken, and those that tell of all the file's values, or that GDAL has other words for.
+_ITEM_NAME = re.compile(r"[A-Za-z][\w .:-]{0,99}", re.ASCII)
+_OWN_ITEMS = re.compile(
+    r"STATISTICS_.*|DISPLAY_RANGE|DESCRIPTION|COLORINTERP|SCALE|OFFSET|UNITTYPE", re.IGNORECASE
+)
+#: Types of palettes' values.
+_INDICES = ("uint8", "uint16")
 _COLOURS = 3
 
 
@@ -42,8 +53,14 @@ class Colours:
         The band that is stated to be alpha; a fourth band alone is not one.
     mask : int or None
         The band whose mask counts.
-    table : array (256, 4) of uint8 or None
+    table : array (256 or more, 4) of uint8 or None
         Red, green, blue and alpha of values; None where values are colours.
+    white : int or None
+        Value that is black where the first band's greys count from white; None where they count from black.
+    over_white : bool
+        Lay translucent pixels of colours over white; otherwise they are as they are stored.
+    stored_type : str
+        Type that holds the values that are read; empty for that of ``kind``.
     """
 
     bands: tuple[int, ...]
@@ -52,15 +69,17 @@ class Colours:
     alpha: int | None = None
     mask: int | None = None
     table: Bytes | None = field(default=None, compare=False)
+    white: int | None = None
+    over_white: bool = False
+    stored_type: str = ""
 
     def read(self, file: RasterFile, box: Box) -> Values:
         """Values of a box, (height, width, bands + 1), the last channel 1 for imagery; all 0 where there is none.
 
-        Translucent pixels of 8-bit grey or colours are laid over white, as those of tiles are; of other bands they are
-        as they are stored, unless alpha is 0.
+        Translucent pixels, whose alpha is not 0, are imagery.
         """
         wanted = self.bands if self.alpha is None else (*self.bands, self.alpha)
-        values = file.read(wanted, box, self.kind.data_type)
+        values = file.read(wanted, box, self.stored_type or self.kind.data_type)
         own = values[: len(self.bands)]
         there = ~self._is_nodata(own)
         if own.dtype.kind == "f":
@@ -69,10 +88,12 @@ class Colours:
         if self.table is not None:
             looked_up = self.table[own[0]]
             own, alpha = np.moveaxis(looked_up[..., :3], 2, 0), looked_up[..., 3]
+        elif self.white is not None:
+            own = np.stack([self._from_black(at, values) for at, values in zip(self.bands, own)])
         if self.mask is not None:
             there &= file.read_mask(self.mask, box) != 0
         count = len(self.kind)
-        over = alpha if self.kind.are_colours else None
+        over = alpha if self.over_white else None
         colours = np.empty((box.height, box.width, count + 1), own.dtype)
         for channel in range(count):
             band = own[channel % len(own)]
@@ -82,6 +103,13 @@ class Colours:
         colours[..., count] = there
         colours[~there] = 0
         return colours
+
+    def _from_black(self, band: int, values: Values) -> Values:
+        """Values of a band that count from black, as those of all but the first do."""
+        if band != 1 or self.white is None:
+            return values
+        turned: Values = values.dtype.type(self.white) - np.minimum(values, self.white)
+        return turned
 
     def _is_nodata(self, values: Values) -> NDArray[np.bool_]:
         absent = np.full(values.shape[1:], None not in self.nodata)
@@ -144,9 +172,9 @@ def colours_of(
     alpha = stated.get("alpha")
     alpha = None if alpha in bands else alpha
     first = facts.bands[bands[0] - 1]
-    table = _table(first, len(bands))
+    table = _table(first, len(bands), white_is_zero=facts.white_is_zero)
     data_type = _data_type([(index, facts.bands[index - 1]) for index in bands])
-    if data_type != "uint8" and not as_stored and not stretched:
+    if data_type != "uint8" and table is None and not as_stored and not stretched:
         raise InvalidInput(
             "values of band {0} are {1}, but JPEG and PNG have 8 bits",
             bands[0],
@@ -159,15 +187,90 @@ def colours_of(
             ),
         )
     as_colours = not as_stored or (not wanted and _is_picture(facts.bands, plain))
-    if table is not None or (data_type == "uint8" and as_colours):
+    nodata = tuple(_held(facts.bands[index - 1].nodata, data_type) for index in bands)
+    white = _white(facts.bands[0]) if facts.white_is_zero and table is None and 1 in bands else None
+    if table is not None:
         kind = RGB
     else:
-        kept = tuple(names[index - 1] for index in bands)
-        if not as_stored:
-            kept = kept * (_COLOURS // len(kept))
-        kind = Bands(kept, data_type, shown_of(kept))
-    nodata = tuple(_held(facts.bands[index - 1].nodata, data_type) for index in bands)
-    return Colours(bands, nodata, kind, alpha, bands[0] if first.masked else None, table)
+        kind = _kind(facts.bands, bands, names, data_type, as_colours=as_colours, as_stored=as_stored)
+        if not stretched:
+            kind = _with_metadata(kind, facts.bands, bands, nodata, white)
+    return Colours(
+        bands,
+        nodata,
+        kind,
+        alpha,
+        bands[0] if first.masked else None,
+        table,
+        white,
+        not as_stored and kind.are_colours,
+        data_type,
+    )
+
+
+def _kind(
+    there: Sequence[Band],
+    bands: Sequence[int],
+    names: Sequence[str],
+    data_type: str,
+    *,
+    as_colours: bool,
+    as_stored: bool,
+) -> Bands:
+    """Names, type and colours of the bands, by their numbers from 1, of those that are there."""
+    # Of colours alone it is known without a name which is which.
+    are_named = len(bands) == _COLOURS and any(there[index - 1].name for index in bands)
+    if data_type == "uint8" and as_colours and not are_named:
+        return RGB
+    kept = tuple(names[index - 1] for index in bands)
+    if not as_stored:
+        kept = kept * (_COLOURS // len(kept))
+    return Bands(kept, data_type, shown_of(kept))
+
+
+def _with_metadata(
+    kind: Bands,
+    there: Sequence[Band],
+    bands: Sequence[int],
+    nodata: Sequence[float | None],
+    white: int | None,
+) -> Bands:
+    """Bands with what the file says of them; of 8-bit colours that is what their values are in alone."""
+    own = [_metadata(there[index - 1], white if index == 1 else None) for index in bands]
+    if kind.are_colours:
+        own = [one.quantity for one in own]
+    first = nodata[0] if nodata else None
+    # A type's infinite and missing numbers are no data anyway.
+    is_one = first is not None and math.isfinite(first) and all(one == first for one in nodata)
+    held = first if is_one and not kind.are_colours else None
+    if held is not None and white is not None:
+        held = white - held
+    metadata = tuple(own[at % len(own)] for at in range(len(kind)))
+    return replace(kind, metadata=metadata, nodata=held)
+
+
+def _metadata(band: Band, white: int | None) -> BandMetadata:
+    """Metadata of a band whose values, where ``white`` is given, count from black instead of white."""
+    scale, offset = band.scale, band.offset
+    if not (math.isfinite(scale) and math.isfinite(offset) and scale):
+        scale, offset = 1.0, 0.0
+    if white is not None and (scale, offset) != (1.0, 0.0):
+        scale, offset = -scale, offset + scale * white
+    items = tuple(
+        (domain, name, " ".join(printable(value[:_VALUE_CHARACTERS]).split()))
+        for domain, name, value in band.items[:_MOST_ITEMS]
+        if _ITEM_NAME.fullmatch(name) and not _OWN_ITEMS.fullmatch(name)
+    )
+    unit = " ".join(printable(band.unit[:_NAME_CHARACTERS]).split())
+    return BandMetadata(scale, offset, unit, "" if band.colour in _UNSTATED else band.colour, items)
+
+
+def _white(band: Band) -> int | None:
+    """Value that is black of a band whose 0 is white; None where its type has no greatest one."""
+    if np.dtype(band.data_type).kind != "u":
+        return None
+    bits = 8 * np.dtype(band.data_type).itemsize if band.bits is None else band.bits
+    return (1 << bits) - 1
 
 
 def heights_of(facts: Facts) -> Colours:
@@ -251,17 +354,18 @@ def _data_type(bands: Sequence[tuple[int, Band]]) -> str:
     return held
 
 
-def _table(band: Band, count: int) -> Bytes | None:
+def _table(band: Band, count: int, *, white_is_zero: bool = False) -> Bytes | None:
     """Colours that a palette, or fewer than 8 bits, give the values of a single band."""
-    if band.data_type != "uint8" or count != 1:
+    if band.data_type not in _INDICES or count != 1:
         return None
-    table = np.zeros((256, 4), np.uint8)
+    table = np.zeros((1 << 8 * np.dtype(band.data_type).itemsize, 4), np.uint8)
     if band.palette and band.colour == "palette":
-        table[: len(band.palette)] = np.clip(np.array(band.palette[:256]), 0, 255)
+        table[: len(band.palette)] = np.clip(np.array(band.palette[: len(table)]), 0, 255)
         return table
     if band.bits is not None and band.bits < 8:
         most = (1 << band.bits) - 1
-        table[: most + 1, :3] = np.rint(np.arange(most + 1) * (255.0 / most))[:, np.newaxis]
+        levels = np.arange(most, -1, -1) if white_is_zero else np.arange(most + 1)
+        table[: most + 1, :3] = np.rint(levels * (255.0 / most))[:, np.newaxis]
         table[: most + 1, 3] = 255
         return table
     return None

@@ -32,6 +32,10 @@ _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
 #: GDAL's options by name, for one raster.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
+#: Domains of GDAL's metadata that say what a band is: the default one, and that of wavelengths.
+_DOMAINS = ("", "IMAGERY")
+#: Item of GDAL's metadata, and its domain, for greys that count from white.
+_WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -69,6 +73,8 @@ class Band:
         Unit that the file states for its values; empty for none.
     scale, offset : float
         What the file says that its values are to be multiplied by, and what is to be added then, to be in that unit.
+    items : tuple of (domain, name, value)
+        Metadata that the file has of it, in the default domain and in that of imagery.
     """
 
     data_type: str
@@ -81,6 +87,7 @@ class Band:
     unit: str = ""
     scale: float = 1.0
     offset: float = 0.0
+    items: tuple[tuple[str, str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -103,6 +110,8 @@ class Facts:
         It is placed by ground control points.
     parts : tuple of str
         Names of the rasters within, where it holds several.
+    white_is_zero : bool
+        The first band's greys count from white (TIFF's PhotometricInterpretation 0).
     """
 
     bands: tuple[Band, ...]
@@ -112,6 +121,7 @@ class Facts:
     tags: Mapping[str, str]
     by_points: bool = False
     parts: tuple[str, ...] = ()
+    white_is_zero: bool = False
 
 
 class ReadError(Exception):
@@ -162,6 +172,39 @@ def opener() -> Opener:
     if importlib.util.find_spec("osgeo"):
         return GdalFile
     raise InvalidInput("raster files need rasterio: pip install terrainav[raster]")
+
+
+def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
+    """Values (h, w) of float32 with GDAL's FillNodata where there are none.
+
+    Each becomes the mean of the nearest one in each of the four quadrants, as far as there is one within reach, by the
+    inverse of their distances. Where there is none in any, it stays as it is.
+
+    Raises
+    ------
+    InvalidInput
+        As `opener` does.
+    ReadError
+    """
+    height, width = values.shape
+    if opener() is RasterioFile:
+        from rasterio.fill import fillnodata
+
+        with _refused(NO_OPTIONS):
+            return np.asarray(fillnodata(values.copy(), there, reach_px, 0), np.float32)
+    from osgeo import gdal
+
+    with _heard(NO_OPTIONS) as said:
+        memory = gdal.GetDriverByName("MEM")
+        target = memory.Create("", width, height, 1, gdal.GDT_Float32)
+        mask = memory.Create("", width, height, 1, gdal.GDT_Byte)
+        target.WriteRaster(0, 0, width, height, np.ascontiguousarray(values, np.float32).tobytes())
+        mask.WriteRaster(0, 0, width, height, there.astype(np.uint8).tobytes())
+        # Otherwise its work files may lie in the current folder.
+        options = ["TEMP_FILE_DRIVER=MEM"]
+        gdal.FillNodata(target.GetRasterBand(1), mask.GetRasterBand(1), reach_px, 0, options)
+        made = target.ReadRaster(0, 0, width, height)
+    return _array(made, said, (height, width), "float32")
 
 
 @contextmanager
@@ -233,6 +276,7 @@ class GdalFile:
                 tags=dict(dataset.GetMetadata()),
                 by_points=dataset.GetGCPCount() > 0,
                 parts=tuple(name for name, _ in dataset.GetSubDatasets()),
+                white_is_zero=dataset.GetMetadataItem(*_WHITE_IS_ZERO) == "YES",
             )
 
     def _band(self, band: Any) -> Band:
@@ -252,6 +296,9 @@ class GdalFile:
             unit=band.GetUnitType(),
             scale=1.0 if band.GetScale() is None else band.GetScale(),
             offset=band.GetOffset() or 0.0,
+            items=tuple(
+                (domain, *item) for domain in _DOMAINS for item in sorted(band.GetMetadata(domain).items())
+            ),
         )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
@@ -335,6 +382,7 @@ class RasterioFile:
                 tags=dict(dataset.tags()),
                 by_points=bool(dataset.gcps[0]),
                 parts=tuple(dataset.subdatasets),
+                white_is_zero=dataset.tags(ns=_WHITE_IS_ZERO[1]).get(_WHITE_IS_ZERO[0]) == "YES",
             )
 
     def _overview_sizes(self) -> Iterator[tuple[int, int]]:
@@ -362,6 +410,11 @@ class RasterioFile:
             unit=dataset.units[index - 1] or "",
             scale=dataset.scales[index - 1],
             offset=dataset.offsets[index - 1],
+            items=tuple(
+                (domain, *item)
+                for domain in _DOMAINS
+                for item in sorted(dataset.tags(index, ns=domain or None).items())
+            ),
         )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from functools import partial
 
 import numpy as np
 import pytest
+from terrainav.core.elevation.filling import interpolated
 from terrainav.core.imagery import catalogue as user_sources
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.catalogue import entry_named
@@ -267,8 +269,8 @@ def _date_of_files(case: Case) -> None:
     case.follow("say which date", lambda: read(path, date="2020-01-01"))
 
 
-@remedy("imagery/raster/reading.py", "raster files need rasterio: pip install terrainav[raster]")
-def _no_rasterio(case: Case) -> None:
+@contextmanager
+def _without_gdal(case: Case) -> Iterator[None]:
     real = importlib.util.find_spec
     with case.monkeypatch.context() as without:
         without.setattr(
@@ -277,6 +279,25 @@ def _no_rasterio(case: Case) -> None:
             lambda name, *rest: None if name in ("rasterio", "osgeo") else real(name, *rest),
         )
         without.setitem(sys.modules, "qgis", sys)
+        yield
+
+
+@remedy(
+    "elevation/filling.py",
+    "missing heights: are interpolated by GDAL, which is not there: pip install terrainav[raster]",
+)
+def _not_interpolated(case: Case) -> None:
+    holed = np.ones((5, 5), np.float32)
+    holed[2, 2] = np.nan
+    with _without_gdal(case):
+        case.refused(lambda: interpolated(holed))
+    case.follow("pip install terrainav[raster]", lambda: extra_brings("raster", "rasterio"))
+    assert np.isfinite(interpolated(holed)).all()
+
+
+@remedy("imagery/raster/reading.py", "raster files need rasterio: pip install terrainav[raster]")
+def _no_rasterio(case: Case) -> None:
+    with _without_gdal(case):
         case.refused(raster_files.opener)
     case.follow("pip install terrainav[raster]", lambda: extra_brings("raster", "rasterio"))
     raster_files.opener()

@@ -17,6 +17,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 
+from tests.core.elevation.test_height_tiles import surface_of, tiles
 from tests.support import rasters
 from tests.support.remedies import Case, remedy
 
@@ -101,6 +102,41 @@ def _pictures(case: Case) -> None:
 
 @remedy(
     "elevation/heights.py",
+    "heights {}: no such source is known; name a raster file of heights, terrarium, world or a number of metres",
+)
+def _unknown(case: Case) -> None:
+    case.refused(lambda: open_relief(["copernicus"]))
+    path = str(written(case, "heights.tif"))
+    case.follow("name a raster file of heights", lambda: open_relief([path]))
+    for name, what in (("terrarium", "terrarium"), ("world", "world"), ("12.5", "a number of metres")):
+        case.follow(what, partial(open_relief, [name]))
+
+
+@remedy(
+    "elevation/heights.py",
+    "heights {}: are several sources in one; write a semicolon between them in QGIS, and a space in a command "
+    "(--elevation)",
+)
+def _several(case: Case) -> None:
+    path = str(written(case, "heights.tif"))
+    case.refused(lambda: open_relief([f"{path}, 10"]))
+    # The panel's entry makes the same value of what stands between ;.
+    case.follow("write a semicolon between them in QGIS", lambda: open_relief([path, "10"]))
+    case.follow("a space in a command (--elevation)", lambda: open_relief([path, "10"]))
+
+
+@remedy("imagery/xyz.py", "{}; write #tilesize={} behind its address")
+def _tiles_of_512_px(case: Case) -> None:
+    with tiles("terrain-rgb", 512) as address:
+        case.refused(lambda: surface_of(f"{address}.png#maxzoom=12"))
+        case.follow(
+            "write #tilesize=512 behind its address",
+            lambda: surface_of(f"{address}.png#maxzoom=12&tilesize=512"),
+        )
+
+
+@remedy(
+    "elevation/heights.py",
     "{}: height {} m at latitude {}, longitude {}: must be from {} to {}, and not {}, which stands for no data "
     "elsewhere; say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata",
 )
@@ -122,7 +158,7 @@ def _no_data(case: Case) -> None:
 @remedy(
     "mission/relief.py",
     "no height at latitude {}, longitude {}: the elevation ends there, or has a hole; name a further source that fills "
-    "it (--elevation)",
+    "it (--elevation), or have holes interpolated (--holes)",
 )
 def _hole(case: Case) -> None:
     path = str(written(case, "heights.tif"))
@@ -132,6 +168,11 @@ def _hole(case: Case) -> None:
         "name a further source that fills it (--elevation)",
         lambda: flown(mission.with_(elevation=(path, "10"))),
     )
+    holed = HEIGHTS.copy()
+    holed[140:160, 140:160] = -9999.0
+    mission = above(300.0, 300.0, elevation=(str(written(case, "holed.tif", holed, nodata=-9999.0)),))
+    case.refused(lambda: flown(mission))
+    case.follow("have holes interpolated (--holes)", lambda: flown(mission.with_(holes="interpolate")))
 
 
 @remedy(
