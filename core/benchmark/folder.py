@@ -30,6 +30,7 @@ from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
+from ..numbers import real_number
 from ..poses.priors import PRIORS_FILE
 from ..safe_json import decoded, parse_json
 
@@ -544,7 +545,7 @@ def number_of(text: str, where: str) -> float:
     if not text.strip():
         return math.nan
     try:
-        value = float(text)
+        value = real_number(text)
     except ValueError as wrong:
         raise InvalidInput("{0} {1!r}: must be a number", where, text) from wrong
     if not math.isfinite(value):

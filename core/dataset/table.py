@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
+from ..numbers import real_number
 from ..stores import Address, opened, store_path
 from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
@@ -504,7 +505,7 @@ def _read_one_by_one(
         if not cell and may_be_empty:
             continue
         try:
-            values[index] = float(cell)
+            values[index] = real_number(cell)
         except ValueError:
             faults.append((line, Message("has {0} {1!r}, not a number", header, cell)))
             continue

@@ -20,6 +20,7 @@ from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import NamedSource, SourceOptions, named_source, whole_path
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
+from ..numbers import real_number
 from ..resources import read_json
 from .datum import UNITS_M, Datum
 
@@ -330,7 +331,7 @@ def _unit_m(unit: str) -> float:
 
 def _number(text: str) -> float | None:
     try:
-        value = float(text)
+        value = real_number(text)
     except ValueError:
         return None
     return value if math.isfinite(value) else None

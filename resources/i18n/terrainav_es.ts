@@ -483,6 +483,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>as in the file</source>
+        <translation>como en el archivo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>ft</source>
         <translation>ft</translation>
@@ -785,13 +790,18 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>points</source>
+        <translation>puntos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
         <source>rectangle</source>
         <translation>rectángulo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{count} of {total} positions are left out, at or below the ground.</source>
-        <translation>Se omiten {count} de {total} posiciones, a ras del terreno o por debajo.</translation>
+        <source>{count} of {total} positions are left out, {reason}.</source>
+        <translation>Se omiten {count} de {total} posiciones, {reason}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
@@ -10068,6 +10078,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>times</source>
         <translation>horas</translation>
     </message>
@@ -10250,6 +10261,47 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/cameras.py"/>
         <source>{0}: give one of {1}</source>
         <translation>{0}: dé uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>give seconds after 1970, or remove the column of times</source>
+        <translation>indique segundos desde 1970 o quite la columna de tiempos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>its times, as seconds from {0:.7g} to {1:.7g}, are not of 1990 to 2099</source>
+        <translation>sus tiempos, como segundos de {0:.7g} a {1:.7g}, no son de 1990 a 2099</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>its {0:,} times are all within {1:.3g} s</source>
+        <translation>sus {0:,} tiempos caben todos en {1:.3g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>microseconds</source>
+        <translation>microsegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>milliseconds</source>
+        <translation>milisegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>nanoseconds</source>
+        <translation>nanosegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <location filename="../../core/units.py"/>
+        <source>seconds</source>
+        <translation>segundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>{0}; they are probably not in {1}</source>
+        <translation>{0}; probablemente no están en {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/coords.py"/>
@@ -11510,6 +11562,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>left out</source>
         <translation>se omite</translation>
     </message>
@@ -12668,6 +12721,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/pose_table.py"/>
+        <source>{0} has a quotation mark without another one that ends the cell</source>
+        <translation>{0} tiene una comilla sin otra que cierre la celda</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
         <source>{0} {1!r} has {2} cells; its header names {3}</source>
         <translation>{0} {1!r} tiene {2} celdas; su cabecera nombra {3}</translation>
     </message>
@@ -12905,6 +12963,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/gpx.py"/>
+        <source>its times go back at point {0:,}</source>
+        <translation>sus tiempos retroceden en el punto {0:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <location filename="../../core/poses/logs.py"/>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>leave the times out{0}</source>
+        <translation>omita los tiempos{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/gpx.py"/>
         <source>{0}: cannot be read as GPX ({1})</source>
         <translation>{0}: no se puede leer como GPX ({1})</translation>
     </message>
@@ -12912,16 +12982,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/gpx.py"/>
         <source>{0}: has no track points and no route points</source>
         <translation>{0}: no tiene puntos de recorrido ni de ruta</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/gpx.py"/>
-        <source>{0}: its times go back at point {1:,}</source>
-        <translation>{0}: sus tiempos retroceden en el punto {1:,}</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/gpx.py"/>
-        <source>{0}: point {1:,} has no time, and others have</source>
-        <translation>{0}: el punto {1:,} no tiene tiempo, y otros sí</translation>
     </message>
     <message>
         <location filename="../../core/poses/line.py"/>
@@ -12976,6 +13036,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/logs.py"/>
+        <source>choose one of them{0}</source>
+        <translation>elija uno de ellos{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>flight {0} of log {1}: must be from 1 to {2}</source>
+        <translation>vuelo {0} del registro {1}: debe ser de 1 a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
         <source>get it with: pip install 'terrainav[{0}]'</source>
         <translation>se obtiene con: pip install 'terrainav[{0}]'</translation>
     </message>
@@ -12998,6 +13068,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/logs.py"/>
         <source>log {0}: is empty</source>
         <translation>registro {0}: está vacío</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: its clock starts again at position {1:,}: it holds {2} flights</source>
+        <translation>registro {0}: su reloj vuelve a empezar en la posición {1:,}: contiene {2} vuelos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: none of its {1:,} positions has a place and a height</source>
+        <translation>registro {0}: ninguna de sus {1:,} posiciones tiene lugar y altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: {1}</source>
+        <translation>registro {0}: {1}</translation>
     </message>
     <message>
         <location filename="../../core/poses/logs.py"/>
@@ -13102,8 +13187,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/reading.py"/>
+        <source>--flight: is for {0}, and not for {1}</source>
+        <translation>--flight: es para {0}, y no para {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
         <source>--origin, --body and --world: are for {0}, and not for {1}</source>
         <translation>--origin, --body y --world: son para {0}, y no para {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>at or below the ground</source>
+        <translation>en el suelo o debajo de él</translation>
     </message>
     <message>
         <location filename="../../core/poses/reading.py"/>
@@ -13141,6 +13236,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>trayectoria {0}: {1} está en metros de un sistema local</translation>
     </message>
     <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>unit of times {0}: is for {1}, and not for {2}</source>
+        <translation>unidad de tiempos {0}: es para {1}, y no para {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>without a place</source>
+        <translation>sin lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>without a time</source>
+        <translation>sin tiempo</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Bank in turns</source>
         <translation>Inclinación lateral en los vira&amp;jes</translation>
@@ -13154,6 +13264,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Distance</source>
         <translation>&amp;Distancia</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Flight of the log</source>
+        <translation>&amp;Vuelo del registro</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13199,6 +13314,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>&amp;Tilt</source>
         <translation>&amp;Inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Times</source>
+        <translation>&amp;Tiempos</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13352,6 +13472,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>flight</source>
+        <translation>vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>format</source>
         <translation>formato</translation>
     </message>
@@ -13424,6 +13549,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>images per circle</source>
         <translation>imágenes por círculo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in microseconds</source>
+        <translation>en microsegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in milliseconds</source>
+        <translation>en milisegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in nanoseconds</source>
+        <translation>en nanosegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in seconds</source>
+        <translation>en segundos</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13532,8 +13677,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>unit of the times of tum and euroc, or none: times of any format are left out</source>
+        <translation>unidad de los tiempos de tum y euroc, o none: se omiten los tiempos de cualquier formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>what the poses are of, with its axes; the camera of an aircraft looks down, the top of its image ahead</source>
         <translation>a qué pertenecen las poses, con sus ejes; la cámara de una aeronave mira hacia abajo, con el borde superior de la imagen hacia delante</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>which flight of a log whose clock starts again, from 1</source>
+        <translation>qué vuelo de un registro cuyo reloj vuelve a empezar, desde 1</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
@@ -13614,6 +13769,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/trajectories.py"/>
         <source>give --body: urf for that of the published flights, flu or frd for an aircraft's</source>
         <translation>dé --body: urf para la de los vuelos publicados, flu o frd para la de una aeronave</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>give their unit, or leave them out{0}</source>
+        <translation>indique su unidad u omítalos{0}</translation>
     </message>
     <message>
         <location filename="../../core/poses/trajectories.py"/>
@@ -13854,11 +14014,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>px</source>
         <translation>px</translation>
-    </message>
-    <message>
-        <location filename="../../core/units.py"/>
-        <source>seconds</source>
-        <translation>segundos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>

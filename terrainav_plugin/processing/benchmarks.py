@@ -26,6 +26,7 @@ from qgis.core import (
 from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
+from ...core.numbers import real_number
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
@@ -478,7 +479,7 @@ def _text_of(layer: QgsMapLayer) -> str:
 
 def _widths(text: str) -> tuple[float, ...]:
     try:
-        return tuple(float(part) for part in text.replace(",", " ").split())
+        return tuple(real_number(part) for part in text.replace(",", " ").split())
     except ValueError as wrong:
         raise InvalidInput(
             tr("widths of tiles {text!r}: must be numbers, such as 200 400").format(text=text)

@@ -159,7 +159,7 @@ def test_bad_rows_are_named_by_line():
     )
 
 
-@pytest.mark.parametrize("cell", ["nan", "inf", ""])
+@pytest.mark.parametrize("cell", ["nan", "inf", "", "1_20", "\u0661"])
 def test_positions_must_be_finite(cell):
     with pytest.raises(InvalidInput, match="line 2 has Lon"):
         table_of(f"{PUBLISHED}\na.tif,0,0,35,{cell},17,1\n")
