@@ -7095,6 +7095,36 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>continúela{0} o elija otra carpeta</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>with a gap of 0 m</source>
+        <translation>con una separación de 0 m</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>with much smaller tiles</source>
+        <translation>con teselas mucho menores</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>with tiles of {0:g} m alone</source>
+        <translation>solo con teselas de {0:g} m</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>without a validation part</source>
+        <translation>sin parte de validación</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer over a larger area</source>
+        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; serían {2}, y menos en una zona mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>{0:,} of {1:,} queries are in the gap between parts; over a larger area fewer are</source>
+        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; en una zona mayor son menos</translation>
+    </message>
+    <message>
         <location filename="../../core/benchmark/metrics.py"/>
         <source>first {0} references: must be 1 or more</source>
         <translation>primeras {0} referencias: deben ser 1 o más</translation>

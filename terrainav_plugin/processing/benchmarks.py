@@ -259,8 +259,9 @@ class MakeBenchmark(WithImagery):
                 cancelled=watch.cancelled,
             )
         tell_result(made.total, watch)
-        if made.benchmark is not None and made.benchmark.warning is not None:
-            watch.warn(begun(translate(made.benchmark.warning)))
+        warning = None if made.benchmark is None else made.benchmark.warning
+        for words in filter(None, (warning, made.hint)):
+            watch.warn(begun(translate(words)))
         return made
 
     def _results(
