@@ -5,6 +5,7 @@ Rooms, each on those before it: geodesy, mission and imagery, world, dataset, ca
 errors      every error that is raised on purpose
 limits      how much is read, waited for and kept at most
 bands       what a picture's channels are, and how values of more than 8 bits are shown
+numbers     numbers in text of strangers
 text        text of strangers, on one line and without keys
 files       files written whole or not at all, and held by one run at a time
 safe_json   JSON of strangers

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import InvalidInput
+from .numbers import real_number
 
 #: Values of pixels that images may have, numpy's names.
 DATA_TYPES = ("uint8", "uint16", "int16", "float32")
@@ -186,7 +187,7 @@ def stretch_range(text: str) -> Range | None:
     if text in (NO_STRETCH, PERCENTILE):
         return None
     try:
-        low, high = (float(one) for one in text.split())
+        low, high = (real_number(one) for one in text.split())
     except ValueError:
         low, high = math.nan, math.nan
     if not (math.isfinite(low) and math.isfinite(high) and low < high):

@@ -30,6 +30,7 @@ from ..geodesy.camera import Camera, Poses
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.planes import ProjectedPlane
 from ..limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
+from ..numbers import real_number
 from ..poses.priors import PRIORS_FILE
 from ..safe_json import decoded, parse_json
 
@@ -47,6 +48,8 @@ _RIM = 9
 
 #: Edges of a mosaic are nearer than this to the origin of its CRS, in its unit: the Earth is 4e7 m, or 1.3e8 ft, round.
 _FARTHEST = 2e8
+#: Columns of whole numbers, written as such.
+_COUNTS = ("width_px", "height_px")
 #: Least and greatest numbers that columns may have: those above 0, those of places and angles, and all others.
 _SIZES = dict.fromkeys(("width_m", "fx_px", "fy_px", "width_px", "height_px"), (1e-6, 1e9))
 _LATITUDES = dict.fromkeys(("lat_deg", "centre_lat_deg"), (-90.0, 90.0))
@@ -479,14 +482,17 @@ def _is_elsewhere(file: str) -> bool:
 
 
 def write_columns(path: Path, columns: Mapping[str, Sequence[str] | Floats]) -> None:
-    """Write columns as CSV, whole or not at all; NaN is an empty cell."""
-    write_whole(path, csv_bytes(chain([tuple(columns)], zip(*map(_cells, columns.values())))))
+    """Write columns as CSV, whole or not at all; NaN is an empty cell, and sizes of images have no decimals."""
+    cells = [_cells(column, is_count=name in _COUNTS) for name, column in columns.items()]
+    write_whole(path, csv_bytes(chain([tuple(columns)], zip(*cells))))
 
 
-def _cells(column: Sequence[str] | Floats) -> Iterable[str]:
+def _cells(column: Sequence[str] | Floats, *, is_count: bool) -> Iterable[str]:
     if not isinstance(column, np.ndarray):
         return column
-    return ["" if math.isnan(value) else repr(value) for value in column.tolist()]
+    whole = is_count and bool((column == np.floor(column)).all())
+    values = column.astype(np.int64).tolist() if whole else column.tolist()
+    return ["" if math.isnan(value) else repr(value) for value in values]
 
 
 def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
@@ -544,7 +550,7 @@ def number_of(text: str, where: str) -> float:
     if not text.strip():
         return math.nan
     try:
-        value = float(text)
+        value = real_number(text)
     except ValueError as wrong:
         raise InvalidInput("{0} {1!r}: must be a number", where, text) from wrong
     if not math.isfinite(value):

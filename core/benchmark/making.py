@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Callable, Mapping
@@ -9,6 +10,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..capture.making import DEFAULT_CONNECTIONS
 from ..capture.progress import CaptureResult, Progress
@@ -17,7 +19,7 @@ from ..dataset.ground import Boxes, boxes_of
 from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
 from ..dataset.table import GAP
-from ..errors import Message, OptionName, OutputError
+from ..errors import InvalidInput, Message, OptionName, OutputError
 from ..files import json_bytes, make_folder, open_locked, read_limited, write_whole
 from ..imagery.source import Source
 from ..limits import MAX_SETTINGS_BYTES
@@ -38,6 +40,10 @@ from .folder import (
 from .planning import BenchmarkPlan, tiles_folder
 from .truth import Captured, captured, mosaic_of, positives_of, queries_of, references_of
 
+Shares = tuple[float, float, float]
+Flags = NDArray[np.bool_]
+#: Where a larger share of the queries is in the gap, there is a hint.
+_FEW_IN_GAP = 0.1
 #: Held while a run is at work in a folder.
 _LOCK_FILE = "run.lock"
 
@@ -52,11 +58,14 @@ class Making:
         Of each capture, by its folder.
     benchmark : Benchmark or None
         None where the run was stopped.
+    hint : Message or None
+        How fewer queries would be in the gap between parts, where many are.
     """
 
     folder: Path
     results: Mapping[str, CaptureResult]
     benchmark: Benchmark | None
+    hint: Message | None = None
 
     @property
     def total(self) -> CaptureResult:
@@ -116,8 +125,8 @@ def make_benchmark(
         )
         if any(one.cancelled for one in results.values()):
             return Making(path, results, None)
-        _write_truth(path, worked_out, about, shares)
-    return Making(path, results, Benchmark.read(path))
+        hint = _write_truth(path, worked_out, about, shares)
+    return Making(path, results, Benchmark.read(path), hint)
 
 
 def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
@@ -151,8 +160,8 @@ def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:
 
 
 def _write_truth(
-    path: Path, worked_out: BenchmarkPlan, about: dict[str, object], shares: tuple[float, float, float]
-) -> None:
+    path: Path, worked_out: BenchmarkPlan, about: dict[str, object], shares: Shares
+) -> Message | None:
     whole = captured(path / REFERENCE_FOLDER / MOSAIC, worked_out.mosaic)
     if not len(whole.rows):
         raise OutputError(
@@ -163,7 +172,7 @@ def _write_truth(
             ),
         )
     mosaic = mosaic_of(path, worked_out.mosaic, whole)
-    parts, tile_parts = _parts(path, worked_out, shares)
+    parts, tile_parts, hint = _parts(path, worked_out, shares)
     queries = queries_of(path, worked_out, parts)
     references = references_of(path, worked_out, tile_parts)
     for name in worked_out.queries:
@@ -178,6 +187,7 @@ def _write_truth(
     write_whole(
         path / BENCHMARK_FILE, json_bytes({**about, "mosaic": asdict(mosaic), **_credits(path, worked_out)})
     )
+    return hint
 
 
 def _credits(path: Path, worked_out: BenchmarkPlan) -> dict[str, object]:
@@ -195,18 +205,18 @@ def _credits(path: Path, worked_out: BenchmarkPlan) -> dict[str, object]:
 
 
 def _parts(
-    path: Path, worked_out: BenchmarkPlan, shares: tuple[float, float, float]
-) -> tuple[list[str], dict[str, list[str]]]:
-    """Parts of the queries of one imagery, and of the tiles of each folder; empty where there are none."""
+    path: Path, worked_out: BenchmarkPlan, shares: Shares
+) -> tuple[list[str], dict[str, list[str]], Message | None]:
+    """Parts of the queries of one imagery, and of the tiles of each folder, empty where there are none; and a hint."""
     settings = worked_out.settings
     first = settings.imageries[0].name
     plan = worked_out.queries[first]
     if settings.split == NO_SPLIT:
-        return [], {}
+        return [], {}, None
     if settings.split != CROSS_AREA:
         order = shuffled(plan.names, settings.queries.imagery.seed)
         of_name = dict(zip(order, counted(len(order), shares)))
-        return [of_name[name] for name in plan.names], {}
+        return [of_name[name] for name in plan.names], {}, None
     sets = {f"{QUERIES_FOLDER}/{first}": plan}
     sets.update((tiles_folder(width), tiles) for width, tiles in worked_out.tiles.items())
     there = {name: captured(path / name, one) for name, one in sets.items()}
@@ -214,7 +224,56 @@ def _parts(
     part, _, _ = by_blocks(boxes, names, shares, settings.queries.imagery.seed, gap_m=float(settings.gap_m))
     of_image = dict(zip(names, part))
     found = {name: [of_image.get(f"{name}/{stem}", GAP) for stem in one.names] for name, one in sets.items()}
-    return found.pop(f"{QUERIES_FOLDER}/{first}"), found
+    hint = _hint(worked_out, boxes, names, shares, part)
+    return found.pop(f"{QUERIES_FOLDER}/{first}"), found, hint
+
+
+def _hint(
+    worked_out: BenchmarkPlan, boxes: Boxes, names: list[str], shares: Shares, part: list[str]
+) -> Message | None:
+    """How many queries other settings would leave in the gap, where that is a good part of them."""
+    settings = worked_out.settings
+    is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
+    lost = int(np.count_nonzero(is_query & (np.array(part) == GAP)))
+    if lost <= _FEW_IN_GAP * np.count_nonzero(is_query):
+        return None
+    narrow = f"{tiles_folder(min(worked_out.tiles))}/"
+    is_narrow = is_query | np.array([name.startswith(narrow) for name in names], np.bool_)
+    all_, gap_m, (train, validation, test) = np.ones(len(names), np.bool_), float(settings.gap_m), shares
+    ways: list[tuple[Message, Flags, Shares, float]] = []
+    if gap_m > 0.0:
+        ways.append((Message("with a gap of 0 m"), all_, shares, 0.0))
+    if len(worked_out.tiles) > 1:
+        only = Message("with tiles of {0:g} m alone", min(worked_out.tiles))
+        ways.append((only, is_narrow, shares, gap_m))
+    if validation > 0.0:
+        ways.append((Message("without a validation part"), all_, (train + validation, 0.0, test), gap_m))
+    # Their own ground alone is what ever smaller tiles come to.
+    ways.append((Message("with much smaller tiles"), is_query, shares, gap_m))
+    found = []
+    for words, some, own_shares, own_gap_m in ways:
+        kept = np.flatnonzero(some)
+        with contextlib.suppress(InvalidInput):
+            own, _, _ = by_blocks(
+                boxes.take(kept),
+                [names[at] for at in kept.tolist()],
+                own_shares,
+                settings.queries.imagery.seed,
+                gap_m=own_gap_m,
+            )
+            count = int(np.count_nonzero(is_query[kept] & (np.array(own) == GAP)))
+            if count < lost:
+                found.append(Message("{0:,} {1}", count, words))
+    said = lost, int(np.count_nonzero(is_query))
+    if not found:
+        return Message(
+            "{0:,} of {1:,} queries are in the gap between parts; over a larger area fewer are", *said
+        )
+    return Message(
+        "{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer over a larger area",
+        *said,
+        Message.joined(", ", found),
+    )
 
 
 def _ground(path: Path, there: Mapping[str, Captured]) -> tuple[Boxes, list[str]]:

@@ -24,7 +24,7 @@ from ..mission.layout.framing import sampled_zooms
 from ..mission.parts import INTERPOLATE
 from ..mission.plan import Plan
 from ..picture.map_frame import resized
-from ..picture.optics import Exposures
+from ..picture.optics import Exposures, optics_of
 from ..picture.products import BANDS, products
 from ..picture.shot import MapShot, Shot, Walls, draw, shot_of, walls_of
 from .georeference import ControlPoints, Georeference
@@ -35,6 +35,8 @@ from .writers import Place, Write, write_picture
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[Any]
+#: Decimals of focal lengths and principal points in the table.
+_PX_DIGITS = 6
 
 
 @dataclass(frozen=True)
@@ -299,6 +301,7 @@ def table_of(plan: Plan, source: Source, outcomes: Mapping[str, Outcome]) -> Tab
         "height_px": height,
         "image_width_px": image_width,
         "image_height_px": image_height,
+        **_intrinsics(plan, at),
         **({} if own is None else {"crs": (own.crs,) * len(at)}),
         "sky_share": np.array([row.sky_share for row in rows], np.float64),
         "unmapped_share": np.array([row.unmapped_share for row in rows], np.float64),
@@ -337,6 +340,12 @@ def write_tables(
         made = {name for name, one in outcomes.items() if one.status != FAILED}
         at = [index for index, name in enumerate(plan.names) if name in made]
         write_odm_files(folder, plan, np.array(at, np.int64))
+
+
+def _intrinsics(plan: Plan, at: NDArray[np.int64]) -> dict[str, Floats]:
+    """Columns of focal lengths and principal points, to the decimals in which all processors agree."""
+    columns = (np.round(values, _PX_DIGITS) for values in optics_of(plan, at)[2:])
+    return dict(zip(("fx_px", "fy_px", "cx_px", "cy_px"), columns))
 
 
 def _shards_of(rows: Sequence[Outcome]) -> dict[str, Any]:

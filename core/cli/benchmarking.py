@@ -171,8 +171,8 @@ def _print_plan(worked_out: BenchmarkPlan) -> None:
 def _print_made(made: Making, as_json: bool) -> None:
     total = made.total
     warning = None if made.benchmark is None else made.benchmark.warning
-    if warning is not None:
-        print(f"terrainav: {warning}", file=sys.stderr)
+    for words in filter(None, (warning, made.hint)):
+        print(f"terrainav: {words}", file=sys.stderr)
     if as_json:
         print(json.dumps({**document_of(total, "folder_in"), **_counts(made.benchmark)}, indent=1))
         return

@@ -13,6 +13,7 @@ from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
 from ..mission.options import OPTIONS, share
 from ..mission.parts import ALIGNMENTS
+from ..numbers import integer, real_number
 from .dataset_options import add_config, add_consent, add_dataset_commands, add_json, add_option
 from .exits import BAD_INPUT
 from .pose_options import add_poses
@@ -33,7 +34,12 @@ _WITH_EXPONENT = re.compile(r"-(?:\d+\.?\d*|\.\d+)[eE][+-]?\d{1,3}", re.ASCII)
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
+    """A parser whose errors are one line, and whose numbers are as those of files."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.register("type", float, real_number)
+        self.register("type", int, integer)
 
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{self.prog}: error: {message}; see {self.prog} --help\n")

@@ -51,7 +51,7 @@ def _add_read(actions: Any) -> None:
     _add_field(local, fields["body"], "camera without this; needed for euroc")
     _add_field(local, fields["world"], "enu without this; rdf for kitti")
     others = reading.add_argument_group("heights, times and attitude")
-    for name in ("ground_height_m", "agl_m", "nadir", "every_s", "every_m"):
+    for name in ("ground_height_m", "agl_m", "nadir", "every_s", "every_m", "times", "flight"):
         _add_field(others, fields[name])
     others.add_argument(
         "--start", metavar="TIME", help="time of the first position (ISO 8601), instead of the file's"

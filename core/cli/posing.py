@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..errors import InvalidInput, Message
 from ..fields import declared_fields
 from ..files import is_there, write_whole
+from ..numbers import real_number
 from ..text import printable
 from .exits import DONE
 
@@ -43,8 +44,8 @@ def _read(arguments: argparse.Namespace) -> int:
     given["start_s"] = time_s(arguments.start, "--start") if arguments.start else None
     read = read_poses_file(arguments.file, PoseFile(**given))
     _write(read.points, arguments.output)
-    if read.left_out:
-        print(f"{read.left_out:,} of {read.positions:,} positions left out, at or below the ground")
+    for reason, count in read.why_left_out.items():
+        print(f"{count:,} of {read.positions:,} positions left out, {reason}")
     return DONE
 
 
@@ -150,7 +151,7 @@ def _area(text: str) -> Box | Polygon | Polygons:
     if is_there(text):
         return load_area(text)
     try:
-        north, west, south, east = (float(field) for field in re.split(r"[_,;\s]+", text.strip()))
+        north, west, south, east = (real_number(field) for field in re.split(r"[_,;\s]+", text.strip()))
     except ValueError as wrong:
         raise InvalidInput(
             "area {0!r}: no such file, and no box",

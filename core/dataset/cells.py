@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message
+from ..numbers import real_number
 
 Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
@@ -91,7 +92,7 @@ class CutCells:
         return [raw[start:end].decode("utf-8", "surrogatepass") for start, end in places]
 
     def numbers(self, column: int) -> Floats | None:
-        """Numbers (n,) of a column's cells, as ``float`` reads them, NaN for empty ones; None if one is no number."""
+        """Numbers (n,) of a column's cells by `real_number`, NaN for empty ones; None if one is no number."""
         count, lengths = len(self.lines), self._lengths[column]
         width = min(int(self._longest[column]), _PLACES)
         if width == 0:
@@ -131,7 +132,7 @@ def _alike(found: NDArray[np.uint8]) -> bool:
 
 def _float(cell: bytes) -> float | None:
     try:
-        return float(cell.decode("utf-8", "surrogatepass")) if cell else np.nan
+        return real_number(cell.decode("utf-8", "surrogatepass")) if cell else np.nan
     except ValueError:
         return None
 

@@ -25,7 +25,7 @@ DECIDING = "roadmap"
 
 _DEGREES = r"-?\d+(?:\.\d+)?(?:e-\d+)?"
 #: Images' names without ending, of captures and of the published dataset: column, row, latitude, longitude, zoom.
-NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)")
+NAME = re.compile(rf"(\d+)_(\d+)_({_DEGREES})_({_DEGREES})_(\d+)", re.ASCII)
 #: Folders of the published dataset end in the overlap of its images: `satellite_0`, `satellite_0.6`.
 _OVERLAP = re.compile(r"_\d+(\.\d+)?")
 #: Where the Night Vision supplement has its images, which have no table.

@@ -24,6 +24,7 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
+from ..numbers import real_number
 from ..stores import is_file, opened
 from .dataset import UNREADABLE, ImageSet, open_bands, size_of
 from .folder import MISSION_FILE, PLAN_FILE
@@ -289,7 +290,7 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
             for row in reader:
                 at = missing.pop(row[name_at], None)
                 if at is not None:
-                    corners[at] = [float(row[column] or "nan") for column in columns]
+                    corners[at] = [real_number(row[column] or "nan") for column in columns]
     except (OSError, csv.Error, IndexError, ValueError) as wrong:
         raise InvalidInput(
             "{0}: cannot be read ({1}); it tells the ground of a turned camera's images, without which "

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 _NAME_DEG = 6e-8
 #: End of the name of a published folder of images: metres above ground, diagonal field of view in degrees, and an
 #: aspect ratio that is rounded to nothing of use.
-_FLIGHT = re.compile(r"raster_images_.*_(?P<agl>\d+(?:\.\d+)?)_(?P<fov>\d+(?:\.\d+)?)_[^_]+_[^_]+")
+_FLIGHT = re.compile(r"raster_images_.*_(?P<agl>\d+(?:\.\d+)?)_(?P<fov>\d+(?:\.\d+)?)_[^_]+_[^_]+", re.ASCII)
 #: By how much of a zoom the size of images may miss a whole one. Images are cut to whole pixels and laid out in a plane
 #: of UTM, which misses by 0.01 in images of 100 px; other cameras than the folder's name says miss by any amount.
 _LEVEL_SLACK = 0.1

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import write_whole
+from ..numbers import real_number
 from ..stores import Address, opened, store_path
 from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
@@ -39,6 +40,8 @@ _FOREIGN = ("source", "attribution", "imagery_date", "reason")
 _OWN = ("crs", "west", "north", "pixel_width", "pixel_height")
 #: Columns of images over relief; left out of the tables of others.
 _OVER_RELIEF = ("height_m", "facade_share")
+#: Intrinsics; left out of the tables of images that tell none.
+_OPTICS = ("fx_px", "fy_px", "cx_px", "cy_px")
 #: Columns of images in shards; left out of the tables of others.
 _IN_SHARDS = ("shard", "offset_bytes", "size_bytes")
 #: Columns of whole numbers, written as such; readers of other datasets may find none in them.
@@ -99,6 +102,10 @@ class Table:
         one, tables are written without it and the next four.
     west, north, pixel_width, pixel_height : array
         Where the windows lie in that CRS, in its unit: their upper left corners, and the pixels of ``zoom``.
+    fx_px, fy_px, cx_px, cy_px : array
+        Focal lengths and principal point of the images as written; (0, 0) is the upper left corner of the image, the
+        centre of its first pixel (0.5, 0.5). Of map frames they are those of the camera that looks straight down and
+        sees the frame, which is a pinhole's picture within the bound of the map frame.
     sky_share, unmapped_share, facade_share : array
         Shares of an image's pixels that see no ground, ground that no Web-Mercator source has, and faces of the relief
         that no map shows.
@@ -141,6 +148,10 @@ class Table:
     north: Floats
     pixel_width: Floats
     pixel_height: Floats
+    fx_px: Floats
+    fy_px: Floats
+    cx_px: Floats
+    cy_px: Floats
     sky_share: Floats
     unmapped_share: Floats
     facade_share: Floats
@@ -186,6 +197,7 @@ class Table:
             *(() if any(self.crs) else _OWN),
             *(() if any(self.time_utc) else ("time_utc",)),
             *(() if np.isfinite(self.height_m).any() else _OVER_RELIEF),
+            *(() if np.isfinite(self.fx_px).any() else _OPTICS),
             *(() if any(self.shard) else _IN_SHARDS),
         }
         return {name: header for header, name in _FIELD_OF.items() if name not in left_out}
@@ -504,7 +516,7 @@ def _read_one_by_one(
         if not cell and may_be_empty:
             continue
         try:
-            values[index] = float(cell)
+            values[index] = real_number(cell)
         except ValueError:
             faults.append((line, Message("has {0} {1!r}, not a number", header, cell)))
             continue

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InvalidInput
+from ..numbers import real_number
 from .folder import SUPPLEMENT_FOLDER
 from .table import HEADERS, Table, first_faults
 
@@ -94,7 +95,7 @@ def _without_words(value: str) -> list[str]:
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        return real_number(text)
     except ValueError:
         return math.nan
 

@@ -22,6 +22,7 @@ from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import NAMED, NamedSource, SourceOptions, kind_of, named_source, whole_path
 from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
+from ..numbers import real_number
 from ..resources import read_json
 from .datum import UNITS_M, Datum
 
@@ -397,7 +398,7 @@ def _unit_m(unit: str) -> float:
 
 def _number(text: str) -> float | None:
     try:
-        value = float(text)
+        value = real_number(text)
     except ValueError:
         return None
     return value if math.isfinite(value) else None

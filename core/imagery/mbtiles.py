@@ -21,6 +21,7 @@ from ..limits import (
     MAX_TILE_PX,
     MAX_VIEW_CHARACTERS,
 )
+from ..numbers import real_number
 from ..text import one_line, whole_number
 from .cache.tilefile import FILE_ERRORS, connect, fault
 from .decode import decode, size_of
@@ -329,7 +330,7 @@ def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
 def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
     """Where the metadata's "west,south,east,north" says that there are tiles; None where it says nothing sound."""
     try:
-        west, south, east, north = (float(part) for part in bounds.split(","))
+        west, south, east, north = (real_number(part) for part in bounds.split(","))
     except ValueError:
         return None
     sound = (

@@ -4,6 +4,7 @@ In reading order:
 
 - `parts`: what is asked beside area, camera and wind: every field with all that there is to say of it
 - `area`: where a mission goes, as a box, a polygon or points
+- `clock`: which times the poses of a flight may have
 - `coords`: areas in text
 - `geojson`: shapes of GeoJSON files, in degrees of WGS 84
 - `area_files`: polygons in GeoJSON, KML and KMZ files

@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 import os
-import re
 import zipfile
 import zlib
 from collections.abc import Iterable, Iterator
@@ -16,6 +15,7 @@ import numpy as np
 from ..errors import InvalidInput, Message, OutputError
 from ..files import read_limited
 from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
+from ..numbers import real_number
 from ..safe_json import parse_json
 from ..safe_xml import UnreadableXMLError, XMLReader, elements_of
 from .area import Polygon, Polygons, check_rings
@@ -29,8 +29,6 @@ _MAIN_KML = "doc.kml"
 _PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 #: What holds the rings of a Polygon: the outer one, and those of holes.
 _BOUNDARIES = ("outerBoundaryIs", "innerBoundaryIs")
-#: Between the numbers of a corner; people write spaces after commas.
-_COMMA = re.compile(r"\s*,\s*")
 #: Characters of a corner or name that are shown.
 _SHOWN = 60
 #: What `zipfile` raises of archives that are broken, encrypted, or not what they say.
@@ -204,7 +202,9 @@ def _rings_of(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
             elif name == "LinearRing":
                 ring = []
             elif open_[-2:] == ["LinearRing", "coordinates"]:
-                ring += [_corner(corner, where) for corner in _COMMA.sub(",", text).split()]
+                # People write spaces after the commas of a corner.
+                corners = ",".join(part.strip() for part in text.split(",")).split()
+                ring += [_corner(corner, where) for corner in corners]
             continue
         ended, parent = open_.pop(), open_[-1] if open_ else ""
         if ended == "LinearRing" and parent not in _BOUNDARIES:
@@ -220,7 +220,7 @@ def _rings_of(elements: Iterable[tuple[str, str]], where: str) -> list[_Rings]:
 def _corner(text: str, where: str) -> tuple[float, float]:
     numbers = text.split(",")
     try:
-        lon, lat = float(numbers[0]), float(numbers[1])
+        lon, lat = real_number(numbers[0]), real_number(numbers[1])
     except (ValueError, IndexError):
         lon = lat = math.nan
     if not (math.isfinite(lon) and math.isfinite(lat)):

@@ -9,11 +9,12 @@ from pathlib import Path
 from ..errors import InvalidInput, Message
 from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
+from ..numbers import real_number
 from ..safe_json import decoded
 from ..units import LENGTHS_M
 from .area import Area, Box, Points
 from .options import KINDS
-from .pose_table import UNICODE_MINUS, is_header, read_poses
+from .pose_table import UNICODE_MINUS, header_of, read_poses, states_separator
 
 _FORMATS = Message(
     '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'
@@ -35,7 +36,7 @@ def _numbers(text: str, where: str) -> list[float]:
 
 def _number(text: str) -> float:
     try:
-        return float(text)
+        return real_number(text)
     except ValueError as wrong:
         # In Python's own words.
         raise InvalidInput("could not convert string to float: {0!r}", text) from wrong
@@ -98,7 +99,12 @@ def parse_coords(
     return Points(((corners[0], corners[1], agl),)), agl
 
 
-def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_unit: str = "m") -> Points:
+def parse_points(
+    lines: Iterable[str],
+    where: str = Message("coordinates"),
+    agl_unit: str = "m",
+    most: int | None = None,
+) -> Points:
     """Points from lines of ``lat lon agl``, or ``lat lon agl yaw``; empty lines and those that begin with # are none.
 
     Parameters
@@ -107,6 +113,8 @@ def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_
         What the lines are of, for messages.
     agl_unit : str
         m or ft.
+    most : int or None
+        How many points are read; None for all.
 
     Raises
     ------
@@ -116,7 +124,7 @@ def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_
     poses: list[tuple[float, float, float]] = []
     yaws: list[float] = []
     for number, line in enumerate(lines, 1):
-        if not line.strip() or line.lstrip().startswith("#"):
+        if not line.strip() or line.lstrip().startswith("#") or (not poses and states_separator(line)):
             continue
         there = Message("{0}, line {1}:", where, number)
         pose, yaw = _pose(line, there, agl_unit)
@@ -130,6 +138,8 @@ def parse_points(lines: Iterable[str], where: str = Message("coordinates"), agl_
             )
         poses.append(pose)
         yaws += yaw
+        if len(poses) == most:
+            break
     if not poses:
         raise InvalidInput("{0}: holds no coordinates; expected lines of lat lon agl [yaw]", where)
     return Points(tuple(poses), tuple(yaws))
@@ -150,14 +160,11 @@ def _from_file(path: Path, kind: str | None, agl_unit: str, agl_m: float | None)
         lines = decoded(read_limited(path, MAX_MISSION_BYTES)).splitlines()
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("file {0}: cannot be read as text ({1})", path, wrong) from wrong
-    held = [at for at, line in enumerate(lines) if line.strip() and not line.lstrip().startswith("#")]
-    is_table = bool(held) and is_header(lines[held[0]])
-    if kind == "single":
-        lines = lines[: (held[: 1 + is_table] or [0])[-1] + 1]
-    if is_table:
-        points = read_poses(lines, Message("file {0}", path), agl_unit, agl_m)
+    where, most = Message("file {0}", path), 1 if kind == "single" else None
+    if header_of(lines, where):
+        points = read_poses(lines, where, agl_unit, agl_m, most)
     else:
-        points = parse_points(lines, Message("file {0}", path), agl_unit)
+        points = parse_points(lines, where, agl_unit, most)
     return points, points.poses[0][2]
 
 

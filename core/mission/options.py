@@ -9,6 +9,7 @@ from ..errors import InvalidInput
 from ..fields import Field, declared_fields
 from ..geodesy.lens import Lens
 from ..limits import MAX_BANDS, MAX_HEIGHT_SOURCES, MAX_IMAGERIES
+from ..numbers import integer, real_number
 from ..units import LENGTHS_M
 from .parts import Accuracy, Attitude, Flight, Imagery, Output, Pixels, Route, Terrain
 from .presets import PRESET_NAMES
@@ -22,7 +23,7 @@ _METAVARS = {"img_size": ("W", "H", "C"), "takeoff": ("LAT", "LON")}
 def share(text: str) -> float:
     """Share from 0 to below 1 that a text states, as 0.6 or as 60%; raises ValueError for any other."""
     plain = text.strip()
-    value = float(plain[:-1]) / 100.0 if plain.endswith("%") else float(plain)
+    value = real_number(plain[:-1]) / 100.0 if plain.endswith("%") else real_number(plain)
     if not 0.0 <= value < 1.0:
         raise ValueError(text)
     return value
@@ -105,7 +106,7 @@ class Option:
 
     def _one(self, part: Any, where: str) -> Any:
         try:
-            value = self.kind(part) if isinstance(part, str) else self.kind(str(part))
+            value = _READERS.get(self.kind, self.kind)(str(part))
         except ValueError as wrong:
             raise InvalidInput(
                 "{0} {1} {2!r}: must be a {3}", where, self.name, part, _NAMES[self.kind]
@@ -117,6 +118,8 @@ class Option:
         return value
 
 
+#: How texts of these kinds are read.
+_READERS: dict[Callable[[str], Any], Callable[[str], Any]] = {float: real_number, int: integer}
 _NAMES: dict[Callable[[str], Any], str] = {
     float: "number",
     int: "whole number",

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import csv
-from collections.abc import Mapping, Sequence
+import itertools
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from ..errors import InvalidInput, Message
+from ..numbers import real_number
 from ..text import time_s
 from ..units import LENGTHS_M
 from .area import ANGLES, Points
+from .clock import check_column
 
 #: What columns of a table of poses may be headed, in lower case; of several heights the first named here is taken.
 _HEADERS = {
@@ -39,6 +43,8 @@ _HEADERS = {
     "time": ("time", "time_utc", "timestamp", "datetime", "date_time", "utc", "t"),
 }
 _PITCHES = ("pitch", "pitch_deg")
+#: First line by which spreadsheets know what separates cells.
+_SEPARATOR = re.compile(r'\ufeff?"?sep=(.)"?\s*', re.IGNORECASE)
 #: The table of a dataset, where Lat, Lon and Alt are those of the image, and its zoom.
 _OF_DATASET = {
     "lat": ("pose_lat_deg",),
@@ -55,16 +61,27 @@ _SHOWN = 80
 UNICODE_MINUS = {0x2212: "-", 0x2013: "-", 0xFE63: "-", 0xFF0D: "-"}
 
 
-def is_header(line: str) -> bool:
-    """Whether a line names columns: none of its cells is a number, and one is a name that poses have."""
-    cells = [cell.lower() for cell in columns_of(line)]
+class _Row(NamedTuple):
+    """A row of a table: the line that it begins on, from 1, that line, its cells, and whether commas are decimal."""
+
+    number: int
+    line: str
+    cells: list[str]
+    has_decimal_commas: bool
+
+
+def header_of(lines: Iterable[str], where: str = Message("coordinates")) -> list[str]:
+    """Names of the columns of a table; none where the first line names no column that poses have, or has numbers."""
+    row = next(_rows(lines, where), None)
+    cells = [] if row is None else [cell.lower() for cell in row.cells]
     known = {name for names in _HEADERS.values() for name in names}
-    return bool(known.intersection(cells)) and not any(cell[:1] in "+-.0123456789" for cell in cells if cell)
+    is_header = known.intersection(cells) and not any(cell[:1] in "+-.0123456789" for cell in cells if cell)
+    return row.cells if row is not None and is_header else []
 
 
-def columns_of(header: str) -> list[str]:
-    """Names of the columns of a table."""
-    return _cut(header, _delimiter(header))
+def states_separator(line: str) -> bool:
+    """Whether a line, the first of a file, is for spreadsheets: ``sep=;``."""
+    return _SEPARATOR.fullmatch(line) is not None
 
 
 def usual_names(columns: Sequence[str]) -> dict[str, list[str]]:
@@ -86,14 +103,15 @@ def read_poses(
     where: str = Message("coordinates"),
     agl_unit: str = "m",
     agl_m: float | None = None,
+    most: int | None = None,
 ) -> Points:
     """Points of a table; columns of other names are left out, and so are empty lines and those that begin with #.
 
     ``lat`` and ``lon`` are needed, ``agl`` unless a height is given; ``yaw``, ``tilt`` (0 looks straight down) or
     ``gimbal_pitch`` (-90 does), ``roll`` and ``time`` may be there. They go by other usual names, too, such as
-    ``longitude``, ``heading`` or ``timestamp``. Cells are separated by commas, semicolons, tabs or spaces; with
-    semicolons and tabs, numbers may have decimal commas. Times are ISO 8601, in UTC where no zone is stated, or seconds
-    after 1970.
+    ``longitude``, ``heading`` or ``timestamp``. Cells are separated by commas, semicolons, tabs or spaces, or by what a
+    first line ``sep=;`` says; with semicolons and tabs, numbers may have decimal commas. Cells in quotation marks may
+    go over several lines. Times are ISO 8601, in UTC where no zone is stated, or seconds after 1970 or after a start.
 
     Parameters
     ----------
@@ -103,58 +121,56 @@ def read_poses(
         m or ft, of the column of heights.
     agl_m : float or None
         Height of all in metres, instead of the column.
+    most : int or None
+        How many rows are read; None for all.
 
     Raises
     ------
     InvalidInput
-        Names the column that is missing or said twice, or the line that cannot be read.
+        Names the column that is missing or said twice, or the line that cannot be read. Times that no flight has.
     """
-    held = [
-        (at, line) for at, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")
-    ]
-    header = held[0][1]
-    delimiter = _delimiter(header)
-    headers = [cell.lower() for cell in _cut(header, delimiter)]
+    rows = _rows(lines, where)
+    headers = [cell.lower() for cell in next(rows).cells]
     columns = _columns(headers, where, needs_agl=agl_m is None)
-    has_decimal_commas = delimiter in (";", "\t")
+    held = list(itertools.islice(rows, most))
+    if not held:
+        raise InvalidInput("{0}: holds no poses below its header", where)
     values: dict[str, list[float]] = {name: [] for name in columns}
-    for number, line in held[1:]:
-        cells = _cut(line.translate(UNICODE_MINUS), delimiter)
-        if len(cells) != len(headers):
-            there = _line(where, number)
+    dated = False
+    for row in held:
+        there = _line(where, row.number)
+        if len(row.cells) != len(headers):
             raise InvalidInput(
                 "{0} {1!r} has {2} cells; its header names {3}",
                 there,
-                line.strip()[:_SHOWN],
-                len(cells),
+                row.line.strip()[:_SHOWN],
+                len(row.cells),
                 len(headers),
             )
         for name, column in columns.items():
-            cell = cells[column]
-            if has_decimal_commas and name != "time":
-                cell = cell.replace(",", ".")
+            cell = row.cells[column].translate(UNICODE_MINUS)
+            number = cell.replace(",", ".") if row.has_decimal_commas else cell
             try:
-                values[name].append(float(cell))
+                values[name].append(real_number(number))
             except ValueError as wrong:
-                there = _line(where, number)
                 if name != "time":
                     raise InvalidInput(
                         "{0} {1} {2!r}: must be a number", there, name, cell[:_SHOWN]
                     ) from wrong
                 values[name].append(time_s(cell, there))
-    count = len(held) - 1
-    if not count:
-        raise InvalidInput("{0}: holds no poses below its header", where)
+                dated = True
     m_per_unit = LENGTHS_M[agl_unit]
-    values["agl"] = [agl_m] * count if agl_m is not None else [agl * m_per_unit for agl in values["agl"]]
+    values["agl"] = [agl_m] * len(held) if agl_m is not None else [agl * m_per_unit for agl in values["agl"]]
     if "gimbal_pitch" in values:
         values["tilt"] = [90.0 + pitch for pitch in values["gimbal_pitch"]]
     try:
-        return _points(values, slice(None))
+        points = _points(values, slice(None))
     except InvalidInput as wrong:
-        for at, (number, _) in enumerate(held[1:]):
-            _check_point(values, at, _line(where, number))
+        for at, row in enumerate(held):
+            _check_point(values, at, _line(where, row.number))
         raise InvalidInput("{0} {1}", Message("{0}:", where), wrong) from wrong
+    check_column(points.times_s, where, dated=dated)
+    return points
 
 
 def _line(where: str, number: int) -> Message:
@@ -174,20 +190,42 @@ def _check_point(values: Mapping[str, list[float]], at: int, where: str) -> None
         raise InvalidInput("{0} {1}", where, wrong) from wrong
 
 
-def _delimiter(header: str) -> str | None:
-    """What separates the cells of a table; None for spaces."""
-    return next((one for one in ";\t," if one in header), None)
+def _rows(lines: Iterable[str], where: str) -> Iterator[_Row]:
+    """Rows of a table, its header first; empty lines and those that begin with # are none."""
+    numbered = enumerate(lines, 1)
+    separator: str | None = ""
+    for number, line in numbered:
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        if separator == "":
+            if stated := _SEPARATOR.fullmatch(line):
+                separator = stated[1]
+                continue
+            separator = next((one for one in ";\t," if one in line), None)
+        cells = line.removeprefix("\ufeff").split(separator)
+        if separator is not None and '"' in line:
+            cells = _quoted(line, numbered, separator, _line(where, number)) or cells
+        yield _Row(number, line, [cell.strip().strip('"') for cell in cells], separator not in (None, ","))
 
 
-def _cut(line: str, delimiter: str | None) -> list[str]:
-    """Cells of a line, without the mark that some editors put before the first."""
-    line = line.removeprefix("\ufeff")
-    cells = line.split(delimiter)
-    if delimiter is not None and '"' in line:
-        # Of cells without end the csv module reads none.
-        with contextlib.suppress(csv.Error):
-            cells = next(csv.reader([line], delimiter=delimiter), [])
-    return [cell.strip().strip('"') for cell in cells]
+def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, where: str) -> list[str] | None:
+    """Cells of a line, and of those after it that its cells go on in; None where the csv module reads no such cell."""
+    ended = False
+
+    def lines() -> Iterator[str]:
+        nonlocal ended
+        yield line.removeprefix("\ufeff") + "\n"
+        for _, one in following:
+            yield one + "\n"
+        ended = True
+
+    try:
+        cells = next(csv.reader(lines(), delimiter=separator))
+    except csv.Error:
+        return None
+    if ended:
+        raise InvalidInput("{0} has a quotation mark without another one that ends the cell", where)
+    return cells
 
 
 def _columns(headers: list[str], where: str, *, needs_agl: bool) -> dict[str, int]:

@@ -30,6 +30,7 @@ from ..geodesy.relief_view import Relief
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief import Heights
+from ..numbers import real_number
 from ..picture.heights import heights_of
 from .raster import Block, Ground, places, positions
 
@@ -578,7 +579,7 @@ def _affine_of(path: Path) -> tuple[float, ...]:
                 found = affine_of(data)
         else:
             text = path.with_suffix(_WORLD_FILES[path.suffix]).read_text("ascii")
-            xx, yx, xy, yy, x, y = map(float, text.split())
+            xx, yx, xy, yy, x, y = map(real_number, text.split())
             found = (x - (xx + xy) / 2.0, xx, xy, y - (yx + yy) / 2.0, yx, yy)
     except (OSError, ValueError) as wrong:
         raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong

@@ -17,6 +17,7 @@ from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
 from ..mission.area import Box, check_lat_lon
+from ..numbers import real_number
 
 Floats = NDArray[np.float64]
 
@@ -24,7 +25,7 @@ _FORMATS = (
     "a file of lines `lat lon` or `lat lon name` (or the paper's `lat lon agl`), or a box "
     "latTL_lonTL_latBR_lonBR with a number of places"
 )
-_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _BETWEEN = r"[\s,;_]+"
 _LINE = re.compile(rf"({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}(.*))?")
 #: Hyphens, dashes and signs that text processors make of a minus.
@@ -137,7 +138,7 @@ def read_box(text: str) -> Box:
     """
     fields = [field for field in re.split(_BETWEEN, text.translate(_MINUS).strip()) if field]
     try:
-        values = [float(field) for field in fields]
+        values = [real_number(field) for field in fields]
     except ValueError as wrong:
         raise InvalidInput(
             "places {0!r}: no such file, and no box", text, remedy=Message("give {0}", _FORMATS)

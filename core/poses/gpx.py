@@ -7,7 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
+from ..mission.clock import implausible
+from ..numbers import real_number
 from ..safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, elements_of
 from ..text import time_s
 from .logs import missing_reader
@@ -22,8 +24,12 @@ def read_gpx(
     name: str = "GPX file",
     read_xml: XMLReader = elements_of,
     progress: Progress = unwatched,
+    *,
+    with_times: bool = True,
 ) -> Track:
     """Read a track, its segments one after the other. Heights are the file's own; that of the ground is not known.
+
+    Where some points have a time, those without one are left out and counted.
 
     Parameters
     ----------
@@ -32,11 +38,13 @@ def read_gpx(
     read_xml : callable
         What reads XML; by default lxml does.
     progress : callable
+    with_times : bool
+        Whether times are read; without them no point is left out.
 
     Raises
     ------
     InvalidInput
-        No GPX; points without a place, or with times that go back or that only some of them have.
+        No GPX; points without a place, or with times that go back or that no flight has.
     OutputError
         lxml is not installed.
     Cancelled
@@ -52,14 +60,19 @@ def read_gpx(
     if not points:
         raise InvalidInput("{0}: has no track points and no route points", name)
     rows = np.array([_row(point, f"{name}, point {number}:") for number, point in enumerate(points, 1)])
-    lat, lon, height, times = rows.T
-    timed = np.isfinite(times)
-    if timed.any() and not timed.all():
-        raise InvalidInput("{0}: point {1:,} has no time, and others have", name, int(np.argmin(timed)) + 1)
+    timed = np.isfinite(rows[:, 3])
+    if not (with_times and timed.any()):
+        return Track(*rows[:, :3].T)
+    lat, lon, height, times = rows[timed].T
     back = np.flatnonzero(np.diff(times) < 0.0)
+    fault = implausible(times, dated=True)
     if len(back):
-        raise InvalidInput("{0}: its times go back at point {1:,}", name, int(back[0]) + 2)
-    return Track(lat, lon, height, None, times if timed.all() else None)
+        fault = Message("its times go back at point {0:,}", int(back[0]) + 2)
+    if fault is not None:
+        raise InvalidInput(
+            "{0}: {1}", name, fault, remedy=Message("leave the times out{0}", OptionName("times").in_brackets)
+        )
+    return Track(lat, lon, height, None, times, without_time=int(np.count_nonzero(~timed)))
 
 
 def _points(body: bytes, read_xml: XMLReader, progress: Progress) -> dict[str, list[dict[str, str]]]:
@@ -96,7 +109,7 @@ def _row(point: Mapping[str, str], where: str) -> tuple[float, float, float, flo
 
 def _number(text: str, where: str) -> float:
     try:
-        value = float(text)
+        value = real_number(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

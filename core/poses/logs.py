@@ -9,23 +9,29 @@ import contextlib
 import importlib
 import logging
 import os
+import struct
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import Cancelled, InvalidInput, Message, OutputError
+from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
 from ..geodesy.camera import attitude_of
 from ..geodesy.quaternions import quaternions_of_angles, rotations_of
+from ..mission.clock import CLOCKS, implausible, is_dated
+from ..text import whole_number
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 from .trajectories import BODIES, ROUNDING, WORLDS
 
 Floats = NDArray[np.float64]
+_Columns = Mapping[str, Floats]
 _log = logging.getLogger(__name__)
-#: Topics of PX4; of the receiver's the first that is logged counts.
+#: As many lines in a row may be late, as where several tasks write into a log; where more are, its clock has restarted.
+_LATE = 3
+#: Topics of PX4; of the receivers the first that has a time counts.
 _PLACE, _ATTITUDE, _HOME, _RECEIVERS = (
     "vehicle_global_position",
     "vehicle_attitude",
@@ -39,12 +45,21 @@ _NEEDED = {
     _HOME: ("timestamp", "alt"),
     **dict.fromkeys(_RECEIVERS, ("timestamp", "time_utc_usec")),
 }
+#: A log's header; the head of a message, its size and kind; and fields that fit into one.
+_ULOG_HEADER, _ULOG_MESSAGE, _ULOG_MOST_FIELDS = struct.Struct("<16x"), struct.Struct("<HB"), 0xFFFF
 #: Columns of ArduPilot's messages, and those that not all of its versions have.
 _COLUMNS = {
     "POS": (("TimeUS", "Lat", "Lng", "Alt"), ("RelHomeAlt", "RelAlt")),
     "AHR2": (("TimeUS", "Lat", "Lng", "Alt"), ()),
     "GPS": (("TimeUS", "Lat", "Lng", "Alt", "Status", "GWk", "GMS"), ("I",)),
     "ATT": (("TimeUS", "Roll", "Pitch", "Yaw"), ()),
+}
+#: What logs of before 2015 (version 3.3) call them, and by how much these are multiplied.
+_OLD_COLUMNS = {
+    ("GPS", "TimeUS"): ("T", 1e3),
+    ("GPS", "GWk"): ("Week", 1.0),
+    ("GPS", "GMS"): ("TimeMS", 1.0),
+    **{(name, "TimeUS"): ("TimeMS", 1e3) for name in ("POS", "AHR2", "ATT")},
 }
 #: Those that have places, best first: of its filter, of the second filter, of the receiver.
 _PLACES = ("POS", "AHR2", "GPS")
@@ -125,16 +140,31 @@ class _Watched:
         return getattr(self._file, name)
 
 
-def read_ulog(path: str | os.PathLike[str], progress: Progress = unwatched) -> Track:
+def read_ulog(
+    path: str | os.PathLike[str],
+    progress: Progress = unwatched,
+    *,
+    flight: int | None = None,
+    with_times: bool = True,
+) -> Track:
     """Read a PX4 log: ``vehicle_global_position``, with ``vehicle_attitude`` in between.
 
     The ground is at the home position, else at the first position. Times are UTC where a receiver's are logged, else
-    seconds after the autopilot's start.
+    seconds after the autopilot's start. Positions are put in the order of their times; those without a place are left
+    out and counted.
+
+    Parameters
+    ----------
+    progress : callable
+    flight : int or None
+        Which flight of a log whose clock starts again, from 1.
+    with_times : bool
+        Whether the track has times.
 
     Raises
     ------
     InvalidInput
-        No such log, or one without positions.
+        No such log, or one without positions; several flights, of which none is chosen; times that no flight has.
     OutputError
         pyulog is not installed.
     Cancelled
@@ -145,59 +175,98 @@ def read_ulog(path: str | os.PathLike[str], progress: Progress = unwatched) -> T
     try:
         # Given a name, pyulog leaves the file open where it cannot read it.
         with _quiet(path), Path(path).open("rb") as file:
+            _check_formats(file)
             log = pyulog.ULog(_Watched(file, progress), wanted)
     except Cancelled:
         raise
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as ULog ({1})", path, wrong) from wrong
-    # Of several instances of a topic the first one, which comes first in the list.
-    topics = {
-        one.name: _columns(one.data)
-        for one in reversed(log.data_list)
-        if one.data.keys() >= set(_NEEDED[one.name])
-    }
-    place = topics.get(_PLACE, {})
-    place = _rows(place, _valid(place, "lat_lon_valid") & _valid(place, "alt_valid")) if place else place
-    if not place or not len(place["timestamp"]):
+    # Instances of a topic, the first one first.
+    topics: dict[str, list[_Columns]] = {name: [] for name in wanted}
+    for one in log.data_list:
+        if one.data.keys() >= set(_NEEDED[one.name]):
+            topics[one.name].append(_columns(one.data))
+    place, turned, home = (next(iter(topics[name]), None) for name in (_PLACE, _ATTITUDE, _HOME))
+    if place is None or not (valid := _valid(place, "lat_lon_valid") & _valid(place, "alt_valid")).any():
         raise InvalidInput("log {0}: has no positions ({1})", path, _PLACE)
-    clock = place["timestamp"] * _S_PER_US
-    attitude = None
-    if _ATTITUDE in topics:
-        turned = topics[_ATTITUDE]
-        quaternions = np.stack([turned[f"q[{axis}]"] for axis in range(4)], axis=1)
-        attitude = _attitude_at(clock, turned["timestamp"] * _S_PER_US, quaternions)
-    home = topics.get(_HOME, {})
-    heights = home["alt"][_valid(home, "valid_alt")] if home else np.empty(0)
-    ground = float((heights if len(heights) else place["alt"])[0])
-    utc_less_clock = 0.0
-    for receiver in (topics[name] for name in _RECEIVERS if name in topics):
-        known = receiver["time_utc_usec"] > 0.0
-        if known.any():
-            utc_less_clock = float(
-                np.median((receiver["time_utc_usec"] - receiver["timestamp"])[known]) * _S_PER_US
-            )
+    heights = np.empty(0) if home is None else home["alt"][_valid(home, "valid_alt")]
+    known = heights[np.isfinite(heights)]
+    found = _Log(
+        _renamed(_rows(place, valid), ("lat", "lon", "alt")),
+        None if turned is None else _renamed(turned, ("q[0]", "q[1]", "q[2]", "q[3]")),
+        tuple(
+            {"clock_s": one["timestamp"] * _S_PER_US, "utc_s": one["time_utc_usec"] * _S_PER_US}
+            for name in _RECEIVERS
+            for one in topics[name]
+        ),
+        float(known[0]) if len(known) else None,
+    )
+    return found.track(path, flight, with_times=with_times)
+
+
+def _check_formats(file: IO[bytes]) -> None:
+    """Refuse formats of more fields than a message has bytes, which pyulog would list one by one."""
+    formats: dict[str, list[str]] = {}
+    file.seek(_ULOG_HEADER.size)
+    while len(head := file.read(_ULOG_MESSAGE.size)) == _ULOG_MESSAGE.size:
+        size, kind = _ULOG_MESSAGE.unpack(head)
+        if kind in b"ALC":
+            # Here the definitions end.
             break
-    return Track(place["lat"], place["lon"], place["alt"], ground, clock + utc_less_clock, attitude)
+        name, _, columns = file.read(size).decode("ascii", "replace").partition(":")
+        if kind in b"F":
+            formats[name] = [column for column in columns.split(";") if column]
+    file.seek(0)
+    for name in formats:
+        _count_fields(name, formats, {})
+
+
+def _count_fields(name: str, formats: Mapping[str, Sequence[str]], known: dict[str, int]) -> int:
+    """Number of fields of a type, those of the formats within it counted one by one."""
+    if name not in formats:
+        return 1
+    if name not in known:
+        # A format within itself counts as one field here; pyulog refuses it.
+        known[name] = 1
+        total = 0
+        for column in formats[name]:
+            inner, _, times = column.split(" ")[0].partition("[")
+            count = whole_number(times.rstrip("]")) if times else 1
+            total += (count or 1) * _count_fields(inner, formats, known)
+        known[name] = total
+    if known[name] > _ULOG_MOST_FIELDS:
+        raise ValueError(f"{name} has {known[name]:,} fields")
+    return known[name]
 
 
 def read_dataflash(
-    path: str | os.PathLike[str], progress: Progress = unwatched, *, text: bool = False
+    path: str | os.PathLike[str],
+    progress: Progress = unwatched,
+    *,
+    text: bool = False,
+    flight: int | None = None,
+    with_times: bool = True,
 ) -> Track:
     """Read an ArduPilot log: ``POS``, else ``AHR2`` or ``GPS``, with ``ATT`` in between.
 
     The ground is below the first position by its height over home, where that is logged, else at the first position.
-    Times are UTC where a receiver's are logged, else seconds after the autopilot's start.
+    Times are UTC where a receiver's are logged, else seconds after the autopilot's start. Positions are put in the
+    order of their times; those without a place are left out and counted.
 
     Parameters
     ----------
     progress : callable
     text : bool
         Whether the log is of text (``.log``), and not binary (``.bin``).
+    flight : int or None
+        Which flight of a log whose clock starts again, from 1.
+    with_times : bool
+        Whether the track has times.
 
     Raises
     ------
     InvalidInput
-        No such log, or one without positions.
+        No such log, or one without positions; several flights, of which none is chosen; times that no flight has.
     OutputError
         pymavlink is not installed.
     Cancelled
@@ -211,37 +280,151 @@ def read_dataflash(
         with _quiet(path):
             opened = (reader.DFReader_text if text else reader.DFReader_binary)(os.fspath(path))
             with contextlib.closing(opened) as log:
-                found = _messages(log, progress)
+                read = _messages(log, progress)
     except Cancelled:
         raise
     except Exception as wrong:
         raise InvalidInput("log {0}: cannot be read as DataFlash ({1})", path, wrong) from wrong
-    places = (_with_fix(found[name]) for name in _PLACES if name in found)
+    places = (_with_fix(read[name]) for name in _PLACES if name in read)
     place = next((one for one in places if len(one["TimeUS"])), None)
     if place is None:
         raise InvalidInput("log {0}: has no positions ({1})", path, ", ".join(_PLACES))
-    clock = place["TimeUS"] * _S_PER_US
-    attitude = None
-    if "ATT" in found:
-        turned = found["ATT"]
+    above_home = [name for name in ("RelHomeAlt", "RelAlt") if name in place][:1]
+    turned = read.get("ATT")
+    attitude: dict[str, Floats] = {}
+    if turned is not None:
         with np.errstate(invalid="ignore"):
             # Of infinite angles NaN, which are left out as states of a filter that are none.
             quaternions = quaternions_of_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
-        attitude = _attitude_at(clock, turned["TimeUS"] * _S_PER_US, quaternions)
-    above_home = next((place[name] for name in ("RelHomeAlt", "RelAlt") if name in place), np.zeros(1))
-    ground = float(place["Alt"][0] - above_home[0])
-    return Track(place["Lat"], place["Lng"], place["Alt"], ground, clock + _utc_less_clock(found), attitude)
+        attitude = {"clock_s": turned["TimeUS"] * _S_PER_US, **dict(zip(_QUATERNION, quaternions.T))}
+    fixes = read.get("GPS")
+    found = _Log(
+        _renamed(place, ("Lat", "Lng", "Alt", *above_home)),
+        attitude or None,
+        () if fixes is None else ({"clock_s": fixes["TimeUS"] * _S_PER_US, "utc_s": _utc_s(fixes)},),
+    )
+    return found.track(path, flight, with_times=with_times)
 
 
-def _utc_less_clock(found: Mapping[str, Mapping[str, Floats]]) -> float:
-    """Seconds from the clock of a DataFlash log to UTC; 0 where the receiver's time is not logged."""
-    fixes = found.get("GPS", {})
-    if not fixes or not (known := fixes["GWk"] > 0.0).any():
+#: Columns that `_Log` has, of whatever format.
+_POSITION, _QUATERNION = ("lat", "lon", "alt", "above_home"), ("w", "x", "y", "z")
+
+
+class _Log(NamedTuple):
+    """What is read of a log; each of its topics has a column ``clock_s``, of the autopilot's clock.
+
+    Attributes
+    ----------
+    place : columns of `_POSITION`
+        The last one may be missing.
+    attitude : columns of `_QUATERNION`, or None
+    receivers : columns ``utc_s``, of each receiver
+    ground_m : float or None
+        None for that below the first position by its height above home.
+    """
+
+    place: _Columns
+    attitude: _Columns | None
+    receivers: tuple[_Columns, ...]
+    ground_m: float | None = None
+
+    def track(self, path: str | os.PathLike[str], flight: int | None, *, with_times: bool) -> Track:
+        """Positions of one flight of the log."""
+        lat, lon, alt = (self.place[name] for name in _POSITION[:3])
+        there = np.isfinite(self.place["clock_s"] + alt) & (np.abs(lat) <= 90.0) & (np.abs(lon) <= 180.0)
+        if not there.any():
+            raise InvalidInput(
+                "log {0}: none of its {1:,} positions has a place and a height", path, len(there)
+            )
+        flights = _flights(self.place["clock_s"][there])
+        which = _chosen(flights, path, flight)
+        place = _rows(_rows(self.place, there), flights[which])
+        count, clock_s = len(flights), place["clock_s"]
+        attitude = None
+        if self.attitude is not None:
+            turned = _of_flight(self.attitude, which, count)
+            if turned is None:
+                _log.warning("log %s: left out the attitudes, whose clock restarts at other times", path)
+            else:
+                quaternions = np.stack([turned[axis] for axis in _QUATERNION], axis=1)
+                attitude = _attitude_at(clock_s, turned["clock_s"], quaternions)
+        ground_m = self.ground_m
+        if ground_m is None:
+            above_home_m = np.nan_to_num(place.get("above_home", np.zeros(1)))
+            ground_m = float(place["alt"][0] - above_home_m[0])
+        time_s = None
+        if with_times:
+            time_s = clock_s + self._utc_less_clock_s(which, count)
+            wrong = implausible(time_s, CLOCKS["us"].words)
+            if wrong is not None:
+                raise InvalidInput(
+                    "log {0}: {1}",
+                    path,
+                    wrong,
+                    remedy=Message("leave the times out{0}", OptionName("times").in_brackets),
+                )
+        lost = int(np.count_nonzero(~there))
+        return Track(place["lat"], place["lon"], place["alt"], ground_m, time_s, attitude, lost)
+
+    def _utc_less_clock_s(self, flight: int, count: int) -> float:
+        """Seconds from the log's clock to UTC by the first receiver that knows it, 0 where none does."""
+        for receiver in self.receivers:
+            timed = _of_flight(receiver, flight, count)
+            if timed is not None and (known := is_dated(timed["utc_s"])).any():
+                return float(np.median((timed["utc_s"] - timed["clock_s"])[known]))
         return 0.0
-    gps_s = _GPS_EPOCH_S + fixes["GWk"][known] * _WEEK_S + fixes["GMS"][known] * 1e-3
+
+
+def _flights(clock_s: Floats) -> list[NDArray[np.intp]]:
+    """Rows of each flight in the order of its clock; more than a few late ones in a row begin another flight."""
+    starts, late, highest = [0], 0, -np.inf
+    clocks = clock_s.tolist() if (np.diff(clock_s) < 0.0).any() else []
+    for at, clock in enumerate(clocks):
+        late = late + 1 if clock < highest else 0
+        if late > _LATE:
+            starts.append(at + 1 - late)
+            late, highest = 0, max(clocks[starts[-1] : at + 1])
+        highest = max(highest, clock)
+    ends = [*starts[1:], len(clock_s)]
+    return [start + np.argsort(clock_s[start:end], kind="stable") for start, end in zip(starts, ends)]
+
+
+def _chosen(flights: list[NDArray[np.intp]], path: str | os.PathLike[str], flight: int | None) -> int:
+    """Index of the flight that is asked for."""
+    if flight is None and len(flights) > 1:
+        raise InvalidInput(
+            "log {0}: its clock starts again at position {1:,}: it holds {2} flights",
+            path,
+            int(flights[1].min()) + 1,
+            len(flights),
+            remedy=Message("choose one of them{0}", OptionName("flight").in_brackets),
+        )
+    if flight is not None and not 1 <= flight <= len(flights):
+        raise InvalidInput("flight {0} of log {1}: must be from 1 to {2}", flight, path, len(flights))
+    return (flight or 1) - 1
+
+
+def _of_flight(columns: _Columns, flight: int, count: int) -> _Columns | None:
+    """Rows of one of so many flights; None where the topic does not tell them apart."""
+    columns = _rows(columns, np.isfinite(columns["clock_s"]))
+    clock_s = columns["clock_s"]
+    flights = _flights(clock_s) if count > 1 else [np.argsort(clock_s, kind="stable")]
+    return _rows(columns, flights[flight]) if len(flights) == count else None
+
+
+def _utc_s(fixes: _Columns) -> Floats:
+    """UTC of the fixes of a DataFlash log; of 1980 where a receiver did not know it."""
+    gps_s = _GPS_EPOCH_S + fixes["GWk"] * _WEEK_S + fixes["GMS"] * 1e-3
     since, leaps = np.array(_LEAPS).T
-    utc_s = gps_s - leaps[np.searchsorted(since + leaps, gps_s, side="right") - 1]
-    return float(np.median(utc_s - fixes["TimeUS"][known] * _S_PER_US))
+    utc_s: Floats = gps_s - leaps[np.clip(np.searchsorted(since + leaps, gps_s, side="right") - 1, 0, None)]
+    return utc_s
+
+
+def _renamed(columns: _Columns, names: tuple[str, ...]) -> dict[str, Floats]:
+    """Columns of a topic, called as `_Log` has them."""
+    clock = columns["timestamp" if "timestamp" in columns else "TimeUS"]
+    ours = _QUATERNION if "q[0]" in names else _POSITION
+    return {"clock_s": clock * _S_PER_US, **{our: columns[name] for our, name in zip(ours, names)}}
 
 
 def _columns(data: Mapping[str, Any]) -> dict[str, Floats]:
@@ -250,7 +433,7 @@ def _columns(data: Mapping[str, Any]) -> dict[str, Floats]:
 
 def _messages(log: Any, progress: Progress) -> dict[str, dict[str, Floats]]:
     """Columns of those messages of a DataFlash log that are read, by name."""
-    columns: dict[str, list[str]] = {}
+    columns: dict[str, dict[str, tuple[str, float]]] = {}
     rows: dict[str, list[list[float]]] = {}
     read = 0
     while (message := log.recv_match(type=list(_COLUMNS))) is not None:
@@ -259,28 +442,40 @@ def _messages(log: Any, progress: Progress) -> dict[str, dict[str, Floats]]:
             report(progress, log.percent / 100.0)
         name = message.get_type()
         if name not in columns:
-            needed, others = _COLUMNS[name]
-            columns[name] = [*needed, *(one for one in others if one in message.get_fieldnames())]
-        rows.setdefault(name, []).append([float(getattr(message, one)) for one in columns[name]])
+            columns[name] = _columns_there(name, message.get_fieldnames())
+        if columns[name]:
+            row = [times * float(getattr(message, one)) for one, times in columns[name].values()]
+            rows.setdefault(name, []).append(row)
     return {name: dict(zip(columns[name], np.array(held).T)) for name, held in rows.items()}
 
 
-def _with_fix(place: Mapping[str, Floats]) -> dict[str, Floats]:
+def _columns_there(name: str, fields: Sequence[str]) -> dict[str, tuple[str, float]]:
+    """Columns of a message as they are called in the log, and their units; none where one is missing."""
+    needed, others = _COLUMNS[name]
+    found = {one: (one, 1.0) for one in (*needed, *others) if one in fields}
+    for one in needed:
+        old = _OLD_COLUMNS.get((name, one), ("", 1.0))
+        if one not in found and old[0] in fields:
+            found[one] = old
+    return found if found.keys() >= set(needed) else {}
+
+
+def _with_fix(place: _Columns) -> dict[str, Floats]:
     """Rows of a DataFlash log that have a place: before the first fix places are zeros."""
     there = (place["Lat"] != 0.0) | (place["Lng"] != 0.0)
     if "Status" in place:
         there &= place["Status"] >= _GPS_FIX_3D
-    if "I" in place:
-        # Of several receivers one.
-        there &= place["I"] == place["I"].min()
+    if "I" in place and there.any():
+        # Of several receivers the first that has a fix.
+        there &= place["I"] == place["I"][there].min()
     return _rows(place, there)
 
 
-def _rows(columns: Mapping[str, Floats], which: NDArray[np.bool_]) -> dict[str, Floats]:
+def _rows(columns: _Columns, which: NDArray[np.bool_] | NDArray[np.intp]) -> dict[str, Floats]:
     return {name: values[which] for name, values in columns.items()}
 
 
-def _valid(columns: Mapping[str, Floats], flag: str) -> NDArray[np.bool_]:
+def _valid(columns: _Columns, flag: str) -> NDArray[np.bool_]:
     """Rows whose flag is set; all of them in logs that are older than the flag."""
     return columns[flag] != 0.0 if flag in columns else np.ones(len(columns["timestamp"]), np.bool_)
 

@@ -19,6 +19,7 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
 from ..mission.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, inside
 from ..mission.flight.motion import normal, uniform
+from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
 Floats = NDArray[np.float64]
@@ -68,7 +69,7 @@ class Distribution:
         """Distribution from words: ``120``, ``uniform 80 150`` or ``normal 0 5``; raises InvalidInput."""
         kind, *texts = words if len(words) == 3 else (FIXED, *words)
         try:
-            numbers = [float(text) for text in texts]
+            numbers = [real_number(text) for text in texts]
         except ValueError:
             numbers = []
         if len(numbers) != 1 + (kind != FIXED):

@@ -16,7 +16,7 @@ from ..safe_json import decoded
 from ..safe_xml import XMLReader, elements_of
 from .gpx import read_gpx
 from .logs import read_dataflash, read_ulog
-from .settings import ENDINGS, LOCAL_FORMATS, PoseFile
+from .settings import COUNTED_FORMATS, ENDINGS, LOCAL_FORMATS, LOG_FORMATS, WITHOUT_TIMES, PoseFile
 from .track import Progress, Track, unwatched
 from .trajectories import read_trajectory
 
@@ -25,11 +25,29 @@ _LINE = 4096
 
 
 class ReadPoses(NamedTuple):
-    """Points that a file's poses are, how many positions it has, and how many are not above the ground."""
+    """Points that a file's poses are, and how many positions it has.
+
+    Attributes
+    ----------
+    left_out, without_place, without_time : int
+        Positions that are left out: not above the ground, without a place, without a time where others have one.
+    """
 
     points: Points
     positions: int
     left_out: int
+    without_place: int = 0
+    without_time: int = 0
+
+    @property
+    def why_left_out(self) -> dict[Message, int]:
+        """How many positions are left out, by the reason."""
+        found = {
+            Message("without a place"): self.without_place,
+            Message("without a time"): self.without_time,
+            Message("at or below the ground"): self.left_out,
+        }
+        return {reason: count for reason, count in found.items() if count}
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
@@ -83,7 +101,8 @@ def read_poses_file(
     if how.nadir:
         track = track.nadir()
     points, left_out = track.points(how.ground_height_m, how.agl_m, every_s=how.every_s, every_m=how.every_m)
-    return ReadPoses(points, len(track), left_out)
+    positions = len(track) + track.without_place + track.without_time
+    return ReadPoses(points, positions, left_out, track.without_place, track.without_time)
 
 
 def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -> Track:
@@ -98,12 +117,23 @@ def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -
             ", ".join(LOCAL_FORMATS),
             file_format,
         )
+    if how.times not in (None, WITHOUT_TIMES) and file_format not in COUNTED_FORMATS:
+        raise InvalidInput(
+            "unit of times {0}: is for {1}, and not for {2}",
+            how.times,
+            ", ".join(COUNTED_FORMATS),
+            file_format,
+        )
+    if how.flight is not None and file_format not in LOG_FORMATS:
+        raise InvalidInput("--flight: is for {0}, and not for {1}", ", ".join(LOG_FORMATS), file_format)
     if not is_there(path):
         raise InvalidInput("trajectory {0}: no such file", path)
+    with_times = how.times != WITHOUT_TIMES
     if file_format == "ulog":
-        return read_ulog(path, progress)
+        return read_ulog(path, progress, flight=how.flight, with_times=with_times)
     if file_format == "dataflash":
-        return read_dataflash(path, progress, text=path.suffix.lower() == ".log")
+        is_text = path.suffix.lower() == ".log"
+        return read_dataflash(path, progress, text=is_text, flight=how.flight, with_times=with_times)
     try:
         body = read_limited(path, MAX_MISSION_BYTES)
         text = "" if file_format == "gpx" else decoded(body)
@@ -111,13 +141,14 @@ def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -
         raise InvalidInput("trajectory {0}: cannot be read ({1})", path, wrong) from wrong
     name = Message("trajectory {0}", path)
     if file_format == "gpx":
-        return read_gpx(body, name, read_xml, progress)
+        return read_gpx(body, name, read_xml, progress, with_times=with_times)
     return read_trajectory(
         text,
         file_format,
         _origin(how.origin, path, file_format),
         body=how.body,
         world=how.world,
+        times=how.times,
         name=name,
         progress=progress,
     )

@@ -14,6 +14,10 @@ from ..mission.parts import HIGHEST_AGL_M, HIGHEST_GROUND_M, LOWEST_GROUND_M
 
 #: Formats of trajectories in metres of a local frame.
 LOCAL_FORMATS = ("tum", "kitti", "euroc")
+#: Those of them whose times are in a unit that the file does not state.
+COUNTED_FORMATS = ("tum", "euroc")
+#: Leaves the times of a file out.
+WITHOUT_TIMES = "none"
 #: Flight logs, which have more positions than anybody takes images.
 LOG_FORMATS = ("ulog", "dataflash")
 #: Formats that the endings of files tell.
@@ -90,6 +94,27 @@ class PoseFile(Part):
         most=HIGHEST_AGL_M,
     )
     start_s: float | None = None
+    times: str | None = declared(
+        None,
+        title="times",
+        help="unit of the times of tum and euroc, or none: times of any format are left out",
+        label="&Times",
+        choices={
+            "s": "in seconds",
+            "ms": "in milliseconds",
+            "us": "in microseconds",
+            "ns": "in nanoseconds",
+            WITHOUT_TIMES: "left out",
+        },
+    )
+    flight: int | None = declared(
+        None,
+        title="flight",
+        help="which flight of a log whose clock starts again, from 1",
+        label="&Flight of the log",
+        least=1,
+        most=1000,
+    )
     nadir: bool = declared(
         False,
         title="gimbal keeps the camera straight down",

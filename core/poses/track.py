@@ -51,6 +51,8 @@ class Track:
         Seconds after 1970 in UTC, or after the beginning where the file knows no more; never before the one before.
     attitude_deg : tuple of three arrays, or None
         Yaw, tilt and roll of the camera; None where the file has none.
+    without_place, without_time : int
+        How many more positions the file has, which are left out: they have no place, or no time where others have one.
     """
 
     lat_deg: Floats
@@ -59,6 +61,8 @@ class Track:
     ground_m: float | None = None
     time_s: Floats | None = None
     attitude_deg: tuple[Floats, Floats, Floats] | None = None
+    without_place: int = 0
+    without_time: int = 0
 
     def __len__(self) -> int:
         return len(self.lat_deg)

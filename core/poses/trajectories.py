@@ -11,11 +11,14 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import attitude_of
 from ..geodesy.local import LocalFrame
 from ..geodesy.quaternions import rotations_of
+from ..mission.clock import CLOCKS, implausible, is_dated
 from ..mission.parts import HIGHEST_AGL_M
+from ..numbers import real_number
+from .settings import WITHOUT_TIMES
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 
 Floats = NDArray[np.float64]
@@ -50,6 +53,7 @@ def read_trajectory(
     *,
     body: str | None = None,
     world: str | None = None,
+    times: str | None = None,
     name: str = "trajectory",
     progress: Progress = unwatched,
 ) -> Track:
@@ -68,6 +72,9 @@ def read_trajectory(
         One of `BODIES`; None for a camera. EuRoC's poses are those of an inertial unit, whose axes have to be given.
     world : str or None
         One of `WORLDS`; None for ``enu``, and with KITTI, whose world is its first camera, ``rdf``.
+    times : str or None
+        Unit of the times, one of `CLOCKS`, or "none" to leave them out; None for the format's own: seconds, and EuRoC's
+        nanoseconds. With a unit that is given, poses with dates may all be within a second.
     name : str
         What messages call the file.
     progress : callable
@@ -75,7 +82,7 @@ def read_trajectory(
     Raises
     ------
     InvalidInput
-        Names the line that cannot be read, or the pose that is none.
+        Names the line that cannot be read, or the pose that is none. Times that go back, or that no flight has.
     Cancelled
         When ``progress`` said so.
     """
@@ -86,7 +93,8 @@ def read_trajectory(
             remedy="give --body: urf for that of the published flights, flu or frd for an aircraft's",
         )
     lat, lon, height = origin
-    time_s, places, rotations = _FORMATS[file_format](text, name, progress)
+    counted, places, rotations = _FORMATS[file_format](text, name, progress)
+    time_s = None if counted is None else _times(counted, file_format, times, name)
     away = np.flatnonzero((np.abs(places) > _FARTHEST_M).any(axis=1))
     if len(away):
         raise InvalidInput(
@@ -104,7 +112,7 @@ def read_trajectory(
 
 def _tum(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
     rows = _numbers(text, name, progress, (8,))
-    return _times(rows[:, 0], name), rows[:, 1:4], _rotations(rows[:, [7, 4, 5, 6]], name)
+    return rows[:, 0], rows[:, 1:4], _rotations(rows[:, [7, 4, 5, 6]], name)
 
 
 def _kitti(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
@@ -121,7 +129,7 @@ def _kitti(text: str, name: str, progress: Progress) -> tuple[Floats | None, Flo
 def _euroc(text: str, name: str, progress: Progress) -> tuple[Floats | None, Floats, Floats]:
     # The ground truth has speed and biases in nine more columns.
     rows = _numbers(text, name, progress, (8, 17))
-    return _times(rows[:, 0] * 1e-9, name), rows[:, 1:4], _rotations(rows[:, 4:8], name)
+    return rows[:, 0], rows[:, 1:4], _rotations(rows[:, 4:8], name)
 
 
 _FORMATS: Mapping[str, Callable[[str, str, Progress], tuple[Floats | None, Floats, Floats]]] = {
@@ -142,7 +150,7 @@ def _numbers(text: str, name: str, progress: Progress, counts: tuple[int, ...]) 
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         try:
-            row = [float(cell) for cell in line.replace(",", " ").split()]
+            row = [real_number(cell) for cell in line.replace(",", " ").split()]
         except ValueError:
             row = []
         if len(row) not in counts or not np.isfinite(row).all() or (rows and len(row) != len(rows[0])):
@@ -155,10 +163,29 @@ def _numbers(text: str, name: str, progress: Progress, counts: tuple[int, ...]) 
     return np.array(rows, np.float64)
 
 
-def _times(time_s: Floats, name: str) -> Floats:
+def _times(counted: Floats, file_format: str, times: str | None, name: str) -> Floats | None:
+    """Seconds of the times of a file."""
+    if times == WITHOUT_TIMES:
+        return None
+    clock = CLOCKS[times or ("ns" if file_format == "euroc" else "s")]
+    time_s = counted * clock.seconds
     back = np.flatnonzero(np.diff(time_s) < 0.0)
     if len(back):
-        raise InvalidInput("{0}: its times go back at pose {1:,}", name, int(back[0]) + 2)
+        raise InvalidInput(
+            "{0}: its times go back at pose {1:,}",
+            name,
+            int(back[0]) + 2,
+            remedy=Message("leave the times out{0}", OptionName("times").in_brackets),
+        )
+    is_known = times is not None and bool(is_dated(time_s).all())
+    wrong = None if is_known else implausible(time_s, clock.words)
+    if wrong is not None:
+        raise InvalidInput(
+            "{0}: {1}",
+            name,
+            wrong,
+            remedy=Message("give their unit, or leave them out{0}", OptionName("times").in_brackets),
+        )
     return time_s
 
 

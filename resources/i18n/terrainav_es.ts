@@ -5070,6 +5070,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>área {name}: no existe tal capa</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/dialogs.py"/>
+        <source>as in the file</source>
+        <translation>como en el archivo</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>as the source says</source>
         <translation>lo que diga la fuente</translation>
@@ -5690,6 +5695,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>pegar coordenadas</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/layers.py"/>
+        <source>points</source>
+        <translation>puntos</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>points of {layer}</source>
         <translation>puntos de {layer}</translation>
@@ -6221,8 +6231,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
-        <source>{count} of {total} positions are left out, at or below the ground.</source>
-        <translation>Se omiten {count} de {total} posiciones, a ras del terreno o por debajo.</translation>
+        <source>{count} of {total} positions are left out, {reason}.</source>
+        <translation>Se omiten {count} de {total} posiciones, {reason}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset_window/export_tab.py"/>
@@ -6907,6 +6917,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Flight of the log</source>
+        <translation>&amp;Vuelo del registro</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>&amp;Format</source>
         <translation>&amp;Formato</translation>
     </message>
@@ -6952,6 +6967,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
+        <source>&amp;Times</source>
+        <translation>&amp;Tiempos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
         <source>&amp;Width</source>
         <translation>&amp;Ancho</translation>
     </message>
@@ -6959,6 +6979,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/datum.py"/>
         <source>, as it lacks the grid {0}</source>
         <translation>, porque le falta la rejilla {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>--flight: is for {0}, and not for {1}</source>
+        <translation>--flight: es para {0}, y no para {1}</translation>
     </message>
     <message>
         <location filename="../../core/poses/reading.py"/>
@@ -7889,6 +7914,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>como máximo {0}</translation>
     </message>
     <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>at or below the ground</source>
+        <translation>en el suelo o debajo de él</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/settings.py"/>
         <source>axes of the frame</source>
         <translation>ejes del sistema</translation>
@@ -8378,6 +8408,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/plan.py"/>
         <source>choose one of them as the source</source>
         <translation>elija una de ellas como fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>choose one of them{0}</source>
+        <translation>elija uno de ellos{0}</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>
@@ -8928,6 +8963,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>primeras {0} referencias: deben ser 1 o más</translation>
     </message>
     <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>flight</source>
+        <translation>vuelo</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>flight distance</source>
         <translation>distancia de vuelo</translation>
@@ -8946,6 +8986,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>flight time of one battery, without the reserve: the flight is split into sorties that begin and end at the take-off</source>
         <translation>tiempo de vuelo de una batería, sin contar la reserva: el vuelo se divide en salidas que empiezan y terminan en el despegue</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>flight {0} of log {1}: must be from 1 to {2}</source>
+        <translation>vuelo {0} del registro {1}: debe ser de 1 a {2}</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>
@@ -9496,6 +9541,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>indique uno en metros{0}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>give seconds after 1970, or remove the column of times</source>
+        <translation>indique segundos desde 1970 o quite la columna de tiempos</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/track.py"/>
         <source>give that in the heights of the file{0}, or one height above ground{1}</source>
         <translation>indíquela en las alturas del archivo{0}, o una sola altura sobre el terreno{1}</translation>
@@ -9549,6 +9599,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>give the top-left corner first</source>
         <translation>dé primero la esquina superior izquierda</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>give their unit, or leave them out{0}</source>
+        <translation>indique su unidad u omítalos{0}</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
@@ -10126,6 +10181,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>en Litchi, poner Heading Mode en Custom y Path Mode en Straight Lines, lo que el archivo no puede indicar</translation>
     </message>
     <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in microseconds</source>
+        <translation>en microsegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in milliseconds</source>
+        <translation>en milisegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in nanoseconds</source>
+        <translation>en nanosegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>in seconds</source>
+        <translation>en segundos</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/methods.py"/>
         <source>infinite (horizon)</source>
         <translation>infinito (horizonte)</translation>
@@ -10266,6 +10341,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>sus teselas son de {0}x{1} px; deben ser cuadradas, de {2} px como máximo</translation>
     </message>
     <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <source>its times go back at point {0:,}</source>
+        <translation>sus tiempos retroceden en el punto {0:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>its times, as seconds from {0:.7g} to {1:.7g}, are not of 1990 to 2099</source>
+        <translation>sus tiempos, como segundos de {0:.7g} a {1:.7g}, no son de 1990 a 2099</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/raster/colours.py"/>
         <source>its values are no heights: its first band is {0}, {1}</source>
         <translation>sus valores no son alturas: su primera banda es {0}, {1}</translation>
@@ -10274,6 +10359,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/running.py"/>
         <source>its worker died</source>
         <translation>su proceso de trabajo murió</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>its {0:,} times are all within {1:.3g} s</source>
+        <translation>sus {0:,} tiempos caben todos en {1:.3g} s</translation>
     </message>
     <message>
         <location filename="../../core/capture/journal.py"/>
@@ -10417,7 +10507,15 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>omita las teselas de otras partes, o ejecute el método en la parte (terrainav benchmark run --part)</translation>
     </message>
     <message>
+        <location filename="../../core/poses/gpx.py"/>
+        <location filename="../../core/poses/logs.py"/>
+        <location filename="../../core/poses/trajectories.py"/>
+        <source>leave the times out{0}</source>
+        <translation>omita los tiempos{0}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/methods.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>left out</source>
         <translation>se omite</translation>
     </message>
@@ -10485,6 +10583,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/logs.py"/>
         <source>log {0}: is empty</source>
         <translation>registro {0}: está vacío</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: its clock starts again at position {1:,}: it holds {2} flights</source>
+        <translation>registro {0}: su reloj vuelve a empezar en la posición {1:,}: contiene {2} vuelos</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: none of its {1:,} positions has a place and a height</source>
+        <translation>registro {0}: ninguna de sus {1:,} posiciones tiene lugar y altura</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/logs.py"/>
+        <source>log {0}: {1}</source>
+        <translation>registro {0}: {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -10673,6 +10786,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>metres per second</source>
         <translation>metros por segundo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>microseconds</source>
+        <translation>microsegundos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>milliseconds</source>
+        <translation>milisegundos</translation>
     </message>
     <message>
         <location filename="../../core/units.py"/>
@@ -10923,6 +11046,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/labels.py"/>
         <source>names {0}, not {1}</source>
         <translation>nombra {0}, no {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>nanoseconds</source>
+        <translation>nanosegundos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/entry.py"/>
@@ -11816,6 +11944,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>escalador: {0} valores a los que ajustarlo; necesita uno o más, todos números finitos</translation>
     </message>
     <message>
+        <location filename="../../core/mission/clock.py"/>
         <location filename="../../core/units.py"/>
         <source>seconds</source>
         <translation>segundos</translation>
@@ -12647,6 +12776,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/poses/settings.py"/>
         <source>times</source>
         <translation>horas</translation>
     </message>
@@ -12730,6 +12860,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>unit of the sources of heights; left out, the one that they state, and metres where they state none</source>
         <translation>unidad de las fuentes de alturas; si se omite, la que ellas indiquen, y metros donde no indiquen ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>unit of the times of tum and euroc, or none: times of any format are left out</source>
+        <translation>unidad de los tiempos de tum y euroc, o none: se omiten los tiempos de cualquier formato</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>unit of times {0}: is for {1}, and not for {2}</source>
+        <translation>unidad de tiempos {0}: es para {1}, y no para {2}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -12840,6 +12980,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>hacia dónde apunta el borde superior de las imágenes, desde donde se cuenta la guiñada: north, girado con las pasadas donde estas se apartan del este; track, el sentido en que se vuela cada pasada; o un acimut en grados, el mismo para todas las imágenes</translation>
     </message>
     <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>which flight of a log whose clock starts again, from 1</source>
+        <translation>qué vuelo de un registro cuyo reloj vuelve a empezar, desde 1</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/entry.py"/>
         <source>whole numbers</source>
         <translation>números enteros</translation>
@@ -12901,9 +13046,39 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>el viento gira la cámara</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>with a gap of 0 m</source>
+        <translation>con una separación de 0 m</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>with much smaller tiles</source>
+        <translation>con teselas mucho menores</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>with tiles of {0:g} m alone</source>
+        <translation>solo con teselas de {0:g} m</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/random_poses.py"/>
         <source>within 180 degrees</source>
         <translation>de 180 grados como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>without a place</source>
+        <translation>sin lugar</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/reading.py"/>
+        <source>without a time</source>
+        <translation>sin tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>without a validation part</source>
+        <translation>sin parte de validación</translation>
     </message>
     <message>
         <location filename="../../core/capture/runner.py"/>
@@ -13047,6 +13222,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer over a larger area</source>
+        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; serían {2}, y menos en una zona mayor</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/making.py"/>
+        <source>{0:,} of {1:,} queries are in the gap between parts; over a larger area fewer are</source>
+        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; en una zona mayor son menos</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} polygons, {1}</source>
         <translation>{0:,} polígonos, {1}</translation>
@@ -13177,6 +13362,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/entry.py"/>
         <source>{0} from {1} to {2}; {3}</source>
         <translation>{0} de {1} hasta {2}; {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0} has a quotation mark without another one that ends the cell</source>
+        <translation>{0} tiene una comilla sin otra que cierre la celda</translation>
     </message>
     <message>
         <location filename="../../core/dataset/published.py"/>
@@ -13873,11 +14063,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: su servidor solo envía archivos enteros, y un ráster se lee por partes (HTTP Range)</translation>
     </message>
     <message>
-        <location filename="../../core/poses/gpx.py"/>
-        <source>{0}: its times go back at point {1:,}</source>
-        <translation>{0}: sus tiempos retroceden en el punto {1:,}</translation>
-    </message>
-    <message>
         <location filename="../../core/poses/trajectories.py"/>
         <source>{0}: its times go back at pose {1:,}</source>
         <translation>{0}: sus tiempos retroceden en la pose {1:,}</translation>
@@ -13947,11 +14132,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/http/client.py"/>
         <source>{0}: not requested, as the last {1} requests had no answer in time</source>
         <translation>{0}: no se ha pedido, porque las últimas {1} peticiones no tuvieron respuesta a tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../core/poses/gpx.py"/>
-        <source>{0}: point {1:,} has no time, and others have</source>
-        <translation>{0}: el punto {1:,} no tiene tiempo, y otros sí</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -14092,6 +14272,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0}; relief hides about {1:.1f} %</source>
         <translation>{0}; el relieve oculta cerca del {1:.1f} %</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/clock.py"/>
+        <source>{0}; they are probably not in {1}</source>
+        <translation>{0}; probablemente no están en {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>

@@ -18,7 +18,14 @@ from ...core.mission.parts import utc_time
 from ...core.mission.pose_table import usual_names
 from ...core.poses.line import turn_radius_m
 from ...core.poses.reading import likely_format
-from ...core.poses.settings import LOCAL_FORMATS, LOG_FORMATS, LineFlight, PoseFile
+from ...core.poses.settings import (
+    COUNTED_FORMATS,
+    LOCAL_FORMATS,
+    LOG_FORMATS,
+    WITHOUT_TIMES,
+    LineFlight,
+    PoseFile,
+)
 from ...core.units import LENGTHS_M
 from ..compat import LINE_LAYERS, POINT_LAYERS, POLYGON_LAYERS
 from ..form.fields import choices_of, label_of, tip_of
@@ -415,6 +422,8 @@ class PosesDialog(QDialog):
             ground_height_m=None if by_value else self.ground.number(),
             agl_m=in_metres(self.agl.value(), LENGTHS_M[self.unit.currentData()]) if by_value else None,
             start_s=utc_time(self._state.start).timestamp() if self.restart.isChecked() else None,
+            times=self.times.currentData() or None,
+            flight=self.flight.number() if file_format in LOG_FORMATS else None,
             nadir=self.nadir.isChecked(),
             **({interval: self.interval.value()} if interval else {}),
         )
@@ -430,14 +439,26 @@ class PosesDialog(QDialog):
         (self.by_value if file_format == "gpx" else self.by_file).setChecked(True)
         show_row(self.form, self.nadir, file_format != "gpx")
         self.nadir.setChecked(False)
-        show_row(self.form, self.restart, file_format != "kitti")
-        self.restart.setChecked(False)
+        self._show_times(file_format)
+        show_row(self.form, self.flight, is_log)
         choose(self.interval_in, "every_s" if is_log else "")
         self._show_interval()
         self.ground.setSpecialValueText(
             tr("the origin") if is_local else tr("home") if is_log else tr("not set")
         )
         self.words.setText(self._words(file_format))
+
+    def _show_times(self, file_format: str) -> None:
+        """Offer the units that times may be in, where the file does not state one."""
+        has_times = file_format != "kitti"
+        self.times.clear()
+        self.times.addItem(tr("as in the file"), "")
+        for value, label in choices_of(field_named(PoseFile, "times")) if has_times else ():
+            if value == WITHOUT_TIMES or file_format in COUNTED_FORMATS:
+                self.times.addItem(label, value)
+        for entry in (self.times, self.restart):
+            show_row(self.form, entry, has_times)
+        self.restart.setChecked(False)
 
     def _show_interval(self) -> None:
         self.interval.setEnabled(bool(self.interval_in.currentData()))
@@ -500,6 +521,14 @@ class PosesDialog(QDialog):
             tr("Begin at the panel's &start"),
             tr("Give the first position the time of Start; otherwise times are those of the file"),
         )
+        times, flight = (field_named(PoseFile, name) for name in ("times", "flight"))
+        self.times = combo("times", (), tip_of(times))
+        self.times.setMinimumContentsLength(len(tr("as in the file")))
+        self.flight: NumberBox = spin("flight", flight.least, flight.most, 0, "", tip_of(flight))
+        self.flight.let_be_left_out(flight.least - 1.0)
+        self.flight.enter(None)
+        self.form.addRow(label_of(times), self.times)
+        self.form.addRow(label_of(flight), self.flight)
         self.form.addRow(tr("&Interval"), row(self.interval, self.interval_in, stretch=0))
         self.form.addRow(self.nadir)
         self.form.addRow(self.restart)

@@ -34,15 +34,17 @@ from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position, parts_of
 from ...core.mission.area_files import load_area, load_no_fly
+from ...core.mission.clock import check_column
 from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
+from ...core.numbers import real_number
 from ...core.poses.line import FlownLine, fly
 from ...core.poses.reading import read_poses_file
 from ...core.poses.settings import LineFlight, PoseFile
 from ...core.text import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
-from ..i18n import number_text, tr
+from ..i18n import number_text, tr, translate
 from ..map.canvas import LON_LAT, box_of
 from ..tasks import Task
 from .xml import xml_elements
@@ -206,6 +208,7 @@ def points_of(
         order = sorted(range(len(poses)), key=own["times_s"].__getitem__)
         poses = [poses[at] for at in order]
         own = {what: [values[at] for at in order] for what, values in own.items()}
+        check_column(own["times_s"], tr("points"))
     return Points(tuple(poses), **{what: tuple(values) for what, values in own.items()})
 
 
@@ -350,9 +353,13 @@ def pose_file(path: str, how: PoseFile) -> Reading:
 
     def read(task: Task) -> Found:
         found = read_poses_file(path, how, xml_elements, task.go_on)
-        note = tr("{count} of {total} positions are left out, at or below the ground.")
-        numbers = {"count": number_text(found.left_out), "total": number_text(found.positions)}
-        return Found(found.points, found.points.poses[0][2], note.format(**numbers) if found.left_out else "")
+        note = tr("{count} of {total} positions are left out, {reason}.")
+        total = number_text(found.positions)
+        notes = (
+            note.format(count=number_text(count), total=total, reason=translate(reason))
+            for reason, count in found.why_left_out.items()
+        )
+        return Found(found.points, found.points.poses[0][2], " ".join(notes))
 
     return read
 
@@ -625,7 +632,7 @@ def _time_s(feature: QgsFeature, field: str, what: str) -> float:
         return value.toMSecsSinceEpoch() / 1000.0
     if isinstance(value, str):
         try:
-            return float(value)
+            return real_number(value.replace(",", "."))
         except ValueError:
             return time_s(value, f"{what}:")
     return _number(feature, field, what)
@@ -638,7 +645,8 @@ def _number(feature: QgsFeature, field: str, what: str) -> float:
     if value is None or (hasattr(value, "isNull") and value.isNull()):
         raise InvalidInput(tr("{what} is empty (NULL): must be a number").format(what=what))
     try:
-        number = float(value) if not isinstance(value, bool) else math.nan
+        is_text, is_flag = isinstance(value, str), isinstance(value, bool)
+        number = real_number(value) if is_text else math.nan if is_flag else float(value)
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):

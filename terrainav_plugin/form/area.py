@@ -15,7 +15,8 @@ from ...core.geodesy.ellipsoid import WGS84
 from ...core.mission.area import ANGLES, Area, Box, Points, Polygon, Polygons, parts_of
 from ...core.mission.coords import parse_coords
 from ...core.mission.mission import area_from_dict
-from ...core.mission.pose_table import columns_of, is_header, read_poses, usual_names
+from ...core.mission.pose_table import header_of, read_poses, usual_names
+from ...core.numbers import real_number
 from ...core.safe_json import parse_json
 from ...core.units import LENGTHS_M
 from ..i18n import localized, number_text, tr, translate
@@ -203,8 +204,9 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.lstrip().startswith("#")
     ]
-    if held and is_header(held[0][1]):
-        has_heights = "agl" in usual_names(columns_of(held[0][1]))
+    header = header_of(text.splitlines())
+    if header:
+        has_heights = "agl" in usual_names(header)
         agl_m = None if has_heights else in_metres(agl, LENGTHS_M[agl_unit])
         points = read_poses(text.splitlines(), agl_unit=agl_unit, agl_m=agl_m)
         return points, points.poses[0][2] if has_heights else None
@@ -317,7 +319,7 @@ def _points(lines: list[tuple[int, str]], agl: float, agl_unit: str) -> tuple[Po
 
 def _number(text: str) -> float:
     try:
-        return float(text.replace("\u2212", "-"))
+        return real_number(text.replace("\u2212", "-"))
     except ValueError as wrong:
         raise InvalidInput(tr("yaw “{text}”: must be a number of degrees").format(text=text)) from wrong
 

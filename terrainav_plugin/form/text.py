@@ -6,6 +6,7 @@ import math
 import re
 from fractions import Fraction
 
+from ...core.numbers import real_number
 from ..i18n import decimal_sign, localized
 
 _DEGREE_DECIMALS = 7
@@ -40,7 +41,7 @@ def parse_number(text: str) -> float:
     plain = plain.replace(decimal_sign(), ".")
     if "," in plain and "." not in plain:
         plain = plain.replace(",", ".")
-    value = float(plain)
+    value = real_number(plain)
     if not math.isfinite(value):
         raise ValueError(text)
     return sign * value

@@ -26,6 +26,7 @@ from qgis.core import (
 from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
+from ...core.numbers import real_number
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
 from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
@@ -261,8 +262,9 @@ class MakeBenchmark(WithImagery):
                 cancelled=watch.cancelled,
             )
         tell_result(made.total, watch)
-        if made.benchmark is not None and made.benchmark.warning is not None:
-            watch.warn(begun(translate(made.benchmark.warning)))
+        warning = None if made.benchmark is None else made.benchmark.warning
+        for words in filter(None, (warning, made.hint)):
+            watch.warn(begun(translate(words)))
         return made
 
     def _results(
@@ -481,7 +483,7 @@ def _text_of(layer: QgsMapLayer) -> str:
 
 def _widths(text: str) -> tuple[float, ...]:
     try:
-        return tuple(float(part) for part in text.replace(",", " ").split())
+        return tuple(real_number(part) for part in text.replace(",", " ").split())
     except ValueError as wrong:
         raise InvalidInput(
             tr("widths of tiles {text!r}: must be numbers, such as 200 400").format(text=text)

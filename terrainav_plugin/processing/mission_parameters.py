@@ -26,6 +26,7 @@ from ...core.geodesy.lens import Lens
 from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
 from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels
+from ...core.numbers import integer
 from ...core.resources import read_json
 from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect
@@ -393,7 +394,7 @@ def _takeoff(run: Run) -> tuple[float, float] | None:
 
 def _size(text: str) -> tuple[int, int, int]:
     try:
-        width, height, channels = (int(part) for part in text.replace(",", " ").split())
+        width, height, channels = (integer(part) for part in text.replace(",", " ").split())
     except ValueError as wrong:
         raise InvalidInput(
             tr("image size {text!r}: must be width height channels, such as 256 256 3").format(text=text)

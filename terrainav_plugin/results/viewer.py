@@ -20,6 +20,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ...core.numbers import real_number
 from ..dataset.picture import Depth, legend_image
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
@@ -502,6 +503,6 @@ def _entropy(text: str) -> str:
 
 def _float(text: str) -> float:
     try:
-        return float(text)
+        return real_number(text)
     except ValueError:
         return math.nan

@@ -125,6 +125,33 @@ def test_plan_as_json_and_as_files(run, tmp_path):
     assert 0.0 < accuracy["bound_px"] <= accuracy["budget_px"] == 0.1
 
 
+@pytest.mark.parametrize(
+    ("option", "value", "said"),
+    [("--agl", "1_20", "invalid float value: '1_20'"), ("--count", "\u0661", "invalid int value: '\u0661'")],
+)
+def test_numbers_of_options_have_plain_digits(run, option, value, said):
+    refused = run(
+        "poses",
+        "random",
+        "--area",
+        "1_1_0_2",
+        "--output",
+        "p.csv",
+        "--count",
+        "3",
+        "--agl",
+        "90",
+        option,
+        value,
+    )
+    refused = (
+        refused
+        if option == "--count"
+        else run("poses", "line", "l.json", "--output", "p.csv", "--speed", "9", option, value)
+    )
+    assert said in refused.stderr
+
+
 def test_each_sortie_is_a_file_that_the_command_names(run, tmp_path):
     area = "35.16_-89.90_35.155_-89.89_200"
     flight = ["plan", "--coords", area, "--takeoff", "35.1585", "-89.901", "--battery"]

@@ -18,6 +18,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.limits import MAX_LINE_CHARACTERS
+from terrainav.core.numbers import integer, real_number
 from terrainav.core.text import (
     CUT,
     MASK,
@@ -242,3 +243,17 @@ def test_layers_of_a_service_steer_no_terminal(tmp_path, monkeypatch, capsys):
             made = run("sources", "show", f"wmts:{server.url}/c.xml{name}")
             assert all(line.isprintable() for line in (made.stdout + made.stderr).splitlines())
             assert "31m" in made.stdout + made.stderr
+
+
+@given(st.floats(allow_nan=False) | st.integers(-(10**6), 10**6))
+def test_numbers_are_what_python_writes(number):
+    assert real_number(f" {number!r}\n") == number
+    if isinstance(number, int):
+        assert integer(f"{number:+d}") == number
+
+
+@pytest.mark.parametrize("text", ["1_20", "1_0.5", "\u0661\u0662", "\uff11", "12,5", "", "0x10"])
+def test_numbers_have_plain_digits_alone(text):
+    for read in (real_number, integer):
+        with pytest.raises(ValueError, match=r"could not convert|invalid literal"):
+            read(text)

@@ -78,6 +78,9 @@ LOCAL = {"origin_lat": 35.16, "origin_lon": -89.9, "origin_height": 20.0}
         ("log.bin", {"interval_in": "every_m", "interval": 5.0}, ("--every-m", "5")),
         ("tum.txt", LOCAL, ("--format", "tum", *ORIGIN)),
         ("tum.txt", {**LOCAL, "restart": True}, ("--format", "tum", *ORIGIN, "--start", "2024-06-21T10:30:00Z")),
+        ("euroc.csv", {**LOCAL, "times": "us"}, ("--format", "euroc", "--body", "urf", *ORIGIN, "--times", "us")),
+        ("way.gpx", {"times": "none"}, ("--agl", "120", "--times", "none")),
+        ("log.bin", {"interval_in": "", "flight": 1}, ("--flight", "1")),
         ("kitti.txt", LOCAL, ("--format", "kitti", *ORIGIN)),
         ("euroc.csv", {**LOCAL, "body": "flu"}, ("--format", "euroc", "--body", "flu", *ORIGIN)),
         ("euroc.csv", {**LOCAL, "by_value": True, "agl": 300.0, "unit": "ft"},
@@ -94,7 +97,7 @@ def test_poses_are_flown_as_the_command_reads_them(
     dialog = dialog_of(desk, path, monkeypatch)
     for entry, value in entered.items():
         widget = getattr(dialog, entry)
-        if entry in ("body", "interval_in", "unit"):
+        if entry in ("body", "interval_in", "times", "unit"):
             desk.choose(widget, value)
         elif isinstance(value, bool):
             widget.setChecked(value)
@@ -112,18 +115,18 @@ def test_poses_are_flown_as_the_command_reads_them(
 @pytest.mark.parametrize(
     ("name", "chosen", "asked"),
     [
-        ("way.gpx", "gpx", {"restart"}),
-        ("flight.ulg", "ulog", {"nadir", "restart"}),
-        ("log.bin", "dataflash", {"nadir", "restart"}),
-        ("tum.txt", "tum", {"_origin", "body", "world", "nadir", "restart"}),
+        ("way.gpx", "gpx", {"restart", "times"}),
+        ("flight.ulg", "ulog", {"nadir", "restart", "times", "flight"}),
+        ("log.bin", "dataflash", {"nadir", "restart", "times", "flight"}),
+        ("tum.txt", "tum", {"_origin", "body", "world", "nadir", "restart", "times"}),
         ("kitti.txt", "kitti", {"_origin", "body", "world", "nadir"}),
-        ("euroc.csv", "euroc", {"_origin", "body", "world", "nadir", "restart"}),
+        ("euroc.csv", "euroc", {"_origin", "body", "world", "nadir", "restart", "times"}),
     ],
 )
 def test_no_more_is_asked_than_the_format_leaves_open(desk, tmp_path, monkeypatch, name, chosen, asked):
     dialog = dialog_of(desk, write(tmp_path / name), monkeypatch)
     assert dialog.format.currentData() == chosen
-    rows = ("_origin", "body", "world", "nadir", "restart")
+    rows = ("_origin", "body", "world", "nadir", "restart", "times", "flight")
     assert {row for row in rows if getattr(dialog, row).isVisible()} == asked
     dialog.reject()
 
@@ -150,7 +153,7 @@ def test_what_is_left_out_and_what_is_missing_is_said(desk, tmp_path, monkeypatc
 def test_a_long_file_can_be_cancelled(desk, tmp_path):
     """Progress and cancelling are those of QGIS's own tasks."""
     path = tmp_path / "tum.txt"
-    path.write_text("0 0 0 90 1 0 0 0\n" * 20_000)
+    path.write_text("".join(f"{at} 0 0 90 1 0 0 0\n" for at in range(20_000)))
     task = ReadTask("step", pose_file(str(path), PoseFile("tum", (35.16, -89.9))))
     shares = []
     task.progressChanged.connect(shares.append)

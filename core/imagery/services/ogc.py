@@ -26,6 +26,7 @@ from urllib.parse import quote, urlencode, urljoin
 from ...errors import InvalidInput, Message
 from ...geodesy.mercator import HALF_WORLD_M
 from ...geodesy.planes import ProjectedPlane
+from ...numbers import real_number
 from ...safe_xml import written
 from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
@@ -407,7 +408,7 @@ def _highest_zoom(layers: Sequence[Any], tile_px: int, plane: ProjectedPlane | N
     highest = DEFAULT_MAX_ZOOM if plane is None else finest_zoom(plane, tile_px)
     for layer in layers:
         stated = getattr(layer, "min_scale_denominator", None)
-        least = float(stated.text) if stated is not None else 0.0
+        least = real_number(stated.text) if stated is not None else 0.0
         if least > 0.0:
             zoom = math.log2(width_m / (least * SCALE_PX_M * tile_px))
             highest = min(highest, max(math.floor(zoom + 1e-9), 0))

@@ -29,6 +29,14 @@ def test_what_is_written_is_read(benchmark, copy):
     assert again.mosaic == benchmark.mosaic
 
 
+def test_sizes_of_images_are_whole_numbers_and_those_of_before_are_read(benchmark, copy):
+    header, first = (line.split(",") for line in (copy / "queries.csv").read_text().splitlines()[:2])
+    sizes = [first[header.index(name)] for name in ("width_px", "height_px")]
+    assert all(size.isdigit() for size in sizes)
+    replaced("queries.csv", ",".join(sizes), ",".join(f"{size}.0" for size in sizes))(copy)
+    assert np.array_equal(Benchmark.read(copy).queries.width_px, benchmark.queries.width_px)
+
+
 def replaced(name, old, new):
     def change(folder):
         path = folder / name

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -228,6 +229,30 @@ def test_cross_area_parts_share_no_ground(tmp_path):
     assert set(found.gallery("test")) == {
         at for at, part in enumerate(found.references.part) if part == "test"
     }
+
+
+def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
+    imagery = NamedImagery("world", "world")
+    queries = Mission(Box(35.150, -89.900, 35.1455, -89.893), 60.0, image_px=48, image_format="png")
+    settings = BenchmarkSettings(
+        queries, (imagery,), imagery, tile_widths_m=(70.0, 100.0), tile_overlap=0.0, gap_m=10.0
+    )
+    first = made(tmp_path / "first", settings)
+    lost, count = first.benchmark.queries_of_parts["gap"], len(first.benchmark.queries)
+    assert str(first.hint).startswith(f"{lost} of {count} queries are in the gap between parts; it would be ")
+    hinted = {
+        words: int(number) for number, words in re.findall(r"(\d+) (with(?:out)? [^,;]+)", str(first.hint))
+    }
+    changes = {
+        "with a gap of 0 m": {"gap_m": 0.0},
+        "with tiles of 70 m alone": {"tile_widths_m": (70.0,)},
+        "without a validation part": {"shares": (0.85, 0.0, 0.15)},
+    }
+    tried = [words for words in changes if words in hinted]
+    assert tried
+    for at, words in enumerate(tried):
+        other = made(tmp_path / str(at), replace(settings, **changes[words])).benchmark
+        assert other.queries_of_parts["gap"] == hinted[words] < lost
 
 
 def test_same_area_has_one_gallery_for_all_parts(benchmark):

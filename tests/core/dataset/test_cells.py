@@ -52,6 +52,8 @@ def bits(value: float) -> bytes:
 
 
 def number(cell: str) -> float | None:
+    if "_" in cell or not cell.isascii():
+        return None
     try:
         return float(cell) if cell else math.nan
     except ValueError:

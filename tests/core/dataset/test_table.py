@@ -92,7 +92,7 @@ def test_columns_are_the_published_ones_and_then_ours():
     assert ",".join(rows[0]) == (
         PUBLISHED
         + ",pose_lat_deg,pose_lon_deg,agl_m,yaw_deg,tilt_deg,roll_deg,height_m,left_px,top_px,width_px,height_px,"
-        "image_width_px,image_height_px,sky_share,unmapped_share,facade_share,nominal_lat_deg,nominal_lon_deg,nominal_agl_m,"
+        "image_width_px,image_height_px,fx_px,fy_px,cx_px,cy_px,sky_share,unmapped_share,facade_share,nominal_lat_deg,nominal_lon_deg,nominal_agl_m,"
         "nominal_yaw_deg,nominal_tilt_deg,nominal_roll_deg,source,attribution,imagery_date,status,reason"
     )
     first = dict(zip(rows[0], rows[1]))
@@ -159,7 +159,7 @@ def test_bad_rows_are_named_by_line():
     )
 
 
-@pytest.mark.parametrize("cell", ["nan", "inf", ""])
+@pytest.mark.parametrize("cell", ["nan", "inf", "", "1_20", "\u0661"])
 def test_positions_must_be_finite(cell):
     with pytest.raises(InvalidInput, match="line 2 has Lon"):
         table_of(f"{PUBLISHED}\na.tif,0,0,35,{cell},17,1\n")

@@ -18,6 +18,8 @@ from terrainav.core.mission.layout import rows
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 
+from tests.support.growth import PROPORTIONAL, growth
+
 RING = [[-89.9, 35.16], [-89.82, 35.16], [-89.86, 35.11], [-89.9, 35.16]]
 
 
@@ -408,3 +410,15 @@ def test_a_polygon_of_far_too_many_rows_is_refused_before_they_are_followed(monk
     monkeypatch.setattr(rows, "row_spans", lambda *_: pytest.fail("rows are followed"))
     with pytest.raises(InvalidInput, match=f"mission of {images} images: the limit is 10,000,000"):
         plan(Mission(band, 120.0), PixelGrid())
+
+
+def test_spaces_around_corners_take_time_in_proportion(tmp_path):
+    path = tmp_path / "spaces.kml"
+
+    def read(spaces):
+        gap = " " * spaces
+        path.write_text(kml(f"<Polygon><outerBoundaryIs><LinearRing><coordinates>8,47{gap}9 , 47 9,48 8,47"
+                            "</coordinates></LinearRing></outerBoundaryIs></Polygon>"))  # fmt: skip
+        assert load_area(path).rings[0][:3] == ((8.0, 47.0), (9.0, 47.0), (9.0, 48.0))
+
+    assert growth(read, 10_000) < PROPORTIONAL

@@ -49,6 +49,12 @@ SAME = {
     "-89,9;35,16;2024-06-21 12:30:00+02:00;120;0;0;5\n"
     "-89,899;35,161;2024-06-21 12:30:01,25+0200;90,5;45;30;0\n"
     "-89,898;35,162;2024-06-21T12:31+02:00;150;-90;50;-7,5\n",
+    "spreadsheet.csv": "\ufeffsep=;\nnote;lat;lon;agl;yaw;tilt;roll;time\n"
+    f'"of two\nlines";35,16;-89,9;120;0;0;5;{BEGIN:.0f},0\n'
+    f'"a ""b""\n\n# c";35,161;-89,899;90,5;45;30;0;{BEGIN:.0f}\u002c25\n'.replace(
+        f"{BEGIN:.0f},25", f"{BEGIN + 1:.0f},25"
+    )
+    + f"plain;35,162;-89,898;150;-90;50;-7,5;{BEGIN + 60:.0f}\n",
     "spaces.txt": "\ufefflat lon agl yaw tilt roll time\n"
     "35.16 -89.9 120 0 0 5 2024-06-21T10:30:00\n"
     "35.161 -89.899 90.5 45 30 0 2024-06-21T10:30:01.25\n"
@@ -180,6 +186,23 @@ def test_mission_files_keep_them_and_stay_as_they_were_without(tmp_path):
         ),
         (f'lat,lon,agl\n1,2,"{"9" * 200_000}"\n', "line 2: height above ground inf m: must be at most"),
         ("lat,lon,agl,time\n1,2,3,20\n1,2,3,10\n", "time of point 2: is before that of the one before it"),
+        ("lat,lon,agl\n1_20,2,3\n", "line 2: lat '1_20': must be a number"),
+        ("lat,lon,agl\n1,\u0662,3\n", "line 2: lon '\u0662': must be a number"),
+        ("lat,lon,agl,time\n1,2,3,1_20\n", "line 2: time '1_20': must be as 2024"),
+        ('lat,lon,agl,note\n1,2,3,"a\nb"\n1,2,3\n', "line 4: '1,2,3' has 3 cells"),
+        ('lat,lon,agl,note\n1,2,3,"a\n1,2,3,b\n', "line 2: has a quotation mark without another one"),
+        (
+            "lat,lon,agl,time\n1,2,3,0.1\n1,2,3,0.3\n",
+            "its 2 times are all within 0.2 s; they are probably not in",
+        ),
+        (
+            "lat,lon,agl,time\n1,2,3,1e8\n1,2,3,2e8\n",
+            "are not of 1990 to 2099; they are probably not in seconds",
+        ),
+        (
+            "lat,lon,agl,time\n1,2,3,1980-01-06T00:00:00Z\n",
+            "are not of 1990 to 2099; give seconds after 1970",
+        ),
     ],
 )
 def test_what_cannot_be_read_is_named(tmp_path, text, said):

@@ -122,6 +122,9 @@ def test_the_environment_may_hold_several_values():
     ("given", "says"),
     [
         ({"fov": "wide"}, "fov 'wide': must be a number"),
+        ({"fov": "6_0"}, "fov '6_0': must be a number"),
+        ({"zoom": "1_7"}, "zoom '1_7': must be a whole number"),
+        ({"overlap": ["6_0%"]}, "overlap '6_0%': must be a share"),
         ({"zoom": "1.5"}, "zoom '1.5': must be a whole number"),
         ({"aspect_ratio": ["4"]}, "takes 2 values"),
         ({"overlap": ["0.1", "0.2", "0.3"]}, "takes 1 to 2 values"),

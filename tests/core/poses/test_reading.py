@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import warnings
 
 import numpy as np
@@ -166,7 +167,7 @@ def test_what_is_read_is_offered():
 @pytest.mark.parametrize(
     ("name", "text"),
     [
-        ("poses.txt", "0 0 0 90 1 0 0 0\n" * 20_000),
+        ("poses.txt", "".join(f"{at} 0 0 90 1 0 0 0\n" for at in range(20_000))),
         ("way.gpx", "<gpx>" + '<trkpt lat="35.16" lon="-89.9"/>' * 10_000 + "</gpx>"),
     ],
 )
@@ -288,6 +289,121 @@ def test_tables_are_read_as_they_are_written(tmp_path):
         assert parse_coords(str(tmp_path / "poses.csv"))[0] == points
 
 
+#: Times (s) of a flight; those of EuRoC are in nanoseconds.
+CLOCK_S = 1_403_636_579.75 + 0.05 * np.arange(200)
+
+
+def timed(form, numbers):
+    rows = (f"{number} {at / 10} 0 90 1 0 0 0" for at, number in enumerate(numbers))
+    text = "\n".join(rows)
+    return text.replace(" ", ",") if form == "euroc" else text
+
+
+@pytest.mark.parametrize(
+    ("form", "numbers", "unit", "said"),
+    [
+        (
+            "euroc",
+            CLOCK_S,
+            "s",
+            "its 200 times are all within 9.95e-09 s; they are probably not in nanoseconds",
+        ),
+        ("euroc", 1e3 * CLOCK_S, "ms", "its 200 times are all within 9.95e-06 s"),
+        ("euroc", 0.05 * np.arange(200), "s", "its 200 times are all within 9.95e-09 s"),
+        ("tum", 1e9 * CLOCK_S, "ns", "are not of 1990 to 2099; they are probably not in seconds"),
+        ("tum", 1e3 * CLOCK_S, "ms", "are not of 1990 to 2099; they are probably not in seconds"),
+        ("tum", 1e6 * (CLOCK_S - CLOCK_S[0] + 100.0), "us", "are not of 1990 to 2099"),
+        ("tum", CLOCK_S - CLOCK_S[0] - 1.0, None, "are not of 1990 to 2099"),
+        ("tum", np.full(3, 1_403_636_579.0), None, "its 3 times are all within 0 s"),
+    ],
+)
+def test_a_clock_in_another_unit_is_refused_until_it_is_named(form, numbers, unit, said):
+    text = timed(form, numbers.tolist())
+    with pytest.raises(InvalidInput) as refused:
+        read_trajectory(text, form, ORIGIN, body="flu")
+    assert said in str(refused.value)
+    assert str(refused.value).endswith("; give their unit, or leave them out (--times)")
+    assert read_trajectory(text, form, ORIGIN, body="flu", times="none").time_s is None
+    if unit is not None:
+        found = read_trajectory(text, form, ORIGIN, body="flu", times=unit).time_s
+        np.testing.assert_allclose(np.diff(found), 0.05, atol=1e-5)
+
+
+def test_clocks_that_flights_have_are_read():
+    for form, numbers in (
+        ("tum", CLOCK_S),
+        ("tum", [0.0, 1.0]),
+        ("tum", [604_799.0, 604_801.5]),
+        ("tum", [12.25]),
+        ("euroc", 1e9 * CLOCK_S),
+        ("euroc", [100_000_000_000, 101_000_000_000]),
+    ):
+        track = read_trajectory(timed(form, list(numbers)), form, ORIGIN, body="flu")
+        np.testing.assert_allclose(track.time_s, np.array(numbers) * (1e-9 if form == "euroc" else 1.0))
+
+
+def test_a_burst_has_dates_and_a_unit_that_is_named():
+    burst = timed("euroc", (1e9 * CLOCK_S[:5]).tolist())
+    with pytest.raises(InvalidInput, match=r"are all within 0.2 s"):
+        read_trajectory(burst, "euroc", ORIGIN, body="flu")
+    assert len(read_trajectory(burst, "euroc", ORIGIN, body="flu", times="ns")) == 5
+    with pytest.raises(InvalidInput, match=r"are all within 0.0002 s; they are probably not in milliseconds"):
+        read_trajectory(timed("tum", [0.1, 0.2, 0.3]), "tum", ORIGIN, times="ms")
+
+
+def test_euroc_in_seconds_is_flown_once_its_unit_is_named(tmp_path, run):
+    (tmp_path / "e.csv").write_text(timed("euroc", CLOCK_S.tolist()))
+    read = (
+        "poses",
+        "read",
+        "e.csv",
+        "--format",
+        "euroc",
+        "--body",
+        "flu",
+        "--origin",
+        "35",
+        "0",
+        "--output",
+        "p.csv",
+    )
+    assert run(*read).returncode == 2
+    assert run(*read, "--times", "s").returncode == 0
+    np.testing.assert_allclose(parse_coords(str(tmp_path / "p.csv"))[0].times_s, CLOCK_S, atol=1e-6)
+    said = run("poses", "read", "e.gpx", "--times", "s", "--output", "p.csv").stderr
+    assert "unit of times s: is for tum, euroc, and not for gpx" in said
+
+
+def test_points_without_a_time_are_left_out_where_others_have_one(tmp_path, run):
+    pytest.importorskip("lxml")
+    (tmp_path / "way.gpx").write_text(GPX.replace("<time>2024-06-21T10:30:10.5Z</time>", ""))
+    read = ("poses", "read", "way.gpx", "--ground-height", "80", "--output", "p.csv")
+    assert run(*read).stdout == "2 poses in p.csv\n1 of 3 positions left out, without a time\n"
+    points, _ = parse_coords(str(tmp_path / "p.csv"))
+    assert points.poses == ((35.16, -89.9, 120.0), (35.17, -89.88, 125.5))
+    assert run(*read, "--times", "none").stdout == "3 poses in p.csv\n"
+    assert parse_coords(str(tmp_path / "p.csv"))[0].times_s == ()
+
+
+def test_dates_of_a_receiver_without_a_fix_are_refused():
+    pytest.importorskip("lxml")
+    for body, said in (
+        (GPX.replace("2024-06-21", "1980-01-06"), "are not of 1990 to 2099"),
+        (re.sub(r"<time>[^<]*", "<time>2024-01-06T00:00:00Z", GPX), "its 3 times are all within 0 s"),
+    ):
+        with pytest.raises(InvalidInput, match=said):
+            read_gpx(body.encode())
+        assert read_gpx(body.encode(), with_times=False).time_s is None
+
+
+def test_numbers_are_of_plain_digits():
+    for wrong in ("1_20", "\u0661", "0x1"):
+        with pytest.raises(InvalidInput, match="must be 8 numbers"):
+            read_trajectory(f"0 {wrong} 0 90 1 0 0 0\n", "tum", ORIGIN)
+    with pytest.raises(InvalidInput, match="must be a number"):
+        read_gpx(b'<gpx><trkpt lat="1_20" lon="1"/></gpx>')
+
+
 @pytest.mark.parametrize(
     ("form", "text", "said"),
     [
@@ -318,11 +434,6 @@ def test_files_that_are_no_tracks_are_refused(tmp_path, run):
             "f.gpx",
             GPX.replace("<ele>210</ele>", ""),
             "position 2 has no height; give one height above ground (--agl)",
-        ),
-        (
-            "g.gpx",
-            GPX.replace("<time>2024-06-21T10:30:10.5Z</time>", ""),
-            "point 2 has no time, and others have",
         ),
         ("e.txt", "1 2 3", "its ending does not tell its format; give --format"),
     ):
@@ -355,7 +466,11 @@ LEVEL_TUM = "0 0 0 100 0 0 0 1\n"
 @pytest.mark.parametrize(
     ("line", "options", "said"),
     [
-        ("1e308 0 0 100 0 0 0 1", (), "time inf of point 1: must be seconds after 1970"),
+        (
+            "1e308 0 0 100 0 0 0 1",
+            (),
+            "its times, as seconds from 1e+308 to 1e+308, are not of 1990 to 2099; they are probably",
+        ),
         ("0 0 0 100 1e200 0 0 0", (), "the quaternion of pose 1 has the length inf, and not 1"),
         ("0 1e300 0 100 0 0 0 1", (), "pose 1 must be within 1e+09 m of the origin"),
         (LEVEL_TUM, ("--agl", "nan"), "height above ground nan m: must be above 0"),

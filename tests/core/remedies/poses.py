@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 from terrainav.core.mission.area import Polygon
 from terrainav.core.mission.coords import parse_coords
-from terrainav.core.poses.logs import read_ulog
+from terrainav.core.mission.pose_table import read_poses
+from terrainav.core.poses.gpx import read_gpx
+from terrainav.core.poses.logs import read_dataflash, read_ulog
 from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
 from terrainav.core.poses.track import Track
 from terrainav.core.poses.trajectories import read_trajectory
 
 from tests.core.remedies.files import extra_brings
+from tests.support.logs import dataflash, e7, us
 from tests.support.remedies import Case, remedy
 
 TUM = "0 0 0 90 1 0 0 0\n"
@@ -162,3 +165,69 @@ def _no_body(case: Case) -> None:
     case.follow("give --body: urf for that of the published flights", lambda: track(body="urf"))
     case.follow("flu", lambda: track(body="flu"))
     case.follow("frd for an aircraft's", lambda: track(body="frd"))
+
+
+@remedy(
+    "poses/logs.py",
+    "log {}: its clock starts again at position {}: it holds {} flights; choose one of them (--flight)",
+)
+def _two_flights(case: Case) -> None:
+    pytest.importorskip("pymavlink")
+    seconds = [*range(1, 11), *range(1, 11)]
+    dataflash(
+        case.tmp_path / "two.bin",
+        [("POS", us(at), e7(35.0), e7(9.0 + 1e-4 * at), 500.0 + at, float(at), 0.0) for at in seconds],
+    )
+    refused_read(case, "two.bin")
+    case.follow("choose one of them (--flight)", lambda: read(case, "two.bin", "--flight", "2"))
+
+
+@remedy("poses/trajectories.py", "{}: its times go back at pose {}; leave the times out (--times)")
+def _times_go_back(case: Case) -> None:
+    (case.tmp_path / "back.txt").write_text("5 0 0 90 1 0 0 0\n3 5 0 90 1 0 0 0\n")
+    file = ("back.txt", "--format", "tum", *ORIGIN)
+    refused_read(case, *file)
+    case.follow("leave the times out (--times)", lambda: read(case, *file, "--times", "none"))
+
+
+@remedy("poses/trajectories.py", "{}: {}; give their unit, or leave them out (--times)")
+def _other_unit(case: Case) -> None:
+    text = "".join(f"1403636579.{at},{at},0,90,1,0,0,0\n" for at in range(9))
+    (case.tmp_path / "e.csv").write_text(text)
+    file = ("e.csv", "--format", "euroc", "--body", "flu", *ORIGIN)
+    case.refused(lambda: read_trajectory(text, "euroc", (0.0, 0.0, 0.0), body="flu"))
+    case.follow("give their unit", lambda: read(case, *file, "--times", "s"))
+    case.follow("leave them out (--times)", lambda: read(case, *file, "--times", "none"))
+
+
+@remedy("poses/gpx.py", "{}: {}; leave the times out (--times)")
+def _points_go_back(case: Case) -> None:
+    pytest.importorskip("lxml")
+    point = '<trkpt lat="35.16" lon="-89.9"><time>2024-06-21T10:30:{}Z</time></trkpt>'
+    text = f"<gpx>{point.format(30)}{point.format(10)}</gpx>"
+    (case.tmp_path / "back.gpx").write_text(text)
+    case.refused(lambda: read_gpx(text.encode()))
+    case.follow(
+        "leave the times out (--times)", lambda: read(case, "back.gpx", "--agl", "90", "--times", "none")
+    )
+
+
+@remedy("poses/logs.py", "log {}: {}; leave the times out (--times)")
+def _short_log(case: Case) -> None:
+    pytest.importorskip("pymavlink")
+    rows = [("POS", at, e7(35.0), e7(9.0 + 1e-4 * at), 500.0 + at, float(at), 0.0) for at in range(5)]
+    path = dataflash(case.tmp_path / "short.bin", rows)
+    case.refused(lambda: read_dataflash(path))
+    case.follow("leave the times out (--times)", lambda: read(case, "short.bin", "--times", "none"))
+
+
+@remedy("mission/clock.py", "{}: {}; give seconds after 1970, or remove the column of times")
+def _table_in_milliseconds(case: Case) -> None:
+    def times(factor: float) -> str:
+        rows = "".join(f"35,9.000{at},90,{factor * (1_718_965_800 + at):.0f}\n" for at in range(3))
+        return "lat,lon,agl,time\n" + rows
+
+    case.refused(lambda: read_poses(times(1e-3).splitlines()))
+    case.follow("give seconds after 1970", lambda: read_poses(times(1.0).splitlines()))
+    untimed = [line.rpartition(",")[0] for line in times(1e-3).splitlines()]
+    case.follow("remove the column of times", lambda: read_poses(untimed))
