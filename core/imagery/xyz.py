@@ -56,6 +56,8 @@ class XYZSource:
         Tiles there are, as `CatalogueEntry.tile_limits`.
     alpha : bool
         Whether the fourth channel is what the tiles have, for who lays them over something else.
+    any_size : bool
+        As `CatalogueEntry.any_size`.
 
     Attributes
     ----------
@@ -81,6 +83,7 @@ class XYZSource:
         cache: TileCache | None = None,
         limits: Iterable[tuple[int, int, int, int, int]] = (),
         alpha: bool = False,
+        any_size: bool = False,
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
         self._templates = {
@@ -98,7 +101,7 @@ class XYZSource:
         self.policy = policy
         self.map_types = self._map_types_of_templates()
         self.placeholder = placeholder
-        self._alpha = alpha
+        self._alpha, self._any_size = alpha, any_size
         self._limits = {zoom: ends for zoom, *ends in limits}
         self.received: Received | None = None
         self._key = key or ""
@@ -194,7 +197,7 @@ class XYZSource:
         """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
         self.placeholder.refuse(body, headers)
         size, kind = self.grid.tile_px, headers.get("content-type", "")
-        pixels = decode(body, size, size, kind, alpha=self._alpha)
+        pixels = decode(body, size, size, kind, alpha=self._alpha, any_size=self._any_size)
         self.placeholder.refuse_flat(pixels)
         return pixels
 
@@ -282,4 +285,5 @@ def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: Sourc
         cache=options.cache,
         connections=options.connections,
         limits=entry.tile_limits,
+        any_size=entry.any_size,
     )

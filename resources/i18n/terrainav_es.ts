@@ -760,6 +760,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>layer “{name}” has no CRS: set it in the layer's properties</source>
         <translation>la capa «{name}» no tiene SRC: defínalo en las propiedades de la capa</translation>
     </message>
