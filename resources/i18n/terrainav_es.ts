@@ -1378,6 +1378,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: there will be no mosaic: {reason}. Its images are captured all the same.</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>{name}: {failed} of {total} images could not be captured ({reason}).</source>
         <translation>{name}: no se pudieron capturar {failed} de {total} imágenes ({reason}).</translation>
     </message>
@@ -4985,6 +4990,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>{layer}: has no polygons</source>
         <translation>{layer}: no tiene polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>{layer}: {problem}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -9979,6 +9989,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>area</source>
+        <translation>área</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>area of no polygons: needs at least one</source>
         <translation>área sin polígonos: necesita al menos uno</translation>
     </message>
@@ -10081,6 +10097,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>{0} {1} of {2} points: give one for each, or none</source>
         <translation>{0} {1} de {2} puntos: dé una para cada uno, o ninguna</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>{0}: polygon {1:,}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -10389,11 +10410,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>about {0}</source>
         <translation>unos {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/estimate.py"/>
-        <source>area</source>
-        <translation>área</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -12649,6 +12665,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
+        <source>no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/plan.py"/>
         <source>rays over relief: the ground is level</source>
         <translation>rayos sobre relieve: el terreno es llano</translation>
     </message>
@@ -13019,6 +13040,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/patterns.py"/>
         <source>line of {0:,.0f} km: a pattern reaches up to {1:g} km</source>
         <translation>línea de {0:,.0f} km: un patrón alcanza hasta {1:g} km</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>outlines</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/poses/patterns.py"/>

@@ -221,6 +221,7 @@ class Runs(QObject):
             return
         self._endings.remember(run)
         run.failed_changed.connect(self._endings.show_failed)
+        run.mosaic_refused.connect(self._endings.warn_of_mosaic)
         run.ended.connect(self._ended)
         # What was made of the same folder before is told by the new run.
         for old in [old for old in self.runs if old.over and old.folder == run.folder]:

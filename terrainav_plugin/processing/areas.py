@@ -142,4 +142,4 @@ def _polygons(
     try:
         return parts_of(polygons_of(features, crs, context, run.feedback.isCanceled))
     except InvalidInput as wrong:
-        raise InvalidInput(f"{name}: {translate(wrong)}") from wrong
+        raise InvalidInput(tr("{layer}: {problem}").format(layer=name, problem=translate(wrong))) from wrong
