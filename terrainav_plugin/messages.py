@@ -91,10 +91,14 @@ class Messages(QObject):
         self._show(text, Qgis.MessageLevel.Success, action)
 
     def warning(
-        self, text: str, details: str = "", action: tuple[str, Callable[[], None]] | None = None
+        self,
+        text: str,
+        details: str = "",
+        action: tuple[str, Callable[[], None]] | None = None,
+        other: tuple[str, Callable[[], None]] | None = None,
     ) -> None:
-        """Say what went wrong, or partly wrong."""
-        self._show(text, Qgis.MessageLevel.Warning, action, details)
+        """Say what went wrong, or partly wrong, and offer one or two ways on."""
+        self._show(text, Qgis.MessageLevel.Warning, action, details, other=other)
 
     def refused(self, reason: str, what: str) -> None:
         """Say why something asked for was not done, the reason first; the refusal before it goes.
@@ -141,13 +145,14 @@ class Messages(QObject):
         action: tuple[str, Callable[[], None]] | None = None,
         details: str = "",
         logged: str = "",
+        other: tuple[str, Callable[[], None]] | None = None,
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
         item = QgsMessageBarItem(TITLE, escaped(text), level, _SECONDS.get(level, 0))
         fitting = _Fitting(item)
-        if action is not None:
-            fitting.buttons.addWidget(self._button(item, *action))
+        for offered in filter(None, (action, other)):
+            fitting.buttons.addWidget(self._button(item, *offered))
         if details:
             fitting.buttons.addWidget(
                 self._button(item, tr("Details"), lambda: show_log(self._iface), keep=True)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import re
+import sys
 from collections.abc import Collection
 from pathlib import Path
 
@@ -12,6 +14,25 @@ from qgis.PyQt.QtGui import QDesktopServices, QIcon
 
 #: Folder of the user's profile with what was copied of datasets at addresses.
 COPIES = "TerrAInav/addresses"
+#: Folder of the user's profile with notes of captures that have not ended.
+UNFINISHED = "TerrAInav/unfinished"
+#: Where Linux lists what is mounted, and kinds of file systems there that another machine serves.
+_MOUNTS = Path("/proc/self/mounts")
+_SERVED = (
+    "nfs",
+    "cifs",
+    "smb",
+    "9p",
+    "afs",
+    "ncpfs",
+    "davfs",
+    "fuse.sshfs",
+    "fuse.rclone",
+    "fuse.s3fs",
+    "fuse.gvfs",
+)
+#: What Windows calls a drive of another machine.
+_REMOTE_DRIVE = 4
 RESOURCES = Path(__file__).resolve().parent.parent / "resources"
 
 
@@ -22,6 +43,23 @@ def folder_of(text: str) -> Path:
         return path.expanduser()
     except RuntimeError:
         return path
+
+
+def is_remote(folder: str | os.PathLike[str]) -> bool:
+    """Whether another machine has a folder, by what is known here: that machine is asked nothing."""
+    text = str(folder).replace("\\", "/")
+    if "://" in text or text.startswith("//"):
+        return True
+    if sys.platform == "win32":
+        return bool(ctypes.windll.kernel32.GetDriveTypeW(f"{Path(folder).drive}\\") == _REMOTE_DRIVE)
+    try:
+        mounts = [line.split(" ") for line in _MOUNTS.read_text("utf-8", "replace").splitlines()]
+    except OSError:
+        return False
+    # Spaces are written in octal there.
+    places = [(kind, at.replace("\\040", " ").rstrip("/")) for _, at, kind, *_ in mounts]
+    above = [(len(at), kind) for kind, at in places if f"{text}/".startswith(f"{at}/")]
+    return bool(above) and max(above)[1].startswith(_SERVED)
 
 
 def place_of(path: Path) -> str:

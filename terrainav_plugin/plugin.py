@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from qgis.core import QgsApplication, QgsPathResolver, QgsProject
@@ -15,7 +16,7 @@ from .compat import QAction
 from .i18n import install_translator, remove_translator, tr
 from .messages import LogPanelHandler, Messages
 from .packages import NEEDED
-from .paths import COPIES, icon
+from .paths import COPIES, UNFINISHED, icon
 
 if TYPE_CHECKING:
     from qgis.PyQt.QtCore import QTranslator
@@ -32,6 +33,8 @@ PROVIDER = "terrainav"
 _OF_QGIS = {"settings": "/mActionOptions.svg", "help": "/mActionHelpContents.svg"}
 #: By which QGIS finds the page to open its options at.
 PAGE = "terrainav_options"
+#: Milliseconds between two looks at whether QGIS has its window.
+_LOOK_MS = 500
 
 
 class TerrAInavPlugin:
@@ -49,6 +52,7 @@ class TerrAInavPlugin:
         self._session: Session | None = None
         self._provider: Provider | None = None
         self._processing_soon: QTimer | None = None
+        self._unfinished_soon: QTimer | None = None
         self._path_finder = ""
 
     def initProcessing(self) -> None:
@@ -103,13 +107,17 @@ class TerrAInavPlugin:
         self._processing_soon.setSingleShot(True)
         self._processing_soon.timeout.connect(self.initProcessing)
         self._processing_soon.start(0)
+        self._unfinished_soon = QTimer(self.iface.mainWindow())
+        self._unfinished_soon.setInterval(_LOOK_MS)
+        self._unfinished_soon.timeout.connect(self._offer_unfinished)
+        self._unfinished_soon.start()
 
     def unload(self) -> None:
         """Take everything away again."""
-        if self._processing_soon is not None:
-            self._processing_soon.stop()
-            self._processing_soon.deleteLater()
-            self._processing_soon = None
+        for timer in filter(None, (self._processing_soon, self._unfinished_soon)):
+            timer.stop()
+            timer.deleteLater()
+        self._processing_soon = self._unfinished_soon = None
         # By name: the registry may have deleted it already, with its algorithms.
         QgsApplication.processingRegistry().removeProvider(PROVIDER)
         self._provider = None
@@ -250,6 +258,14 @@ class TerrAInavPlugin:
         # QGIS begins with a new project, too: entries of the session before are kept then.
         if self._session is not None and self.iface.mainWindow().isVisible():
             self._session.project_begun()
+
+    def _offer_unfinished(self) -> None:
+        """Offer what a session before has not ended, once there is a window; of all others nothing is loaded."""
+        if not self.iface.mainWindow().isVisible():
+            return
+        self._unfinished_soon.stop()
+        if any(Path(QgsApplication.qgisSettingsDirPath(), UNFINISHED).glob("*.json")):
+            self._use(lambda session: session.runs.offer_unfinished())
 
     def _can_work(self) -> bool:
         """Whether the needed packages are there; says which are not."""

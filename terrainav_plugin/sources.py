@@ -117,7 +117,6 @@ def heights_for(mission: Mission) -> Heights | None:
     is_fetched = any("://" in text or text == TERRARIUM for text in sources)
     options = SourceOptions(
         seed=mission.imagery.seed,
-        crs=mission.imagery.crs,
         connections=Settings().connections,
         transport=transport_for("") if is_fetched else None,
         cache=Settings().tile_cache(),

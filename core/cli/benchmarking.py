@@ -113,7 +113,6 @@ def _heights(settings: BenchmarkSettings, values: dict[str, Any]) -> Any:
     imagery = settings.queries.imagery
     options = SourceOptions(
         seed=imagery.seed,
-        crs=imagery.crs,
         connections=values["connections"],
         cache=opened_cache(values),
         named_by_user=values[NAMED],

@@ -135,7 +135,6 @@ def _heights(mission: Mission, values: dict[str, Any]) -> Heights | None:
 
     options = SourceOptions(
         seed=mission.imagery.seed,
-        crs=mission.imagery.crs,
         connections=values["connections"],
         cache=opened_cache(values),
         named_by_user=values[NAMED],

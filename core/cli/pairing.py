@@ -43,8 +43,9 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     """Capture pairs into a folder."""
     from ..imagery.opening import SourceOptions
     from ..mission.settings import resolve
+    from ..pairs.planning import DRONE
     from ..pairs.sheet import check_sheet, contact_sheet
-    from ..picture.heights import heights_for
+    from ..picture.heights import heights_for, landscape_crs
 
     if not arguments.data_dir and not arguments.dry_run:
         # An empty one is of a variable that is not set: the current folder, which it would stand for, is not meant.
@@ -58,7 +59,7 @@ def run_pairs(arguments: argparse.Namespace) -> int:
     sources = _sources(settings, values, None if arguments.dry_run else opened_cache(values))
     options = SourceOptions(
         seed=settings.seed,
-        crs=settings.crs,
+        crs=landscape_crs(settings.imagery_of(DRONE).source, settings.crs),
         connections=values["connections"],
         cache=opened_cache(values) if settings.terrain.elevation else None,
         named_by_user=values[NAMED],

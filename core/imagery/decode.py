@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import PIL
-from PIL import GifImagePlugin, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
+from PIL import GifImagePlugin, Image, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
 
 from ..errors import Message, PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
@@ -31,6 +31,8 @@ _GIF_BLOCK = re.compile(rb"[!,;]")
 _GIF_CONTROL = 0xF9
 #: First libwebp without the hole by which a picture may run any code (CVE-2023-4863).
 _SOUND_LIBWEBP = (1, 3, 2)
+#: How many times as wide as asked for a picture may be that is resized.
+_MOST_RESIZED = 4
 #: Bytes of a pixel with four channels of 16 bits.
 _PIXEL_BYTES = 8
 _KIND_CHARACTERS = 60
@@ -41,7 +43,13 @@ class WrongSizeError(PartError):
 
 
 def decode(
-    body: bytes, width_px: int, height_px: int, content_type: str = "", *, alpha: bool = False
+    body: bytes,
+    width_px: int,
+    height_px: int,
+    content_type: str = "",
+    *,
+    alpha: bool = False,
+    any_size: bool = False,
 ) -> Pixels:
     """Pixels of a PNG, JPEG, WebP or GIF, decoded whole.
 
@@ -57,6 +65,8 @@ def decode(
         What the server calls it; for messages only.
     alpha : bool
         Hand translucent pixels out as they are, and pictures without imagery too.
+    any_size : bool
+        Resize a picture of another size, up to four times as wide and high: means of the pixels beneath each.
 
     Returns
     -------
@@ -70,7 +80,8 @@ def decode(
         With the reason alone: who asked knows the part. `BrokenPictureError` where another copy may be whole, and
         `WrongSizeError` for what is too large or too small.
     """
-    most_bytes = _PIXEL_BYTES * width_px * height_px + MAX_PICTURE_EXTRA_BYTES
+    larger = _MOST_RESIZED if any_size else 1
+    most_bytes = _PIXEL_BYTES * width_px * height_px * larger**2 + MAX_PICTURE_EXTRA_BYTES
     if len(body) > most_bytes:
         raise PartError(
             "{0:,} bytes, more than the {1:,} of {2}x{3} px at most",
@@ -81,7 +92,9 @@ def decode(
         )
     try:
         image = _open(body, content_type, whole=True)
-        if image.size != (width_px, height_px):
+        resized = image.size != (width_px, height_px)
+        fits = image.width <= larger * width_px and image.height <= larger * height_px
+        if resized and not (any_size and fits):
             raise WrongSizeError(
                 "an image of {0}x{1} px instead of {2}x{3}",
                 image.size[0],
@@ -90,7 +103,8 @@ def decode(
                 height_px,
             )
         image.load()
-        return _rgb(image, alpha)
+        pixels = _rgb(image, alpha)
+        return _resized(pixels, width_px, height_px, alpha) if resized else pixels
     except PartError:
         raise
     except Exception as broken:
@@ -232,6 +246,14 @@ def _rgb(image: ImageFile.ImageFile, alpha: bool) -> Pixels:
         return rgba if alpha else _imagery(rgba)
     rgb: Pixels = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
     return rgb
+
+
+def _resized(pixels: Pixels, width_px: int, height_px: int, alpha: bool) -> Pixels:
+    """Means of the pixels beneath each of another size; none where one of them holds no imagery."""
+    means = np.array(Image.fromarray(pixels).resize((width_px, height_px), Image.Resampling.BOX))
+    if means.shape[2] == 4 and not alpha:
+        means[..., 3] = np.where(means[..., 3] == 255, 255, 0)
+    return means
 
 
 def _imagery(rgba: Pixels) -> Pixels:

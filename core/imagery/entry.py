@@ -230,6 +230,8 @@ class CatalogueEntry:
         Tiles there are of a zoom, both ends included; zooms that are not listed have no limits but those of the plane.
     user : bool
         Whether it is a user's own; less has to be known of those.
+    any_size : bool
+        Whether tiles of another size than the grid's are resized to it. A program's choice, and in no file.
     """
 
     name: str
@@ -254,6 +256,7 @@ class CatalogueEntry:
     plane: ProjectedPlane | None = None
     tile_limits: tuple[tuple[int, int, int, int, int], ...] = ()
     user: bool = False
+    any_size: bool = False
 
     @classmethod
     def from_dict(cls, name: str, data: Mapping[str, Any], *, user: bool = False) -> CatalogueEntry:
@@ -360,7 +363,7 @@ class CatalogueEntry:
         data = {
             one.name: getattr(self, one.name)
             for one in fields(self)
-            if one.name not in ("name", "dates", "policy", "placeholder", "plane", "user")
+            if one.name not in ("name", "dates", "policy", "placeholder", "plane", "user", "any_size")
         }
         data["plane"] = None if self.plane is None else asdict(self.plane)
         data = {name: value for name, value in data.items() if value not in (None, "", (), {}, WORLD_DEG)}

@@ -58,6 +58,8 @@ class XYZSource:
         Whether the fourth channel is what the tiles have, for who lays them over something else.
     encoded : bool
         Whether colours are numbers, such as heights: as ``alpha``, and named in ways of their own.
+    any_size : bool
+        As `CatalogueEntry.any_size`; numbers are never resized.
 
     Attributes
     ----------
@@ -84,6 +86,7 @@ class XYZSource:
         limits: Iterable[tuple[int, int, int, int, int]] = (),
         alpha: bool = False,
         encoded: bool = False,
+        any_size: bool = False,
     ) -> None:
         given = dict(templates) if isinstance(templates, Mapping) else {"": templates}
         self._templates = {
@@ -102,6 +105,7 @@ class XYZSource:
         self.map_types = self._map_types_of_templates()
         self.placeholder = placeholder
         self._alpha, self._encoded = alpha or encoded, encoded
+        self._any_size = any_size and not encoded
         self._limits = {zoom: ends for zoom, *ends in limits}
         self.received: Received | None = None
         self._key = key or ""
@@ -198,7 +202,7 @@ class XYZSource:
         self.placeholder.refuse(body, headers)
         size, kind = self.grid.tile_px, headers.get("content-type", "")
         try:
-            pixels = decode(body, size, size, kind, alpha=self._alpha)
+            pixels = decode(body, size, size, kind, alpha=self._alpha, any_size=self._any_size)
         except WrongSizeError as wrong:
             if not self._encoded:
                 raise
@@ -293,4 +297,5 @@ def open_entry(entry: CatalogueEntry, date: str, key: str | None, options: Sourc
         connections=options.connections,
         limits=entry.tile_limits,
         encoded=options.encoded,
+        any_size=entry.any_size,
     )

@@ -24,7 +24,7 @@ Flags = NDArray[np.bool_]
 Edges = tuple[Floats, Floats, Floats, Floats]
 #: Share of sides within which they touch rather than cross, and of a square about a polygon below which it is none.
 _TOUCHING, _NO_GROUND = 1e-9, 1e-9
-#: Pairs of a rectangle and a corner of a polygon looked at in one go, to bound memory: 13 MB for areas.
+#: Pairs of edges, or of a rectangle and a corner of a polygon, looked at in one go, to bound memory: 13 MB for areas.
 _CHUNK = 100_000
 
 
@@ -413,25 +413,39 @@ def _crossing_places(lon0: Floats, lat0: Floats, lon1: Floats, lat1: Floats) -> 
     """Longitudes and latitudes at which edges (n,) cross each other, but for those that only touch."""
     order = np.argsort(np.minimum(lon0, lon1), kind="stable")
     lon0, lat0, lon1, lat1 = (part[order] for part in (lon0, lat0, lon1, lat1))
-    begins = np.minimum(lon0, lon1)
-    # Only those that begin before one ends can cross it.
-    ends = np.searchsorted(begins, np.maximum(lon0, lon1)).tolist()
+    x, y = lon1 - lon0, lat1 - lat0
     lon, lat = [np.empty(0)], [np.empty(0)]
-    for at, end in enumerate(ends):
-        rest = slice(at + 1, end)
-        x, y = lon1[at] - lon0[at], lat1[at] - lat0[at]
-        other_x, other_y = lon1[rest] - lon0[rest], lat1[rest] - lat0[rest]
-        apart_x, apart_y = lon0[rest] - lon0[at], lat0[rest] - lat0[at]
-        turn = x * other_y - y * other_x
+    for at, other in _pairs_of_edges(lon0, lon1):
+        apart_x, apart_y = lon0[other] - lon0[at], lat0[other] - lat0[at]
+        turn = x[at] * y[other] - y[at] * x[other]
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = (apart_x * other_y - apart_y * other_x) / turn
-            other_share = (apart_x * y - apart_y * x) / turn
+            share = (apart_x * y[other] - apart_y * x[other]) / turn
+            other_share = (apart_x * y[at] - apart_y * x[at]) / turn
             cross = (share > _TOUCHING) & (share < 1.0 - _TOUCHING)
             cross &= (other_share > _TOUCHING) & (other_share < 1.0 - _TOUCHING)
         if cross.any():
-            lon.append(lon0[at] + share[cross] * x)
-            lat.append(lat0[at] + share[cross] * y)
+            first = at[cross]
+            lon.append(lon0[first] + share[cross] * x[first])
+            lat.append(lat0[first] + share[cross] * y[first])
     return np.concatenate(lon), np.concatenate(lat)
+
+
+def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbers]]:
+    """Yield pairs of edges that share longitudes, many at a time; edges are in the order of their western ends."""
+    west = np.minimum(lon0, lon1)
+    # Only those that begin before one ends can cross it.
+    counts = np.maximum(np.searchsorted(west, np.maximum(lon0, lon1)) - np.arange(len(west)) - 1, 0)
+    totals = np.cumsum(counts)
+    start = 0
+    while start < len(west):
+        before = int(totals[start - 1]) if start else 0
+        stop = max(int(np.searchsorted(totals, before + _CHUNK, side="right")), start + 1)
+        at = np.repeat(np.arange(start, stop), counts[start:stop])
+        rank = np.arange(len(at)) - np.repeat(
+            totals[start:stop] - counts[start:stop] - before, counts[start:stop]
+        )
+        yield at, at + 1 + rank
+        start = stop
 
 
 def check_rings(polygon: Polygon) -> None:
@@ -469,6 +483,35 @@ def check_rings(polygon: Polygon) -> None:
             "polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are "
             "all of it"
         )
+
+
+def check_area(area: Area) -> None:
+    """Refuse an area with a polygon that tells no ground, see `check_rings`."""
+    polygons = () if isinstance(area, Points) else parts_of(area)
+    check_polygons([one for one in polygons if isinstance(one, Polygon)], Message("area"), "area")
+
+
+def check_polygons(polygons: Sequence[Polygon], what: Message, name: str) -> None:
+    """Refuse polygons of which one tells no ground, see `check_rings`; number it where there are several.
+
+    Parameters
+    ----------
+    what : Message
+        What they are, such as "area".
+    name : str
+        Field that they are of.
+    """
+    for number, polygon in enumerate(polygons, 1):
+        _check_named(
+            polygon, what if len(polygons) == 1 else Message("{0}: polygon {1:,}", what, number), name
+        )
+
+
+def _check_named(polygon: Polygon, what: Message, name: str) -> None:
+    try:
+        check_rings(polygon)
+    except InvalidInput as wrong:
+        raise InvalidInput("{0}: {1}", what, wrong, field=name) from wrong
 
 
 def ring_of_box(box: Box) -> list[tuple[Floats, Floats]]:

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
@@ -28,7 +28,7 @@ from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, u_to_lon, v_to_
 from ..geodesy.planes import TurnedPlane
 from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View, view
-from .area import Points
+from .area import Points, check_area, check_polygons
 from .flight.motion import Legs, fly, intervals_s, legs
 from .flight.path import FlightPath, flight_path
 from .layout.coverage import (
@@ -606,9 +606,9 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     Raises
     ------
     InvalidInput
-        Where the mission cannot be flown: too many captures, an area or pictures beyond Web Mercator, a camera that
-        sees nothing of the Earth, a zoom the source does not have, pictures under one pixel; where no methods fit
-        the error budget and the mission does not accept that.
+        Where an area or a no-fly area is no polygon (`check_rings`), or the mission cannot be flown: too many captures,
+        an area or pictures beyond Web Mercator, a camera that sees nothing of the Earth, a zoom the source does not
+        have, pictures under one pixel; where no methods fit the error budget and the mission does not accept that.
     """
     if mission.imagery.imageries:
         raise InvalidInput(
@@ -617,6 +617,8 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
             remedy="choose one of them as the source",
             field="imageries",
         )
+    check_area(mission.area)
+    check_polygons(mission.no_fly, Message("no-fly areas"), "no_fly")
     levelled, relief = _over(mission, heights)
     flown, chosen = choose_methods(levelled, grid, partial(_disturbed, levelled), relief)
     layout, ground = flown.layout, ground_of(levelled)

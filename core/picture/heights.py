@@ -11,6 +11,9 @@ from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
 from ..mission.relief import Heights
 
+#: Name of the embedded landscape.
+_LANDSCAPE = "world"
+
 
 def heights_of(mission: Mission, options: SourceOptions | None = None) -> Heights | None:
     """Open the heights of a mission; None where its ground is level.
@@ -26,8 +29,15 @@ def heights_of(mission: Mission, options: SourceOptions | None = None) -> Height
     InvalidInput, SourceError
         As `elevation.heights.open_heights` does.
     """
-    asked = options or SourceOptions(seed=mission.imagery.seed, crs=mission.imagery.crs)
-    return heights_for(mission.terrain, asked)
+    asked = options or SourceOptions(seed=mission.imagery.seed)
+    return heights_for(
+        mission.terrain, replace(asked, crs=landscape_crs(mission.imagery.source, mission.imagery.crs))
+    )
+
+
+def landscape_crs(source: str, crs: str) -> str:
+    """CRS of the embedded landscape's heights: that of the imagery where this is the landscape, too, else its own."""
+    return crs if source.lower() == _LANDSCAPE else ""
 
 
 def with_whole_paths(terrain: Terrain) -> Terrain:

@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import LocalPlane, along_geodesics
 from ..limits import MAX_POSES
-from ..mission.area import Points, Polygon, check_agl, check_lat_lon
+from ..mission.area import Points, Polygon, check_agl, check_lat_lon, check_polygons
 from .settings import Corridor, Orbit, Scan
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
@@ -173,6 +173,7 @@ def structure(
     InvalidInput
         As `facade` does.
     """
+    check_polygons(outlines, Message("outlines"), "area")
     columns: list[tuple[Floats, ...]] = []
     for outline in outlines:
         lon, lat = outline.arrays()[0]

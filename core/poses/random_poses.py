@@ -17,7 +17,7 @@ from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
-from ..mission.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, inside
+from ..mission.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, check_area, inside
 from ..mission.flight.motion import normal, uniform
 from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
@@ -126,6 +126,8 @@ def random_poses(
     # A stream for each, so that another distribution of one leaves the others as they are.
     streams = [np.random.PCG64(sequence) for sequence in np.random.SeedSequence(seed).spawn(5)]
     lat, lon = _places(area, streams[0], count)
+    # After needles, which are refused in words of their own.
+    check_area(area)
     agl = _numbers("agl", distributions.agl, streams[1], count)
     check_agl(float(agl.max()))
     angles = {

@@ -5425,6 +5425,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>layer “{name}” has no CRS: set it in the layer's properties</source>
         <translation>la capa «{name}» no tiene SRC: defínalo en las propiedades de la capa</translation>
     </message>
@@ -6450,6 +6451,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{layer}: no tiene polígonos</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>{layer}: {problem}</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>{length} km, {count} images, from {start} to {end} UTC</source>
         <translation>{length} km, {count} imágenes, de {start} a {end} UTC</translation>
@@ -6580,6 +6586,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>{name}: the same tile came for {places} places and is in {images} images.</source>
         <translation>{name}: la misma tesela llegó para {places} lugares y está en {images} imágenes.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <source>{name}: there will be no mosaic: {reason}. Its images are captured all the same.</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -7819,6 +7830,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>y {0:,} más</translation>
     </message>
     <message>
+        <location filename="../../core/mission/area.py"/>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
         <translation>área</translation>
@@ -11211,6 +11223,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>sin respuesta completa en {0:g} s</translation>
     </message>
     <message>
+        <location filename="../../core/mission/plan.py"/>
+        <source>no-fly areas</source>
+        <translation type="unfinished"></translation>
+    </message>
+    <message>
         <location filename="../../core/mission/area_files.py"/>
         <source>no-fly file {0}</source>
         <translation>archivo de zonas de exclusión {0}</translation>
@@ -11374,6 +11391,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>origin of the local frame</source>
         <translation>origen del sistema local</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/patterns.py"/>
+        <source>outlines</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -14132,6 +14154,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/http/client.py"/>
         <source>{0}: not requested, as the last {1} requests had no answer in time</source>
         <translation>{0}: no se ha pedido, porque las últimas {1} peticiones no tuvieron respuesta a tiempo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>{0}: polygon {1:,}</source>
+        <translation type="unfinished"></translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>

@@ -19,7 +19,7 @@ from qgis.PyQt.QtGui import QKeyEvent
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.projections import geodesics
-from ...core.mission.area import Polygon
+from ...core.mission.area import Polygon, check_rings
 from ..compat import POINT, POLYGON
 from ..i18n import tr, translate
 from ..map.canvas import TemporaryTool
@@ -195,7 +195,9 @@ class PolygonTool(TemporaryTool):
             raise InvalidInput(tr("the outline would cross itself"))
         context = QgsProject.instance().transformContext()
         found = polygon_of_rings([ring], self._crs, context, tr("outline"), self._tolerance_m(corners[0]))
-        return Polygon(tuple(tuple(pointed(*corner) for corner in ring) for ring in found.rings))
+        polygon = Polygon(tuple(tuple(pointed(*corner) for corner in ring) for ring in found.rings))
+        check_rings(polygon)
+        return polygon
 
     def _tolerance_m(self, point: QgsPointXY) -> float:
         """Metres on the ground that half a pixel of the screen shows."""

@@ -32,7 +32,7 @@ from qgis.PyQt.QtCore import QDateTime, Qt
 from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position, parts_of
+from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position, check_area, parts_of
 from ...core.mission.area_files import load_area, load_no_fly
 from ...core.mission.clock import check_column
 from ...core.mission.coords import parse_coords
@@ -144,6 +144,7 @@ def polygons_of(
         joined = _polygon_rings(QgsGeometry.unaryUnion(found))
         shapes = joined if len(joined) < len(shapes) else shapes
     area = Polygons(tuple(polygon_of_rings(rings, crs, context, name) for rings in shapes))
+    check_area(area)
     return area if len(area.parts) > 1 else area.parts[0]
 
 
@@ -446,8 +447,8 @@ class _Places:
         return InvalidInput(
             tr("{feature}: {x}, {y} is outside the domain of {crs}").format(
                 feature=self._feature,
-                x=number_text(point.x(), "g"),
-                y=number_text(point.y(), "g"),
+                x=number_text(point.x(), ".10g"),
+                y=number_text(point.y(), ".10g"),
                 crs=self._crs,
             )
         )
@@ -478,7 +479,7 @@ def _refuse_invalid(geometry: QgsGeometry, name: str) -> None:
         where = errors[0]
         what = where.what()
         if where.hasWhere():
-            what += f" ({number_text(where.where().x(), 'g')}, {number_text(where.where().y(), 'g')})"
+            what += f" ({number_text(where.where().x(), '.10g')}, {number_text(where.where().y(), '.10g')})"
         raise InvalidInput(
             tr(
                 "{feature} is not a valid polygon ({what}): repair it first (Processing: Fix geometries)"

@@ -79,6 +79,14 @@ class Endings(QObject):
             if layer is not None:
                 group.remember_mission(run.mission.to_json())
 
+    def warn_of_mosaic(self, run: Run, reason: str) -> None:
+        """Say before a run captures that there will be no mosaic."""
+        self._messages.warning(
+            tr("{name}: there will be no mosaic: {reason}. Its images are captured all the same.").format(
+                name=run.name, reason=reason.rstrip(".")
+            )
+        )
+
     def tell(self, run: Run) -> None:
         """Show what a run has made, and say how it ended."""
         is_open = self._is_open(run)
@@ -150,7 +158,11 @@ class Endings(QObject):
             if not is_open:
                 text += " " + tr("Its project is closed: open the dataset by “Missions” to see it.")
             open_folder = (tr("Open folder"), lambda: open_in_system(run.folder))
-            self._messages.success(f"{name}: {text}", open_folder)
+            if run.task.without_mosaic:
+                # It stays until it is read.
+                self._messages.warning(f"{name}: {text}", action=open_folder)
+            else:
+                self._messages.success(f"{name}: {text}", open_folder)
 
     def _tell_failed(self, run: Run) -> None:
         failed = run.result.failed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,12 +16,13 @@ from qgis.PyQt.QtWidgets import QWidget
 from ...core.errors import TerrAInavError
 from ..form import mission_form
 from ..form.mission_form import FormError
-from ..i18n import tr, translate
+from ..i18n import number_text, tr, translate
 from ..settings import Settings
-from ..sources import grid_of, key_of
+from ..sources import grid_finder, grid_of, key_of
 from .endings import Endings
 from .questions import Questions
 from .run import Run
+from .unfinished import FindTask, Left, PlanTask, Unfinished
 
 if TYPE_CHECKING:
     from ...core.mission.plan import Plan
@@ -92,6 +94,9 @@ class Runs(QObject):
         self._endings.resume_wanted.connect(self.resume)
         self._endings.failed_wanted.connect(self.capture_failed)
         self._endings.missing_wanted.connect(self.treat_as_missing)
+        self._unfinished = Unfinished()
+        self._finding: FindTask | None = None
+        self._planning: dict[PlanTask, Left] = {}
         self._was_idle = True
         self._closed = False
 
@@ -128,6 +133,46 @@ class Runs(QObject):
         if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
             return
         self._enqueue(planned.plan, folder, only_failed, requests)
+
+    def offer_unfinished(self) -> None:
+        """Offer to resume captures of earlier sessions that did not end; nothing changes until the user says so."""
+        self._finding = FindTask()
+        self._finding.begin(self._offer)
+
+    def _offer(self, task: FindTask) -> None:
+        self._finding = None
+        for left in task.found:
+            total = number_text(left.images)
+            text = tr("{name}: its capture did not end.").format(name=left.name)
+            if left.there is not None:
+                text = tr("{name}: its capture did not end: {there} of {total} images.").format(
+                    name=left.name, there=number_text(left.there), total=total
+                )
+            self._messages.warning(
+                text,
+                action=(tr("Resume"), partial(self.resume_left, left)),
+                other=(tr("Forget (files are kept)"), left.forget),
+            )
+
+    def resume_left(self, left: Left) -> None:
+        """Plan a capture of an earlier session again, and put it into the queue."""
+        if not self.questions.key_is_there(left.mission.imagery.source):
+            return
+        task = PlanTask(left.mission, grid_finder(left.mission))
+        self._planning[task] = left
+        task.begin(self._planned_again)
+
+    def _planned_again(self, task: PlanTask) -> None:
+        left = self._planning.pop(task)
+        if task.plan is None:
+            self._messages.failed(
+                tr("{name}: cannot be resumed: {reason}").format(
+                    name=left.name, reason=translate(task.error) or tr("stopped")
+                ),
+                task.trace,
+            )
+        elif not self.questions.belongs_to_another(task.plan, left.folder):
+            self._enqueue(task.plan, left.folder, left.only_failed, self._requests(task.plan))
 
     def capture_failed(self, run: Run) -> None:
         """Capture the images again that have failed in a run that is over, and nothing else."""
@@ -191,6 +236,9 @@ class Runs(QObject):
         """Stop everything and wait for its end, without a word."""
         self._closed = True
         self._endings.close()
+        self._unfinished.close()
+        for task in (*self._planning, *filter(None, (self._finding,))):
+            task.abandon()
         for run in reversed(self.runs):
             run.close()
         self.runs.clear()
@@ -221,15 +269,18 @@ class Runs(QObject):
             return
         self._endings.remember(run)
         run.failed_changed.connect(self._endings.show_failed)
+        run.mosaic_refused.connect(self._endings.warn_of_mosaic)
         run.ended.connect(self._ended)
         # What was made of the same folder before is told by the new run.
         for old in [old for old in self.runs if old.over and old.folder == run.folder]:
             self.dismiss(old)
         self.runs.append(run)
+        self._unfinished.note(run)
         self.listed.emit(run)
         self._move_on()
 
     def _ended(self, run: Run) -> None:
+        self._unfinished.forget(run)
         self._endings.tell(run)
         if run.test_shot:
             self.dismiss(run)

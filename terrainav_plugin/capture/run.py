@@ -58,6 +58,8 @@ class Run(QObject):
         Stage or figures are others now.
     failed_changed(object, object)
         The run, and what has failed of its dataset by now as a layer; None for nothing.
+    mosaic_refused(object, str)
+        The run, which has not begun to capture, and why there will be no mosaic.
     ended(object)
         The run itself, whatever became of it.
 
@@ -69,6 +71,7 @@ class Run(QObject):
 
     changed = pyqtSignal()
     failed_changed = pyqtSignal(object, object)
+    mosaic_refused = pyqtSignal(object, str)
     ended = pyqtSignal(object)
 
     def __init__(
@@ -133,6 +136,7 @@ class Run(QObject):
         self.task.progressed.connect(self._progressed)
         self.task.progressChanged.connect(self._moved_on)
         self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
+        self.task.mosaic_refused.connect(lambda reason: self.mosaic_refused.emit(self, reason))
         self._become(Stage.RUNNING)
         self.task.begin(self._ended)
 
@@ -163,6 +167,7 @@ class Run(QObject):
                 self.task.progressed,
                 self.task.progressChanged,
                 self.task.failed_changed,
+                self.task.mosaic_refused,
                 self.task.ended,
             ):
                 signal.disconnect()

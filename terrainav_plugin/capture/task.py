@@ -55,6 +55,8 @@ class CaptureTask(Task):
     failed_changed(object)
         What has failed of the dataset by now, in any run, as a layer for the main thread; None for nothing. Every few
         seconds at most.
+    mosaic_refused(str)
+        Why there will be no mosaic; before the first image.
 
     Attributes
     ----------
@@ -74,6 +76,7 @@ class CaptureTask(Task):
 
     progressed = pyqtSignal(object)
     failed_changed = pyqtSignal(object)
+    mosaic_refused = pyqtSignal(str)
 
     def __init__(
         self,
@@ -142,6 +145,7 @@ class CaptureTask(Task):
         if not self._test_shot:
             self._failures = FailedImages(self.folder)
             self._next_look_s = time.monotonic() + _FAILED_LOOK_S
+        self._check_mosaics()
         with closing(self._transport) as transport:
             source = open_for_capture(
                 self.plan.mission, self._key, transport=transport, snapshot=self._snapshot
@@ -170,6 +174,17 @@ class CaptureTask(Task):
         if result is None or self._test_shot or self.isCanceled():
             return False
         return not result.cancelled or result.written + result.skipped > 0
+
+    def _check_mosaics(self) -> None:
+        """Tell before the first image that there will be no mosaic of them."""
+        from ..dataset.mosaic import check_mosaics
+
+        if not self._with_mosaic:
+            return
+        try:
+            check_mosaics(self.plan, heights_for)
+        except (InvalidInput, SourceError) as wrong:
+            self.mosaic_refused.emit(translate(wrong))
 
     def _make_mosaics(self) -> None:
         from ..dataset.mosaic import build_any_mosaics

@@ -20,12 +20,15 @@ import numpy as np
 from osgeo import gdal
 from pyproj import CRS
 
+from ...core.capture.folder import captured_mission
 from ...core.capture.georeference import WEB_MERCATOR_WKT, wkt_1
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
-from ...core.errors import Cancelled, Message, OutputError
+from ...core.errors import Cancelled, InvalidInput, Message, OutputError
 from ...core.files import partial_file, write_whole
 from ...core.imagery.raster.place import named_crs
+from ...core.mosaic.frames import CameraFrames
+from ...core.mosaic.orthomosaic import raster_of
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
 from .shown import Shown, how_shown, open_shown
@@ -155,6 +158,32 @@ def build_any_mosaics(
     if plan.is_north_up:
         return build_mosaics(plan, folder, progress)
     return build_orthomosaics(folder, plan.mission, open_heights, progress)
+
+
+def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
+    """Refuse a plan of whose images no mosaic can be made, as far as that is known before they are there.
+
+    Raises
+    ------
+    InvalidInput, SourceError
+        As `build_any_mosaics` does: heights that cannot be had again for the dataset, or images of what no map has.
+    """
+    if len(plan) > MOST_PICTURES or plan.is_north_up:
+        return
+    open_heights(captured_mission(plan))
+    # What one of them shows is enough for a mosaic.
+    problems = [_problem_of(plan, index) for index in sorted({0, len(plan) // 2, len(plan) - 1})]
+    if problems[0] is not None and None not in problems:
+        raise problems[0]
+
+
+def _problem_of(plan: Plan, index: int) -> InvalidInput | None:
+    """Why an image shows nothing that a mosaic could be made of; None where it does."""
+    try:
+        raster_of(CameraFrames.of_plan(plan, index, Path(plan.names[index])))
+    except InvalidInput as wrong:
+        return wrong
+    return None
 
 
 def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:

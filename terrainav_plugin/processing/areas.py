@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
-    QgsCoordinateTransformContext,
     QgsCsException,
     QgsFeature,
-    QgsGeometry,
+    QgsFeatureIterator,
+    QgsFeatureRequest,
     QgsProcessingFeatureSource,
 )
 
 from ...core.errors import InvalidInput
 from ..compat import POINT, POLYGON, chosen_fields
-from ..i18n import number_text, tr
+from ..i18n import number_text, tr, translate
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box, Polygon, Polygons
@@ -84,7 +84,7 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
         points = points_of(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
     name = tr("area {name}").format(name=source.sourceName())
-    polygons = _polygons(features, source.sourceCrs(), run.context.transformContext(), name)
+    polygons = _polygons(run, features, source, name)
     if len(polygons) == 1:
         return polygons[0], agl_m
     run.feedback.pushInfo(
@@ -104,7 +104,7 @@ def no_fly_of_layer(run: Run) -> tuple[Polygon, ...]:
         raise InvalidInput(tr("no-fly areas {name}: no such layer").format(name=run.parameters.get("NO_FLY")))
     features = _features(run, source)
     name = tr("no-fly areas {name}").format(name=source.sourceName())
-    return _polygons(features, source.sourceCrs(), run.context.transformContext(), name) if features else ()
+    return _polygons(run, features, source, name) if features else ()
 
 
 def _together(polygons: tuple[Polygon, ...]) -> Polygons:
@@ -113,26 +113,33 @@ def _together(polygons: tuple[Polygon, ...]) -> Polygons:
     return Polygons(polygons)
 
 
+def features_of(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
+    """Features of a layer, whatever QGIS's setting says of invalid ones: who reads them checks them.
+
+    What QGIS throws where its own check fails passes through Python (seen in 3.22), and the next call ends QGIS.
+    """
+    unchecked = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
+    return source.getFeatures(QgsFeatureRequest(), unchecked)
+
+
 def _features(run: Run, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
     """Features of a layer that have a geometry."""
     return [
-        feature for feature in source.getFeatures() if not run.feedback.isCanceled() and feature.hasGeometry()
+        feature for feature in features_of(source) if not run.feedback.isCanceled() and feature.hasGeometry()
     ]
 
 
 def _polygons(
-    features: list[QgsFeature],
-    crs: QgsCoordinateReferenceSystem,
-    context: QgsCoordinateTransformContext,
-    name: str,
+    run: Run, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
 ) -> tuple[Polygon, ...]:
-    """Polygons of features and of their parts; those that touch each other are one."""
-    from ..area.layers import polygon_of_rings
+    """Polygons of features and of their parts, as the panel has them of a layer; raises InvalidInput."""
+    from ...core.mission.area import parts_of
+    from ..area.layers import polygons_of
 
-    whole = QgsGeometry.unaryUnion([feature.geometry() for feature in features])
-    parts = []
-    if whole.type() == POLYGON:
-        parts = whole.asMultiPolygon() if whole.isMultipart() else [whole.asPolygon()]
-    if not any(parts):
+    crs, context = source.sourceCrs(), run.context.transformContext()
+    if not any(feature.geometry().type() == POLYGON for feature in features):
         raise InvalidInput(tr("{layer}: has no polygons").format(layer=name))
-    return tuple(polygon_of_rings(part, crs, context, name) for part in parts if part)
+    try:
+        return parts_of(polygons_of(features, crs, context, run.feedback.isCanceled))
+    except InvalidInput as wrong:
+        raise InvalidInput(tr("{layer}: {problem}").format(layer=name, problem=translate(wrong))) from wrong

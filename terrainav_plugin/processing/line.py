@@ -26,6 +26,7 @@ from ...core.poses.settings import LineFlight
 from ..form.fields import sentence_of, title_of
 from ..i18n import tr
 from .algorithm import Algorithm, Run, Words, off_main_thread
+from .areas import features_of
 from .mission_parameters import number_of
 from .plan import feature_of, fields_of, fill
 
@@ -95,7 +96,7 @@ class PosesAlongLine(Algorithm):
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(run.parameters, "INPUT"))
         self._lines = lines_of(
-            source.getFeatures(),
+            features_of(source),
             source.sourceCrs(),
             run.context.transformContext(),
             run.number("AGL"),

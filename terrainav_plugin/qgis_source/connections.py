@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit, urlunsplit
 
@@ -46,6 +46,8 @@ class Connection:
     key : str
         Empty for none. Never to be written anywhere.
     min_zoom, max_zoom, tile_px : int
+    any_size : bool
+        Whether the width of its tiles is not stated: whatever it is, QGIS draws a tile at 256 px.
     authcfg : str
         Id of its authentication configuration; empty for none.
     headers : mapping of str
@@ -58,6 +60,7 @@ class Connection:
     min_zoom: int = 0
     max_zoom: int = _USUAL_ZOOM
     tile_px: int = 256
+    any_size: bool = False
     authcfg: str = ""
     headers: Mapping[str, str] = field(default_factory=dict)
 
@@ -89,7 +92,8 @@ class Connection:
                 max_zoom=self.max_zoom,
                 tile_px=self.tile_px,
             )
-            return under_provider(CatalogueEntry.from_dict(XYZ + self.name, data, user=True))
+            entry = under_provider(CatalogueEntry.from_dict(XYZ + self.name, data, user=True))
+            return replace(entry, any_size=self.any_size)
         except InvalidInput as wrong:
             raise InvalidInput(
                 tr("QGIS connection “{name}”: {problem}").format(name=self.name, problem=translate(wrong))
@@ -202,9 +206,19 @@ def connection_of(name: str, uri: str) -> Connection:
     # QGIS unpacks what is written for a space.
     url, key = without_key(options.get("url", "").replace(" ", "%20"))
     least, most = (_zoom(options.get(end, ""), usual) for end, usual in (("zmin", 0), ("zmax", _USUAL_ZOOM)))
-    tile_px = _PIXELS.get(options.get("tilePixelRatio", ""), 256)
+    tile_px = _PIXELS.get(options.get("tilePixelRatio", ""))
     headers = {name.title(): value for name, value in headers.items() if value}
-    return Connection(name, url, key, min(least, most), most, tile_px, options.get("authcfg", ""), headers)
+    return Connection(
+        name,
+        url,
+        key,
+        min(least, most),
+        most,
+        tile_px or 256,
+        tile_px is None,
+        options.get("authcfg", ""),
+        headers,
+    )
 
 
 def _zoom(text: str, usual: int) -> int:

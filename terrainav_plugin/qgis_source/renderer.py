@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -12,14 +13,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from qgis.core import (
+    QgsHillshadeRenderer,
     QgsMapLayer,
     QgsMapRendererCustomPainterJob,
     QgsMapSettings,
     QgsRasterBlockFeedback,
+    QgsRasterContourRenderer,
     QgsRasterInterface,
     QgsRasterLayer,
     QgsRasterPipe,
     QgsRasterProjector,
+    QgsRasterRenderer,
     QgsRectangle,
 )
 from qgis.PyQt.QtGui import QImage, QPainter
@@ -39,6 +43,8 @@ _CANCELLED, _WORDS = "cancelled", Message("cancelled while drawing the map")
 _FORMAT = QImage.Format.Format_ARGB32_Premultiplied
 #: Copies of a layer's pipe: as many as a capture has connections. More threads than these wait for one another.
 _COPIES = 8
+#: Pixels of the coarser grid that QGIS draws contours on, around a block.
+_CONTOUR_MARGIN = 2
 
 
 class Jobs:
@@ -181,6 +187,7 @@ class Pipes:
 
     def __init__(self, layer: QgsRasterLayer) -> None:
         self.layer = layer
+        self._margin_px = _margin_px(layer.renderer())
         self._idle: SimpleQueue[_Pipe] = SimpleQueue()
         for _ in range(_COPIES):
             pipe = _copy(layer.pipe())
@@ -201,10 +208,18 @@ class Pipes:
         Cancelled
         """
         feedback = QgsRasterBlockFeedback()
+        margin, (width, height) = self._margin_px, size
+        east, north = margin * extent.width() / width, margin * extent.height() / height
+        extent = QgsRectangle(
+            extent.xMinimum() - east,
+            extent.yMinimum() - north,
+            extent.xMaximum() + east,
+            extent.yMaximum() + north,
+        )
         pipe = self._idle.get()
         try:
             with jobs.watched(feedback.cancel):
-                block = pipe.last.block(1, extent, *size, feedback)
+                block = pipe.last.block(1, extent, width + 2 * margin, height + 2 * margin, feedback)
         finally:
             self._idle.put(pipe)
         if feedback.errors():
@@ -214,7 +229,7 @@ class Pipes:
             raise PartError(
                 "QGIS could not read it: {0}", block.error().summary() or Message("no reason given")
             )
-        return to_array(image)
+        return to_array(image)[margin : margin + height, margin : margin + width]
 
 
 class _Job:
@@ -232,6 +247,15 @@ class _Pipe(NamedTuple):
     last: QgsRasterInterface
 
 
+def _margin_px(renderer: QgsRasterRenderer) -> int:
+    """Pixels around a block that its style looks at; without them there are seams between blocks."""
+    if isinstance(renderer, QgsHillshadeRenderer):
+        return 1
+    if isinstance(renderer, QgsRasterContourRenderer):
+        return _CONTOUR_MARGIN * math.ceil(renderer.downscale())
+    return 0
+
+
 def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
     """Pipe for one thread at a time, without reprojection."""
     copy = QgsRasterPipe()
@@ -239,4 +263,6 @@ def _copy(pipe: QgsRasterPipe) -> QgsRasterPipe:
         stage = pipe.at(index)
         if not isinstance(stage, QgsRasterProjector):
             copy.set(stage.clone())
+    # Which of the stages resamples is a setting of the pipe, and no stage's own.
+    copy.setResamplingStage(pipe.resamplingStage())
     return copy

@@ -14,10 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from qgis.core import (
+    Qgis,
     QgsCoordinateTransform,
     QgsCsException,
     QgsGeometry,
     QgsMapSettings,
+    QgsRasterDataProvider,
     QgsRasterLayer,
     QgsRectangle,
 )
@@ -38,6 +40,9 @@ _MARGIN_PX = 2
 _MOST_AVERAGED = 8
 #: Kernels by the names of QGIS's resamplers; nearest where a layer has none.
 _KERNELS = {"bilinear": "bilinear", "cubic": "bicubic"}
+#: QGIS's resampling before styles are applied has more kinds: those that are smoother come nearest to cubic.
+_Method = QgsRasterDataProvider.ResamplingMethod
+_EARLY_KERNELS = {_Method.Nearest: "nearest", _Method.Bilinear: "bilinear"}
 
 
 class Cells(NamedTuple):
@@ -52,8 +57,18 @@ class Cells(NamedTuple):
 
 def kernel_of(layer: QgsRasterLayer) -> str:
     """Kernel that a layer asks for where it is enlarged."""
+    if resamples_early(layer):
+        return _EARLY_KERNELS.get(layer.dataProvider().zoomedInResamplingMethod(), "bicubic")
     resampler = layer.resampleFilter().zoomedInResampler() if layer.resampleFilter() else None
     return _KERNELS.get(resampler.type(), "nearest") if resampler is not None else "nearest"
+
+
+def resamples_early(layer: QgsRasterLayer) -> bool:
+    """Whether a layer's provider resamples its values before they are styled."""
+    return bool(
+        layer.resamplingStage() == Qgis.RasterResamplingStage.Provider
+        and layer.dataProvider().isProviderResamplingEnabled()
+    )
 
 
 def sampled(

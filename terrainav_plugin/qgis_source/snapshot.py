@@ -12,15 +12,19 @@ from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
     QgsCsException,
+    QgsExpressionContextUtils,
     QgsLabelingEngineSettings,
     QgsMapLayer,
     QgsMapSettings,
     QgsProject,
     QgsRasterLayer,
+    QgsRasterMinMaxOrigin,
     QgsRasterProjector,
+    QgsReadWriteContext,
 )
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QColor
+from qgis.PyQt.QtXml import QDomDocument
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM, PixelGrid, extent_of_outline, fitting_zoom
@@ -162,6 +166,7 @@ def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
 
 
 def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
+    _refuse_placeless(layers)
     own = None if name == PROJECT_SOURCE else _own_grid(layers[0])
     if own is not None:
         return own
@@ -182,9 +187,9 @@ def take_snapshot(name: str, project: QgsProject) -> Snapshot:
         attribution=_attribution(layers),
         date=_date(layers[0]) if len(layers) == 1 else "",
         grid=grid,
-        ground=tuple(_drawn(layer, addresses[layer.id()]) for layer in ground),
+        ground=tuple(_drawn(layer, addresses[layer.id()], project) for layer in ground),
         policy=next((policy for policy, _ in policies(layers)), Policy()),
-        drawing=tuple(_copy(layer) for layer in drawing),
+        drawing=tuple(_copy(layer, project) for layer in drawing),
         settings=_settings(project, crs_named(grid.plane.crs)),
         paper=project.backgroundColor(),
     )
@@ -203,8 +208,8 @@ def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
     return {layer.id(): address_of(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
 
 
-def _drawn(layer: QgsRasterLayer, address: Address | None) -> Pipes | Tiles:
-    copy = _copy(layer)
+def _drawn(layer: QgsRasterLayer, address: Address | None, project: QgsProject) -> Pipes | Tiles:
+    copy = _copy(layer, project)
     return Pipes(copy) if address is None else address.tiles(copy)
 
 
@@ -224,18 +229,61 @@ def _ground(layers: list[QgsMapLayer]) -> list[QgsRasterLayer]:
     return ground
 
 
-def _copy(layer: QgsMapLayer) -> QgsMapLayer:
-    """Copy that belongs to no thread, as the threads that draw it are many."""
+def _copy(layer: QgsMapLayer, project: QgsProject) -> QgsMapLayer:
+    """Copy that belongs to no thread, as the threads that draw it are many; with all that changes its pixels."""
     copy = layer.clone()
+    times = layer.temporalProperties()
+    if times is not None and times.isActive():
+        # QGIS's own copies have none before 3.40.
+        style, kind = QDomDocument(), QgsMapLayer.StyleCategory.Temporal
+        layer.exportNamedStyle(style, QgsReadWriteContext(), kind)
+        copy.importNamedStyle(style, kind)
     if isinstance(copy, QgsRasterLayer):
-        projector = copy.pipe().projector()
-        if projector is not None:
-            projector.setPrecision(QgsRasterProjector.Precision.Exact)
+        _keep_reading(layer, copy)
+        _fix_style(copy, project)
     copy.moveToThread(None)
     return copy
 
 
+def _keep_reading(layer: QgsRasterLayer, copy: QgsRasterLayer) -> None:
+    """Have a copy read its raster as the layer does: QGIS opens it anew, as if nothing had been set."""
+    own, new = layer.dataProvider(), copy.dataProvider()
+    for band in range(1, min(own.bandCount(), new.bandCount()) + 1):
+        new.setUserNoDataValue(band, own.userNoDataValues(band))
+        new.setUseSourceNoDataValue(band, own.useSourceNoDataValue(band))
+    new.enableProviderResampling(own.isProviderResamplingEnabled())
+    new.setZoomedInResamplingMethod(own.zoomedInResamplingMethod())
+    new.setZoomedOutResamplingMethod(own.zoomedOutResamplingMethod())
+    new.setMaxOversampling(own.maxOversampling())
+    copy.setResamplingStage(layer.resamplingStage())
+
+
+def _fix_style(copy: QgsRasterLayer, project: QgsProject) -> None:
+    """Have every part of a raster drawn alike, whatever it is drawn with."""
+    projector = copy.pipe().projector()
+    if projector is not None:
+        projector.setPrecision(QgsRasterProjector.Precision.Exact)
+    context = project.createExpressionContext()
+    context.appendScope(QgsExpressionContextUtils.layerScope(copy))
+    copy.pipe().evaluateDataDefinedProperties(context)
+    # A stretch that follows the map's extent stays as the map has it, and is not found anew for each part.
+    origin = QgsRasterMinMaxOrigin(copy.renderer().minMaxOrigin())
+    origin.setExtent(QgsRasterMinMaxOrigin.Extent.WholeRaster)
+    copy.renderer().setMinMaxOrigin(origin)
+
+
+def _refuse_placeless(layers: list[QgsMapLayer]) -> None:
+    """Refuse layers without a CRS: QGIS shows them wherever their numbers lie on the map of the moment."""
+    for layer in layers:
+        if not layer.crs().isValid():
+            raise InvalidInput(
+                tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer.name())
+            )
+
+
 def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapSettings:
+    from qgis.utils import iface
+
     settings = QgsMapSettings()
     settings.setDestinationCrs(crs)
     settings.setTransformContext(project.transformContext())
@@ -249,6 +297,10 @@ def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapS
     labels.setFlag(QgsLabelingEngineSettings.Flag.UsePartialCandidates, False)
     settings.setLabelingEngineSettings(labels)
     settings.setExpressionContext(project.createExpressionContext())
+    shown = None if iface is None else iface.mapCanvas().mapSettings()
+    if shown is not None and shown.isTemporal():
+        settings.setIsTemporal(True)
+        settings.setTemporalRange(shown.temporalRange())
     return settings
 
 

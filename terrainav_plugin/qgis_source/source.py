@@ -14,18 +14,19 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
+from collections.abc import Iterable
 from concurrent.futures import Future
 
 import numpy as np
 from numpy.typing import NDArray
-from qgis.core import QgsMapSettings, QgsRectangle
+from qgis.core import QgsMapLayer, QgsMapSettings, QgsRectangle
 from qgis.PyQt.QtCore import QSize
-from qgis.PyQt.QtGui import QPainter
+from qgis.PyQt.QtGui import QColor, QImage, QPainter
 
 from ...core.errors import PartError
 from ...core.imagery.source import Part, Window, tile_parts
 from .renderer import Jobs, Pipes, blank, to_array, to_image
-from .sampling import averaged, sampled
+from .sampling import averaged, resamples_early, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import Tiles
 
@@ -37,6 +38,8 @@ _KEPT_TILES = 256
 _INSET_PX = 1e-3
 #: Pixels around a picture within which features are drawn, for symbols and labels that reach into it.
 _REACH_PX = 128
+#: How layers are laid over what is below them, where nothing else is chosen.
+_COVERING = QPainter.CompositionMode.CompositionMode_SourceOver
 
 
 class LayerSource:
@@ -83,19 +86,27 @@ class LayerSource:
             shown = self._tile(part)
             return self._on_paper(shown, shown[..., 3] == 0)
         ground = self._ground(part) if self._snapshot.ground else None
-        image = blank(part.width_px, part.height_px) if ground is None else to_image(ground)
-        settings = self._settings(part)
+        none = np.zeros((part.height_px, part.width_px, 4), np.uint8)
+        shown = self._drawn_over(none if ground is None else ground, part)
+        missing = np.zeros(shown.shape[:2], bool)
+        if ground is not None:
+            # A service that did not answer leaves holes, which a drawing above must not hide.
+            served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)
+            missing = (ground if served else shown)[..., 3] == 0
+        elif not shown[..., 3].any():
+            # Between the features of a drawing there is paper, but a picture without any shows nothing.
+            raise PartError("{0} shows nothing here", self.title)
+        if _any_blended(self._snapshot.drawing):
+            below = self._on_paper(none if ground is None else ground, np.zeros_like(missing))
+            shown = self._drawn_over(np.dstack([below, np.full_like(below[..., :1], 255)]), part)
+        return self._on_paper(shown, missing)
+
+    def _drawn_over(self, below: Pixels, part: Window) -> Pixels:
+        """Drawings over what is below them, premultiplied."""
+        image, settings = to_image(below), self._settings(part)
         settings.setExtentBuffer(_REACH_PX * self.grid.pixel_size(part.zoom)[0])
         self._jobs.draw(image, settings, self._snapshot.drawing)
-        shown = to_array(image)
-        if ground is None:
-            # Between the features of a drawing there is paper, but a picture without any shows nothing.
-            if not shown[..., 3].any():
-                raise PartError("{0} shows nothing here", self.title)
-            return self._on_paper(shown, np.zeros(shown.shape[:2], bool))
-        # A service that did not answer leaves holes, which a drawing above must not hide.
-        served = any(drawn.layer.providerType() != FILE_PROVIDER for drawn in self._snapshot.ground)
-        return self._on_paper(shown, (ground if served else shown)[..., 3] == 0)
+        return to_array(image)
 
     def close(self) -> None:
         """End what is being drawn; it raises `Cancelled`."""
@@ -152,17 +163,26 @@ class LayerSource:
 
     def _draw_tile(self, tile: Window) -> Pixels:
         image = blank(tile.width_px, tile.height_px)
+        blended = self._blended(image)
         settings = self._settings(tile)
         for drawn in self._snapshot.ground:
-            if not drawn.layer.isInScaleRange(settings.scale()):
+            if not _is_shown(drawn.layer, settings):
                 continue
             pixels = drawn.pixels(tile) if isinstance(drawn, Tiles) else self._pixels(drawn, settings, tile)
             if pixels is not None:
-                painter = QPainter(image)
-                painter.setCompositionMode(drawn.layer.blendMode())
-                painter.drawImage(0, 0, to_image(pixels))
-                painter.end()
-        return to_array(image)
+                _paint(image, pixels, _COVERING)
+                if blended is not None:
+                    _paint(blended, pixels, drawn.layer.blendMode())
+        shown = to_array(image)
+        return shown if blended is None else np.where(shown[..., 3:] > 0, to_array(blended), np.uint8(0))
+
+    def _blended(self, below: QImage) -> QImage | None:
+        """Image of paper that layers are blended with; None where each of them simply covers what is below."""
+        if not _any_blended(drawn.layer for drawn in self._snapshot.ground):
+            return None
+        paper = below.copy()
+        paper.fill(QColor(*(int(colour) for colour in self._paper)))
+        return paper
 
     def _pixels(
         self,
@@ -175,10 +195,12 @@ class LayerSource:
         if self.grid.own is not None and tile.zoom <= self.grid.native_zoom:
             factor = 1 << (self.grid.native_zoom - tile.zoom)
             return averaged(pipes, tile.left_px, tile.top_px, size, factor, self._jobs)
+        if self.grid.own is not None and resamples_early(layer):
+            return pipes.block(settings.extent(), size, self._jobs)
         if layer.providerType() == FILE_PROVIDER:
             return sampled(pipes, settings, self._edges(tile), size, self._jobs)
         extent = settings.extent()
-        if layer.crs() == settings.destinationCrs():
+        if layer.crs() == settings.destinationCrs() and not _is_timed(layer, settings):
             extent.grow(-_INSET_PX * self.grid.pixel_size(tile.zoom)[0])
             return pipes.block(extent, size, self._jobs)
         image = blank(*size)
@@ -195,3 +217,28 @@ class LayerSource:
         settings.setOutputSize(QSize(window.width_px, window.height_px))
         settings.setExtent(QgsRectangle(*self._edges(window)))
         return settings
+
+
+def _paint(image: QImage, pixels: Pixels, mode: QPainter.CompositionMode) -> None:
+    painter = QPainter(image)
+    painter.setCompositionMode(mode)
+    painter.drawImage(0, 0, to_image(pixels))
+    painter.end()
+
+
+def _any_blended(layers: Iterable[QgsMapLayer]) -> bool:
+    """Whether what some layers look like depends on what is below them, down to the paper."""
+    return any(layer.blendMode() != _COVERING for layer in layers)
+
+
+def _is_timed(layer: QgsMapLayer, settings: QgsMapSettings) -> bool:
+    """Whether what a layer shows depends on the time that the map is of."""
+    times = layer.temporalProperties()
+    return bool(settings.isTemporal() and times is not None and times.isActive())
+
+
+def _is_shown(layer: QgsMapLayer, settings: QgsMapSettings) -> bool:
+    """Whether a layer is to be seen at the map's scale and time."""
+    times = layer.temporalProperties()
+    timely = not _is_timed(layer, settings) or times.isVisibleInTemporalRange(settings.temporalRange())
+    return timely and layer.isInScaleRange(settings.scale())

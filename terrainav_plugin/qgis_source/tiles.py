@@ -150,6 +150,7 @@ class Tiles:
                     connections=self._connections,
                     cache=self._cache,
                     alpha=True,
+                    any_size=entry.any_size,
                 )
             return self._opened
 

@@ -14,6 +14,7 @@ from qgis.core import (
     QgsCoordinateReferenceSystem,
     QgsCoordinateTransform,
     QgsFeature,
+    QgsFeatureRequest,
     QgsGeometry,
     QgsPointXY,
     QgsProcessingAlgRunnerTask,
@@ -602,6 +603,50 @@ def test_layers_without_polygons_are_no_areas():
     assert "images lie over no-fly areas" in refusal(
         "plan", AREA=whole, NO_FLY=whole, AGL=120, FOOTPRINTS="memory:"
     )
+
+
+BOW = "Polygon ((465250 5247000, 465450 5247200, 465450 5247000, 465250 5247200, 465250 5247000))"
+SOUND = "Polygon ((465250 5247000, 465450 5247000, 465450 5247200, 465250 5247200, 465250 5247000))"
+
+
+@pytest.mark.parametrize(
+    "check",
+    [
+        QgsFeatureRequest.InvalidGeometryCheck.GeometryAbortOnInvalid,
+        QgsFeatureRequest.InvalidGeometryCheck.GeometrySkipInvalid,
+        QgsFeatureRequest.InvalidGeometryCheck.GeometryNoCheck,
+    ],
+)
+def test_polygons_are_checked_whatever_qgis_s_setting_says(check):
+    """By the plugin: where QGIS's own check stops an algorithm in Python, the next call ends QGIS (3.22)."""
+    import processing
+
+    def ask(name, **parameters):
+        context, feedback = QgsProcessingContext(), Feedback()
+        context.setProject(QgsProject.instance())
+        context.setInvalidGeometryCheck(check)
+        try:
+            return processing.run(f"terrainav:{name}", parameters, context=context, feedback=feedback), ""
+        except QgsProcessingException as wrong:
+            return None, feedback.errors[0] if feedback.errors else str(wrong)
+
+    bow, sound = (memory_layer("Polygon", "EPSG:32632", [wkt]) for wkt in (BOW, SOUND))
+    for parameters in ({"AREA": bow}, {"AREA": sound, "NO_FLY": bow}):
+        found, words = ask("plan", AGL=100, FOOTPRINTS="memory:", **parameters)
+        assert found is None
+        assert "feature 1 is not a valid polygon (Self-intersection (465350, 5247100)): repair it" in words
+    place = memory_layer("LineString", "EPSG:32632", ["LineString (465250 5247000, 465250 5247000)"])
+    found, words = ask("posesalongline", INPUT=place, AGL=100, EVERY_M=20, OUTPUT="memory:")
+    assert (found, words) == (None, "line 1: is a single place")
+    found, _ = ask("plan", AREA=sound, AGL=100, FOOTPRINTS="memory:")
+    assert found["IMAGES"] > 0
+
+
+def test_mission_file_with_a_bow_tie_is_refused(tmp_path):
+    bow = Polygon((((-89.9, 35.1), (-89.89, 35.11), (-89.89, 35.1), (-89.9, 35.11)),))
+    Mission(bow, 120.0).save(tmp_path / "bow.json")
+    words = refusal("plan", MISSION=str(tmp_path / "bow.json"), FOOTPRINTS="memory:")
+    assert "area: polygon whose sides cross at latitude 35.105000, longitude -89.895000" in words
 
 
 # --- capture

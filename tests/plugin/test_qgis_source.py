@@ -232,6 +232,20 @@ def test_tiles_of_double_width_have_the_pixels_of_the_next_zoom():
         assert ZOOM not in {zoom for _, zoom, *_ in server.tile_requests}
 
 
+@pytest.mark.parametrize("tile_px", [512, 1024])
+def test_tiles_whose_width_is_not_stated_are_captured_at_256_px(tile_px):
+    """QGIS's default, "Unknown (not scaled)": each of its tiles is drawn at 256 px, whatever it holds."""
+    with TileServer(tile_px=tile_px) as server:
+        layer = tiles_layer(server, tilePixelRatio=0)
+        source = opened(source_name(layer))
+        assert source.grid.native_zoom == 19
+        shown = picture(source, Window(ZOOM, 256 * 5, 256 * 6, 256, 256))
+        each = tile_px // 256
+        tile = pattern_tile("", ZOOM, 5, 6, tile_px).astype(float)
+        means = tile.reshape(256, each, 256, each, 3).mean(axis=(1, 3))
+        assert np.abs(shown - means).max() <= 0.5 + 1e-9
+
+
 def test_address_of_tiles_is_read_once(server, monkeypatch):
     read = []
 

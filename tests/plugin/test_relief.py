@@ -9,10 +9,11 @@ import numpy as np
 import pyproj
 import pytest
 from osgeo import gdal
-from qgis.core import QgsProject, QgsRasterLayer
+from qgis.core import Qgis, QgsProject, QgsRasterLayer
 from qgis.PyQt.QtCore import QEvent, QPointF, Qt
 from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtWidgets import QCheckBox, QToolButton
+from terrainav.core.errors import SourceError
 from terrainav.core.fields import field_named
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Points
@@ -21,9 +22,12 @@ from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
 from terrainav.core.picture.products import products
+from terrainav.terrainav_plugin.capture import task
+from terrainav.terrainav_plugin.capture.endings import Endings
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.results.viewer import details
 
+from tests.core.imagery.raster.test_own_pixels import noise
 from tests.plugin.test_capture import capture, images
 from tests.plugin.test_own_crs import UTM, draw, middle_of
 from tests.plugin.test_viewer import pixels
@@ -285,3 +289,48 @@ def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
     assert opaque.mean() > 0.95
     off = np.abs(at[:2] - told[:2, inside])[:, opaque].max(axis=0)
     assert np.percentile(off, 95) <= 1.5
+
+
+def test_mosaic_over_the_landscape_of_imagery_in_another_crs(desk, tmp_path):
+    """The dataset states the imagery's CRS, which is none of the landscape that its relief is of."""
+    noise(tmp_path / "ortho.tif", *UTM)
+    set_up(desk, source=str(tmp_path / "ortho.tif"), elevation=("world",), tilt_deg=10.0, image_px=80)
+    made = draw(desk, UTM, 60.0).plan
+    assert made.relief is not None
+    capture(desk)
+    assert len(images(desk)) == len(made)
+    assert not any("mosaic" in text for text in desk.messages())
+    assert (desk.folder / "satellite.tif").is_file()
+    assert desk.layer("Satellite images").crs().authid() == f"EPSG:{UTM[0]}"
+
+
+def test_mosaic_that_cannot_be_is_said_before_the_capture_and_stays_said(desk, dem, monkeypatch):
+    set_up(desk, tilt_deg=25.0, image_px=80, elevation=(dem.source(),))
+    draw(desk, UTM, 60.0)
+
+    def fail(_mission):
+        raise SourceError("heights: are gone")
+
+    seen = []
+    monkeypatch.setattr(task, "heights_for", fail)
+    monkeypatch.setattr(
+        Endings, "warn_of_mosaic", noted(Endings.warn_of_mosaic, lambda: seen.append(images(desk)))
+    )
+    capture(desk)
+    assert seen == [[]]
+    assert (
+        "mission: there will be no mosaic: heights: are gone. Its images are captured" in desk.messages()[-1]
+    )
+    assert "Without a mosaic: heights: are gone" in desk.messages()[0]
+    levels = [item.level() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
+    durations = [item.duration() for item in desk.iface.messageBar().items() if item.title() == "TerrAInav"]
+    assert set(levels) == {Qgis.MessageLevel.Warning}
+    assert set(durations) == {0}
+
+
+def noted(work, note):
+    def both(*given):
+        note()
+        work(*given)
+
+    return both

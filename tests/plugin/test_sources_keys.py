@@ -245,6 +245,16 @@ def test_xyz_connection_of_qgis_is_a_source(desk, tmp_path, configured, tiles, h
     assert_kept_secret(desk, tmp_path, heard, PASSWORD)
 
 
+def test_tiles_of_a_connection_that_states_no_width_are_captured(desk):
+    with TileServer(tile_px=512) as server:
+        connect_xyz("Wide", url=server.url_template, zmin=0, zmax=17)
+        desk.session.source_list.refresh()
+        desk.choose(desk.form.source, "qgis:xyz/Wide")
+        desk.enter_small_mission()
+        assert desk.session.planned.plan.zoom == 17
+        assert capture(desk)
+
+
 def test_key_in_a_connection_s_address_stays_there(desk, tmp_path, tiles, heard):
     connect_xyz("Keyed", url=tiles.url + "/{z}/{x}/{y}.png?apikey=" + PLAIN_KEY, zmin=0, zmax=17)
     desk.session.source_list.refresh()

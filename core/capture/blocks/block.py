@@ -25,7 +25,7 @@ from ...imagery.placeholder import Repeats, digests_of
 from ...imagery.source import Source
 from ...mission.parts import Terrain
 from ...mission.plan import Plan
-from ...picture.heights import heights_for
+from ...picture.heights import heights_for, landscape_crs
 from ...picture.optics import Exposures
 from ...resources import version
 from ...safe_json import parse_json
@@ -326,7 +326,7 @@ def _with_heights(block: Block) -> Plan:
         return plan
     asked = SourceOptions(
         seed=plan.mission.imagery.seed,
-        crs=plan.mission.imagery.crs,
+        crs=landscape_crs(plan.mission.imagery.source, plan.mission.imagery.crs),
         connections=options.connections,
         cache=options.cache,
         named_by_user=options.named_by_user,

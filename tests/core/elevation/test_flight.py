@@ -14,7 +14,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.imagery.opening import named_source
+from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.export import write_plan
@@ -600,3 +600,23 @@ def test_the_way_from_a_valley_is_flown_over_the_highest_ground_on_it(dem):
 def test_a_take_off_without_ground_is_refused(dem):
     with pytest.raises(InvalidInput, match=r"no height at latitude 38\.0"):
         _ = flown(Mission(AREA, 80.0, CAMERA, elevation=(dem["hills"],), takeoff=(38.0, -77.0))).path
+
+
+def test_heights_of_the_landscape_are_the_same_beside_imagery_in_any_crs():
+    """A dataset states the CRS of its imagery, which is none that the landscape has."""
+    lat, lon = np.array([38.81]), np.array([-77.05])
+    found = []
+    for crs in ("", "EPSG:32618"):
+        mission = Mission(
+            Box(38.811, -77.051, 38.81, -77.05), 90.0, source="ortho.tif", crs=crs, elevation=("world",)
+        )
+        for options in (None, SourceOptions(seed=mission.imagery.seed, crs=crs)):
+            below = heights_of(mission, options).surface.surface(lat, lon)
+            found.append(float(below.heights(*below.position(lat, lon))[0]))
+    assert len(set(found)) == 1
+    # The landscape itself about a pole, where its imagery and its heights are of one chart.
+    polar = Mission(
+        Points(((89.9, 10.0, 90.0),)), 90.0, source="world", crs="EPSG:3413", elevation=("world",)
+    )
+    below = heights_of(polar).surface.surface(np.array([89.9]), np.array([10.0]))
+    assert np.isfinite(below.heights(*below.position(np.array([89.9]), np.array([10.0])))).all()

@@ -362,3 +362,27 @@ def test_webp_is_read_by_a_libwebp_without_the_known_hole(monkeypatch, version, 
             assert np.array_equal(decode(to_bytes(PICTURE, "webp"), 64, 48), PICTURE)
     finally:
         decode_module.webp_problem.cache_clear()
+
+
+def test_picture_of_any_size_is_means_of_the_pixels_beneath():
+    pixels = decode(to_bytes(PICTURE, "png"), 32, 24, any_size=True)
+    means = PICTURE.reshape(24, 2, 32, 2, 3).mean(axis=(1, 3))
+    assert np.abs(pixels - means).max() <= 0.5 + 1e-9
+    assert np.array_equal(
+        decode(to_bytes(PICTURE, "png"), 128, 96, any_size=True), np.kron(PICTURE, np.ones((2, 2, 1)))
+    )
+    assert np.array_equal(decode(to_bytes(PICTURE, "png"), 64, 48, any_size=True), PICTURE)
+
+
+def test_resized_pixel_holds_imagery_where_all_beneath_it_do():
+    half = np.dstack([PICTURE, np.full((48, 64), 255, np.uint8)])
+    half[:, :31, 3] = 0
+    pixels = decode(to_bytes(half, "png"), 32, 24, any_size=True)
+    assert np.array_equal(np.unique(pixels[:, :16, 3]), [0])
+    assert (pixels[:, 16:, 3] == 255).all()
+
+
+@pytest.mark.parametrize("size", [(15, 12), (16, 11)])
+def test_far_larger_picture_is_refused_whatever_sizes_may_be(size):
+    with pytest.raises(PartError, match="64x48 px instead of"):
+        decode(to_bytes(PICTURE, "png"), *size, any_size=True)

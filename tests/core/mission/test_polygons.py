@@ -6,6 +6,8 @@ import itertools
 import json
 import math
 import re
+from fractions import Fraction
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -13,8 +15,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
+from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
+from terrainav.core.mission import area as area_module
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons, holds
 from terrainav.core.mission.estimate import area_text, estimate
 from terrainav.core.mission.flight.wind import Wind
@@ -23,6 +27,9 @@ from terrainav.core.mission.layout.rows import Layout
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
+from terrainav.core.poses.patterns import structure
+from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
+from terrainav.core.poses.settings import Scan
 
 
 def square(west, south, size=0.002):
@@ -470,3 +477,63 @@ def test_rows_of_one_direction_keep_to_it():
     assert same_row.any()
     assert (np.diff(found.lon_deg)[same_row] > 0.0).all()
     assert (np.diff(found.column)[same_row] == 1).all()
+
+
+BOW = Polygon((((-89.9, 35.1), (-89.898, 35.102), (-89.898, 35.1), (-89.9, 35.102)),))
+OUT_OF_IT = Polygon((FIELD.rings[0], square(-80.0, 35.1).rings[0]))
+
+
+@pytest.mark.parametrize("read_again", [False, True])
+@pytest.mark.parametrize(
+    ("area", "no_fly", "says", "field"),
+    [
+        (
+            BOW,
+            (),
+            r"^area: polygon whose sides cross at latitude 35\.101000, longitude -89\.899000: ",
+            "area",
+        ),
+        (Polygons((FIELD, BOW)), (), r"^area: polygon 2: polygon whose sides cross at latitude 35", "area"),
+        (OUT_OF_IT, (), r"^area: polygon with hole 1 outside of it", "area"),
+        (FIELD, (BOW,), r"^no-fly areas: polygon whose sides cross", "no_fly"),
+        (FIELD, (OTHER, BOW), r"^no-fly areas: polygon 2: polygon whose sides cross", "no_fly"),
+    ],
+)
+def test_polygons_that_tell_no_ground_are_not_planned(area, no_fly, says, field, read_again):
+    """However they came into a mission: as values, or in its file."""
+    mission = Mission(area, 120.0, no_fly=no_fly)
+    if read_again:
+        mission = Mission.from_json(mission.to_json())
+    with pytest.raises(InvalidInput, match=says) as refused:
+        plan(mission, PixelGrid())
+    assert refused.value.field == field
+
+
+def test_nothing_is_flown_inside_or_around_a_bow_tie():
+    with pytest.raises(InvalidInput, match="area: polygon whose sides cross"):
+        random_poses(BOW, 10, PoseDistributions(Distribution("fixed", 100.0)), seed=1)
+    with pytest.raises(InvalidInput, match="outlines: polygon 2: polygon whose sides cross"):
+        structure([FIELD, BOW], Camera(), (0.5, 0.5), Scan(20.0, 5.0, 30.0))
+
+
+def test_crossings_are_those_of_each_pair_of_sides():
+    """Of random rings, by exact fractions; also where the pairs are looked at in many parts."""
+    generator = np.random.default_rng(5)
+    for _ in range(20):
+        corners = [(int(x), int(y)) for x, y in generator.integers(0, 1000, (15, 2))]
+        ring = Polygon((tuple((x / 1024.0, y / 1024.0) for x, y in corners),))
+        places = set()
+        for (a, b), (c, d) in itertools.combinations(zip(corners, [*corners[1:], corners[0]]), 2):
+            turn = (b[0] - a[0]) * (d[1] - c[1]) - (b[1] - a[1]) * (d[0] - c[0])
+            if not turn:
+                continue
+            share = Fraction((c[0] - a[0]) * (d[1] - c[1]) - (c[1] - a[1]) * (d[0] - c[0]), turn)
+            other = Fraction((c[0] - a[0]) * (b[1] - a[1]) - (c[1] - a[1]) * (b[0] - a[0]), turn)
+            if 0 < share < 1 and 0 < other < 1:
+                places.add((float(a[0] + share * (b[0] - a[0])), float(a[1] + share * (b[1] - a[1]))))
+        for chunk in (100_000, 3):
+            with mock.patch.object(area_module, "_CHUNK", chunk):
+                lon, lat = area_module._crossing_places(*area_module.sides_of(ring))
+            assert sorted(zip(1024.0 * lon, 1024.0 * lat)) == pytest.approx(
+                np.array(sorted(places)), abs=1e-9
+            )

@@ -1,0 +1,190 @@
+"""Captures that have not ended, noted in the user's profile: after a crash they are found again and offered."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from qgis.core import QgsApplication
+from qgis.PyQt.QtCore import QLockFile
+
+from ...core.errors import TerrAInavError
+from ...core.files import write_whole
+from ...core.mission.mission import Mission
+from ...core.safe_json import parse_json
+from ..i18n import tr
+from ..messages import log
+from ..paths import UNFINISHED, is_remote, place_of
+from ..sources import worked_out
+from ..tasks import Task
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ...core.geodesy.mercator import PixelGrid
+    from ...core.mission.plan import Plan
+    from .run import Run
+
+_NOTE, _LOCK = ".json", ".lock"
+_DIGITS = 16
+
+
+class Unfinished:
+    """Notes of the captures of this session that wait or are under way; each goes with the end of its capture.
+
+    A lock beside each note tells other QGIS on this machine that the capture is in good hands.
+    """
+
+    def __init__(self) -> None:
+        self._locks: dict[Run, QLockFile] = {}
+
+    def note(self, run: Run) -> None:
+        """Note a run that has come into the queue; a profile that cannot be written is no reason not to capture."""
+        if run.test_shot:
+            return
+        path = _notes() / f"{_digest(run.folder)}{_NOTE}"
+        text = {
+            "folder": str(run.folder),
+            "images": len(run.plan) * len(run.mission.imagery.map_types),
+            "only_failed": run.only_failed,
+            "mission": run.mission.to_dict(),
+        }
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, json.dumps(text).encode())
+        except (OSError, TerrAInavError) as wrong:
+            log(tr("The capture could not be noted: {error}").format(error=wrong))
+            return
+        self._locks[run] = _lock_of(path)
+        self._locks[run].tryLock(0)
+
+    def forget(self, run: Run) -> None:
+        """Take away the note of a run that has ended, however it did."""
+        lock = self._locks.pop(run, None)
+        if lock is not None:
+            _remove(_notes() / f"{_digest(run.folder)}{_NOTE}")
+            lock.unlock()
+
+    def close(self) -> None:
+        """Leave the notes of what has not ended to the next session."""
+        for lock in self._locks.values():
+            lock.unlock()
+        self._locks.clear()
+
+
+class Left:
+    """A capture of an earlier session that has not ended.
+
+    Attributes
+    ----------
+    folder : Path
+    mission : Mission
+    images : int
+        That it is to have.
+    there : int or None
+        Images that are there; None where nobody has looked, as into folders of other machines.
+    only_failed : bool
+    """
+
+    def __init__(self, path: Path, folder: Path, mission: Mission, images: int, only_failed: bool) -> None:
+        self._path, self.folder, self.mission = path, folder, mission
+        self.images, self.only_failed = images, only_failed
+        self.there: int | None = None
+
+    @property
+    def name(self) -> str:
+        """What users call it."""
+        return self.folder.name or str(self.folder)
+
+    def forget(self) -> None:
+        """Offer it no more; its files stay."""
+        _remove(self._path)
+
+    def count(self) -> None:
+        """Count the images that are there, without a look at what is in them."""
+        ending = f".{self.mission.output.image_format}"
+        folders = [self.folder / map_type for map_type in self.mission.imagery.map_types]
+        self.there = sum(1 for folder in folders for _ in folder.glob(f"*{ending}"))
+
+
+class FindTask(Task):
+    """Finds the captures that have not ended.
+
+    Attributes
+    ----------
+    found : list of Left
+    """
+
+    def __init__(self) -> None:
+        super().__init__(tr("Looking for captures that have not ended"))
+        self.found: list[Left] = []
+
+    def work(self) -> None:
+        """Read the notes, and look how far each capture has come; nothing is changed."""
+        for path in sorted(_notes().glob(f"*{_NOTE}"), key=lambda path: path.stat().st_mtime):
+            lock = _lock_of(path)
+            if not lock.tryLock(0):
+                continue
+            lock.unlock()
+            left = _read(path)
+            if left is None:
+                continue
+            if not is_remote(left.folder):
+                left.count()
+            self.found.append(left)
+
+
+class PlanTask(Task):
+    """Plans such a capture again.
+
+    Attributes
+    ----------
+    plan : Plan or None
+        Once it is there.
+    """
+
+    def __init__(self, mission: Mission, find_grid: Callable[[], PixelGrid]) -> None:
+        super().__init__(tr("Planning"))
+        self.plan: Plan | None = None
+        self._mission, self._find_grid = mission, find_grid
+
+    def work(self) -> None:
+        """Plan."""
+        self.plan = worked_out(self._mission, self._find_grid)
+
+
+def _read(path: Path) -> Left | None:
+    """What a note says; None where it cannot be read."""
+    try:
+        note = parse_json(path.read_bytes())
+        mission = Mission.from_dict(note["mission"])
+        return Left(path, Path(note["folder"]), mission, int(note["images"]), bool(note["only_failed"]))
+    except (OSError, KeyError, TypeError, ValueError, TerrAInavError) as wrong:
+        log(tr("{path}: a note of a capture cannot be read ({error})").format(path=path, error=wrong))
+        return None
+
+
+def _notes() -> Path:
+    return Path(QgsApplication.qgisSettingsDirPath()) / UNFINISHED
+
+
+def _digest(folder: Path) -> str:
+    # Of another machine's folder links are not followed: it is asked nothing.
+    place = str(folder) if is_remote(folder) else place_of(folder)
+    return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
+
+
+def _lock_of(path: Path) -> QLockFile:
+    lock = QLockFile(str(path.with_suffix(_LOCK)))
+    # However old: a capture may take days. QGIS that has crashed is found by its process.
+    lock.setStaleLockTime(0)
+    return lock
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as wrong:
+        log(tr("The capture could not be noted: {error}").format(error=wrong))
