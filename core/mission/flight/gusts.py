@@ -78,6 +78,9 @@ RUNAWAY = 1e12
 #: Rounding of a pivot of a correlation matrix, in units of the matrix's size: what lies below is noise of the
 #: arithmetic, not noise of the process.
 PIVOT_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
+#: Share of the largest pivot that one must have to be taken. Gusts have pivots of exactly a half of it, which rounding
+#: would take on one processor and leave on another: none is that near to a little more.
+PIVOT_SHARE = 0.5001
 
 
 def scale_lengths_m(agl_m: float) -> tuple[float, float]:
@@ -298,7 +301,7 @@ def factor(covariance: Floats) -> Floats:
     pivots first, and pivots that are nothing but rounding taken as zero. It is written out rather than left to
     LAPACK because that gives up on a semidefinite matrix, and because eigenvectors, the usual way out, come with
     signs that change from one machine to the next. For the same reason the pivot is not the largest one but the
-    first of at least half its size: every first pivot is 1, and rounding must not choose among equals.
+    first of more than half its size: every first pivot is 1, and rounding must not choose among equals.
 
     Parameters
     ----------
@@ -318,7 +321,7 @@ def factor(covariance: Floats) -> Floats:
     for step in range(size):
         pivots = np.diagonal(left, axis1=1, axis2=2)
         largest = pivots.max(axis=1)
-        chosen = np.argmax(pivots >= 0.5 * largest[:, np.newaxis], axis=1)
+        chosen = np.argmax(pivots >= PIVOT_SHARE * largest[:, np.newaxis], axis=1)
         pivot = left[every, chosen, chosen]
         sound = pivot > size * PIVOT_ROUNDING
         if not bool(sound.any()):

@@ -17,17 +17,15 @@ from .wind import Wind
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
-#: Relative difference of intervals, or of heights, below which two are the same: distances along parallels and times
-#: made from them agree to about 1e-12.
-SAME = 1e-9
 #: Intervals shorter than this are as good as none: the fastest time constant is 5 ms.
 SHORTEST_S = 1e-9
 #: Longer ones are cut to this: even the slowest gusts, of 533 m at 0.1 m/s, are forgotten by then to 1e-80.
 LONGEST_S = 1e6
-#: Discretisations (8 KB and half a millisecond each) and, of them, heights for one flight. A flight of more different
-#: ones has them rounded, to no more than 0.3 % of the interval where they span 1..20 s and one height.
+#: Discretisations for one flight, of 8 KB and half a millisecond each.
 MOST_STEPS = 2048
-MOST_HEIGHTS = 64
+#: Shares of an interval or a height within which two are the same, and how many different pairs are met before the next
+#: one counts. The first is what distances along parallels agree to, and more; the last has few pairs left.
+ROUNDED = ((1e-6, 480), (4e-3, 800), (0.016, 200), (0.064, 200), (0.256, 100), (1.0, MOST_STEPS))
 #: Exposures sampled at a time: 1.5 MB of states and noise, which stay in the processor's cache.
 CHUNK = 4096
 
@@ -215,33 +213,51 @@ def _steps(
     or a height, where there are too many, leaves the distribution at each exposure exact; only the correlation
     between neighbours is then that of the rounded interval.
     """
-    heights_m, height_of = _rounded(np.clip(agl_m, LOW_FT * M_PER_FT, HIGH_FT * M_PER_FT), MOST_HEIGHTS)
-    intervals_s, interval_of = _rounded(np.minimum(interval_s, LONGEST_S), MOST_STEPS // heights_m.size)
-    kinds, kind_of = np.unique(height_of[1:] * intervals_s.size + interval_of, return_inverse=True)
+    heights_m = np.clip(agl_m, LOW_FT * M_PER_FT, HIGH_FT * M_PER_FT)
+    kinds, which = _kinds(heights_m[1:], np.minimum(interval_s, LONGEST_S))
     size = len(STATES)
-    steps = np.zeros((kinds.size + 1, size, 2 * size))
-    systems = [flight_system(sigma_m_per_s, airspeed_m_per_s, height_m) for height_m in heights_m.tolist()]
-    first = systems[height_of[0]].stationary_covariance()
-    steps[0, :, size:] = factor(first[np.newaxis])[0]
-    for height, system in enumerate(systems):
-        due = np.flatnonzero(kinds // max(intervals_s.size, 1) == height)
-        if due.size:
-            change, covariance = system.discretise(intervals_s[kinds[due] % intervals_s.size])
-            steps[1 + due, :, :size] = change + np.eye(size)
-            steps[1 + due, :, size:] = factor(covariance)
-    return steps, np.concatenate([[0], 1 + kind_of]).astype(np.intp)
+    steps = np.zeros((len(kinds) + 1, size, 2 * size))
+    covariances = np.empty((len(kinds) + 1, size, size))
+    start = flight_system(sigma_m_per_s, airspeed_m_per_s, float(heights_m[0]))
+    covariances[0] = start.stationary_covariance()
+    height_of, interval_of = heights_m[1:][kinds], np.minimum(interval_s, LONGEST_S)[kinds]
+    for height_m in np.unique(height_of).tolist():
+        due = np.flatnonzero(height_of == height_m)
+        system = flight_system(sigma_m_per_s, airspeed_m_per_s, height_m)
+        change, covariances[1 + due] = system.discretise(interval_of[due])
+        steps[1 + due, :, :size] = change + np.eye(size)
+    steps[:, :, size:] = factor(covariances)
+    return steps, np.append(np.zeros(1, np.intp), 1 + which)
 
 
-def _rounded(values: Floats, most: int) -> tuple[Floats, Ints]:
-    """Different values, at most ``most`` of them and as fine as that allows, and which of them each one is."""
-    different, which = np.unique(values, return_inverse=True)
-    places = np.log(np.maximum(different, SHORTEST_S))
-    resolution = SAME
-    while True:
-        opens = np.diff(np.floor(places / resolution), prepend=-np.inf) > 0.0
-        if np.count_nonzero(opens) <= most:
-            return different[opens], (np.cumsum(opens) - 1)[which]
-        resolution *= 2.0
+def _kinds(height_m: Floats, interval_s: Floats) -> tuple[Ints, Ints]:
+    """Different pairs of heights and intervals, (n,) each, as far as they are told apart.
+
+    How far depends on how many there have been: what an exposure counts as does not depend on any that follow.
+
+    Returns
+    -------
+    kinds : array (k,)
+        Indices of the pairs that stand for those like them: the first of each.
+    which : array (n,)
+        The kind of each pair.
+    """
+    places = np.log(np.stack([height_m, np.maximum(interval_s, SHORTEST_S)]))
+    kinds: list[Ints] = []
+    which = np.empty(len(height_m), np.intp)
+    start = count = 0
+    for resolution, most in ROUNDED:
+        height, interval = np.floor(places[:, start:] / resolution).astype(np.int64)
+        _, first, cell = np.unique((height << 32) + interval, return_index=True, return_inverse=True)
+        order = np.argsort(first)
+        rank = np.empty_like(order)
+        rank[order] = np.arange(len(order))
+        met = first[order]
+        end = int(met[most]) if len(met) > most else len(height)
+        which[start : start + end] = count + rank[cell[:end]]
+        kinds.append(start + met[:most])
+        start, count = start + end, count + min(len(met), most)
+    return np.concatenate(kinds), which
 
 
 def normal(bits: np.random.PCG64, count: int, size: int) -> Floats:

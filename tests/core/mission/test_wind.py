@@ -355,17 +355,46 @@ def test_equal_intervals_but_for_rounding_are_one_step():
     assert np.all(which[1:] == 1)
 
 
-@given(
-    st.lists(st.floats(0.0, 1e6), min_size=1, max_size=200),
-    st.integers(1, 20),
-)
-def test_rounding_keeps_to_its_number_and_is_no_coarser_than_it_must_be(values, most):
-    values = np.array(values)
-    rounded, which = motion._rounded(values, most)
-    assert 1 <= rounded.size <= most
-    assert np.all(rounded[which] <= values)
-    if np.unique(values).size <= 1:
-        assert np.array_equal(rounded[which], values)
+@given(st.lists(st.tuples(st.floats(3.1, 600.0), st.floats(0.0, 1e6)), min_size=1, max_size=60), st.data())
+def test_what_steps_count_as_does_not_depend_on_those_that_follow(monkeypatch_rounding, pairs, data):
+    height_m, interval_s = np.array(pairs).T
+    kinds, which = motion._kinds(height_m, interval_s)
+    assert sorted(set(which.tolist())) == list(range(len(kinds)))
+    for values in (np.log(height_m), np.log(np.maximum(interval_s, motion.SHORTEST_S))):
+        assert np.abs(values[kinds[which]] - values).max() <= motion.ROUNDED[-1][0] + 1e-9
+    count = data.draw(st.integers(1, len(pairs)))
+    first_kinds, first_which = motion._kinds(height_m[:count], interval_s[:count])
+    assert np.array_equal(first_which, which[:count])
+    assert np.array_equal(first_kinds, kinds[: len(first_kinds)])
+
+
+@pytest.fixture(scope="module")
+def monkeypatch_rounding():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(motion, "ROUNDED", ((1e-6, 5), (0.01, 4), (0.1, 6), (1.0, 10_000)))
+        yield
+
+
+def test_flights_of_many_heights_that_begin_alike_are_alike_there():
+    count, draw = 3000, np.random.default_rng(5)
+    interval_s, agl_m = draw.uniform(3.0, 20.0, count - 1), draw.uniform(60.0, 300.0, count)
+    heading_deg = draw.uniform(-180.0, 180.0, count)
+    whole = fly(BREEZE, AIRSPEED, interval_s, heading_deg, agl_m)
+    for begun in (1, 40, 700, 2500):
+        start = fly(BREEZE, AIRSPEED, interval_s[: begun - 1], heading_deg[:begun], agl_m[:begun])
+        for name, values in vars(whole).items():
+            assert getattr(start, name) == pytest.approx(values[:begun], rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("agl_m", [10.0, 120.0, 700.0])
+def test_rounding_does_not_choose_among_the_states_that_a_flight_begins_with(agl_m):
+    draw = np.random.default_rng(3)
+    for speed in (3.0, 8.0, 12.0, 20.0):
+        covariance = gusts.flight_system(1.3, speed, agl_m).stationary_covariance()
+        sigma = np.sqrt(np.diag(covariance))
+        noise = draw.standard_normal((20, SIZE, SIZE)) * 2e-15 * np.outer(sigma, sigma)
+        roots = factor(covariance + (noise + noise.swapaxes(1, 2)) / 2.0)
+        assert np.abs((roots - factor(covariance[np.newaxis])) / sigma[:, np.newaxis]).max() < 1e-6
 
 
 def test_a_flight_of_many_heights_and_intervals():
