@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from string import Formatter
 from typing import TYPE_CHECKING, Any
@@ -123,6 +124,24 @@ def localized(number: str) -> str:
     locale = QLocale()
     written = {",": locale.groupSeparator(), ".": decimal_sign()}
     return "".join(written.get(sign, sign) for sign in number)
+
+
+def plain_number(text: str) -> float:
+    """Read a number with decimals behind a point, a comma or the user's own sign; a Unicode minus is understood.
+
+    Raises
+    ------
+    ValueError
+        Where there is no number.
+    """
+    plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
+    if "," in plain and "." not in plain:
+        plain = plain.replace(",", ".")
+    # Python takes underscores between digits.
+    value = math.nan if "_" in plain else float(plain)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
 
 
 def decimal_sign() -> str:
