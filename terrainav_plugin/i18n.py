@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from string import Formatter
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
 
+from ..core.numbers import real_number
 from .paths import RESOURCES
 
 if TYPE_CHECKING:
@@ -123,6 +125,23 @@ def localized(number: str) -> str:
     locale = QLocale()
     written = {",": locale.groupSeparator(), ".": decimal_sign()}
     return "".join(written.get(sign, sign) for sign in number)
+
+
+def plain_number(text: str) -> float:
+    """Read a number with decimals behind a point, a comma or the user's own sign; a Unicode minus is understood.
+
+    Raises
+    ------
+    ValueError
+        Where there is no number.
+    """
+    plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
+    if "," in plain and "." not in plain:
+        plain = plain.replace(",", ".")
+    value = real_number(plain)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return value
 
 
 def decimal_sign() -> str:

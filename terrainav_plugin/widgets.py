@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
-from typing import TypeVar
+from contextlib import contextmanager
+from typing import Any, TypeVar
 
 from qgis.gui import (
     QgisInterface,
@@ -13,9 +14,8 @@ from qgis.gui import (
     QgsDockWidget,
     QgsDoubleSpinBox,
     QgsFileWidget,
-    QgsSpinBox,
 )
-from qgis.PyQt.QtCore import QLocale, QPoint, QSize, Qt
+from qgis.PyQt.QtCore import QLocale, QPoint, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import (
     QColor,
     QFocusEvent,
@@ -25,6 +25,7 @@ from qgis.PyQt.QtGui import (
     QPaintEvent,
     QPalette,
     QResizeEvent,
+    QValidator,
     QWheelEvent,
 )
 from qgis.PyQt.QtWidgets import (
@@ -50,7 +51,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from .i18n import tr
+from .i18n import localized, plain_number, tr
 from .plain import plain_label, shown_plain
 
 #: Vermillion of the Okabe-Ito palette: readable on light and dark themes, told apart by colour-blind people.
@@ -67,8 +68,8 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
 }}
 QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
 """
-#: A number with a point before its decimals.
-_WITH_POINT = re.compile(r"[-+]?\d+\.\d+")
+#: What people let an entry add up or multiply.
+_SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
 #: What an entry leaves free beside its text.
 _BESIDE_TEXT_PX = 5
 #: Characters of a text that its tooltip shows.
@@ -78,6 +79,7 @@ _CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
 _Text = tuple[str, Callable[[str], None]]
 _Made = TypeVar("_Made", bound=QWidget)
+_Box = TypeVar("_Box", bound="NumberBox")
 
 
 def named(widget: _Made, name: str, tip: str = "") -> _Made:
@@ -282,15 +284,6 @@ def folder_entry(name: str, title: str, tip: str) -> QgsFileWidget:
     return made
 
 
-def whole_spin(name: str, least: int, most: int, tip: str) -> QgsSpinBox:
-    """Entry for a whole number that is kept within its range."""
-    made = named(QgsSpinBox(), name, tip)
-    made.setRange(least, most)
-    made.setShowClearButton(False)
-    made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return made
-
-
 def ok_and_cancel(dialog: QDialog) -> QDialogButtonBox:
     """Buttons that accept and reject a dialog."""
     standard = QDialogButtonBox.StandardButton
@@ -331,7 +324,15 @@ def tick(name: str, text: str, tip: str) -> QCheckBox:
 
 
 class NumberBox(QgsDoubleSpinBox):
-    """A spin box that shows no zeros a person would not write.
+    """A spin box that takes every text as it is typed, and shows no zeros a person would not write.
+
+    A text that is no number of its range stays, for its user to be told: nothing is read out of it, and nothing else
+    put in its place.
+
+    Signals
+    -------
+    judged()
+        The text is no number any more, another one that is none, or a number again.
 
     Attributes
     ----------
@@ -341,8 +342,19 @@ class NumberBox(QgsDoubleSpinBox):
         Whether the least value stands for no number.
     """
 
+    judged = pyqtSignal()
     times: float = 1.0
     may_be_left_out: bool = False
+    #: While it is made, and while a number is entered, what it shows is nothing that was typed.
+    _is_typed_into: bool = False
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._judged: str | None = None
+        #: Text that was looked at last, and what came of it: forms ask for all their entries at every key.
+        self._looked_at: tuple[str, str | None] = ("", None)
+        self._is_typed_into = True
+        self.lineEdit().textChanged.connect(self._judge)
 
     def let_be_left_out(self, below: float) -> None:
         """Have a value below all that is right stand for no number, and be shown as such."""
@@ -350,18 +362,69 @@ class NumberBox(QgsDoubleSpinBox):
         self.setMinimum(below)
         self.setSpecialValueText(tr("not set"))
 
+    def unread(self) -> str | None:
+        """Return a text that is no number of the range; None where it is one."""
+        if not self._is_typed_into:
+            return None
+        shown = self.lineEdit().text()
+        if shown != self._looked_at[0] or not shown:
+            text = self._typed(shown)
+            self._looked_at = shown, text if self._read(text) is None else None
+        return self._looked_at[1]
+
+    def problem(self) -> str:
+        """Say what is wrong with what is typed; empty where it is a number of the range."""
+        text = self.unread()
+        if text is None:
+            return ""
+        try:
+            value = plain_number(text)
+        except ValueError:
+            return tr("“{text}”: must be a number").format(text=text)
+        if not self.decimals() and value != int(value):
+            return tr("“{text}”: must be a whole number").format(text=text)
+        least, most = (localized(f"{end:.15g}") for end in (self.minimum(), self.maximum()))
+        if self.may_be_left_out:
+            right = tr("“{text}”: must be above {least} and at most {most}, or empty")
+        else:
+            right = tr("“{text}”: must be from {least} to {most}")
+        return right.format(text=text, least=least, most=most)
+
+    def validate(self, text: str, *position: int) -> tuple[Any, ...]:
+        """Let everything be typed."""
+        if position:
+            return QValidator.State.Acceptable, text, *position
+        # QGIS hands over no position, and wants it back: behind the prefix that Qt has put before what was typed.
+        line = self.lineEdit()
+        before = 0 if line.text().startswith(self.prefix()) else len(self.prefix())
+        return QValidator.State.Acceptable, line.cursorPosition() + before
+
+    def setValue(self, value: float) -> None:
+        """Enter a number, in place of whatever has been typed."""
+        with self._entering():
+            super().setValue(value)
+
+    def stepBy(self, steps: int) -> None:
+        """Step from the last number that was read."""
+        with self._entering():
+            super().stepBy(steps)
+
     def textFromValue(self, value: float) -> str:
-        """Text of a number."""
+        """Text of a number; where something else is typed, that."""
+        typed = self.unread() if self._is_typed_into else None
+        if typed is not None and value == self.value():
+            return typed
         text = super().textFromValue(value)
         point = self.locale().decimalPoint()
         return text.rstrip("0").rstrip(point) if point in text else text
 
     def valueFromText(self, text: str) -> float:
-        """Number of a text; a point stands before decimals in every country, as no thousands are kept apart here."""
-        typed = text.strip()
-        typed = typed.removeprefix(self.prefix().strip()).removesuffix(self.suffix().strip()).strip()
-        omits = self.locale().numberOptions() & QLocale.NumberOption.OmitGroupSeparator
-        return float(typed) if omits and _WITH_POINT.fullmatch(typed) else super().valueFromText(text)
+        """Number of a text; of one that is none the last number, but never one that says that there is none."""
+        value = self._read(self._typed(text))
+        if value is not None:
+            return value
+        left_out = self.may_be_left_out and self.value() == self.minimum()
+        return self.minimum() + 1.0 if left_out else self.value()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Step only where the box has been entered: otherwise the panel is scrolled."""
@@ -372,13 +435,73 @@ class NumberBox(QgsDoubleSpinBox):
 
     def number(self) -> float | int | None:
         """What is entered, whole where no decimals are taken; None where nothing is."""
-        if self.may_be_left_out and self.value() == self.minimum():
+        if self.may_be_left_out and (self.value() == self.minimum() or self.unread() is not None):
             return None
         return self.value() / self.times if self.decimals() else int(self.value())
 
     def enter(self, number: float | None) -> None:
         """Show what `number` returns then, to the decimals there are and the digits that people read."""
         self.setValue(self.minimum() if number is None else short_number(number * self.times))
+
+    def _typed(self, text: str) -> str:
+        """Text without what stands before and behind it by itself, and a unit that was typed all the same."""
+        prefix, suffix = self.prefix().strip(), self.suffix().strip()
+        text = text.strip().removeprefix(prefix).removesuffix(suffix).strip()
+        return text.removesuffix(suffix).strip()
+
+    def _read(self, text: str) -> float | None:
+        """Number of a text, in the range and to the decimals there are; None where it is none."""
+        if self.may_be_left_out and text in ("", self.specialValueText()):
+            return self.minimum()
+        value = self._number(text)
+        if value is None or not self.minimum() <= value <= self.maximum():
+            return None
+        left_out = self.may_be_left_out and value == self.minimum()
+        return None if left_out or (not self.decimals() and value != int(value)) else value
+
+    def _number(self, text: str) -> float | None:
+        """Number of a text, or what a sum of numbers comes to; None where it is neither."""
+        if not self.locale().numberOptions() & QLocale.NumberOption.OmitGroupSeparator:
+            # Where QGIS keeps thousands apart in what it shows, they are when that is read.
+            value, is_number = self.locale().toDouble(text)
+            if is_number:
+                return value
+        try:
+            return plain_number(text)
+        except ValueError:
+            return _result(text) if _SUM.fullmatch(text) else None
+
+    @contextmanager
+    def _entering(self) -> Iterator[None]:
+        self._is_typed_into = False
+        try:
+            yield
+        finally:
+            self._is_typed_into = True
+            self._judge()
+
+    def _judge(self, *_: object) -> None:
+        """Tell whether what is typed is a number, where that has changed."""
+        unread = self.unread()
+        if unread != self._judged:
+            self._judged = unread
+            self.judged.emit()
+
+
+class WholeBox(NumberBox):
+    """A spin box of whole numbers."""
+
+    def value(self) -> int:
+        """Return what is entered."""
+        return int(super().value())
+
+
+def _result(text: str) -> float | None:
+    """Result of a sum of numbers, as QGIS works it out; None for none."""
+    from qgis.core import QgsExpression
+
+    value = QgsExpression(text).evaluate()
+    return float(value) if isinstance(value, (int, float)) and math.isfinite(value) else None
 
 
 def short_number(value: float) -> float:
@@ -391,14 +514,23 @@ def short_number(value: float) -> float:
 
 def spin(name: str, least: float, most: float, decimals: int, suffix: str, tip: str) -> NumberBox:
     """Entry for a number with a unit."""
-    spin = named(NumberBox(), name, tip)
-    spin.setRange(least, most)
-    spin.setDecimals(decimals)
-    spin.setSuffix(suffix)
-    spin.setShowClearButton(False)
-    spin.setStepType(QAbstractSpinBox.StepType.AdaptiveDecimalStepType)
-    spin.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    return spin
+    made = _number_box(named(NumberBox(), name, tip), least, most, decimals)
+    made.setSuffix(suffix)
+    made.setStepType(QAbstractSpinBox.StepType.AdaptiveDecimalStepType)
+    return made
+
+
+def whole_spin(name: str, least: int, most: int, tip: str) -> WholeBox:
+    """Entry for a whole number of a range."""
+    return _number_box(named(WholeBox(), name, tip), least, most, 0)
+
+
+def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
+    made.setDecimals(decimals)
+    made.setRange(least, most)
+    made.setShowClearButton(False)
+    made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    return made
 
 
 def choose(combo: QComboBox, value: object) -> None:

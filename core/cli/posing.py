@@ -145,7 +145,7 @@ def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]
 
 
 def _area(text: str) -> Box | Polygon | Polygons:
-    from ..mission.area import Box
+    from ..mission.area import Box, check_ground
     from ..mission.area_files import load_area
 
     if is_there(text):
@@ -158,7 +158,9 @@ def _area(text: str) -> Box | Polygon | Polygons:
             text,
             remedy='give a GeoJSON, KML or KMZ file of polygons, or a box "latTL_lonTL_latBR_lonBR"',
         ) from wrong
-    return Box(north, west, south, east)
+    box = Box(north, west, south, east)
+    check_ground(box)
+    return box
 
 
 def _write(points: Points, path: str) -> None:

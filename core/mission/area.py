@@ -36,6 +36,25 @@ def check_lat_lon(lat_deg: float, lon_deg: float) -> None:
         raise InvalidInput("longitude {0}: must be within -360 and 360 degrees", lon_deg)
 
 
+def check_ground(area: Area) -> None:
+    """Refuse a box whose edges enclose no ground; polygons without ground are none from the start."""
+    if not isinstance(area, Box) or area.area_m2() > 0.0:
+        return
+    if area.north_deg == area.south_deg or area.span_deg > 0.0:
+        raise InvalidInput(
+            "box from latitude {0} down to {1}: has no height; its north must lie above its south",
+            area.north_deg,
+            area.south_deg,
+            field="south",
+        )
+    raise InvalidInput(
+        "box from longitude {0} to {1}: has no width; its west and its east must differ",
+        area.west_deg,
+        area.east_deg,
+        field="east",
+    )
+
+
 def check_agl(agl_m: float) -> None:
     """Refuse a height above ground that no flight has."""
     field_named(Flight, "agl_m").settled(agl_m)

@@ -14,7 +14,7 @@ from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
-from .area import Area, Box, Points, Polygon, Polygons
+from .area import Area, Box, Points, Polygon, Polygons, check_ground
 from .earlier import of_schema_1, with_row_azimuth
 from .flight.wind import Wind
 from .imageries import NamedImagery
@@ -110,6 +110,7 @@ class Mission:
 
     def _keep(self, **parts: Any) -> None:
         """Take parts that are right one by one, if they go together."""
+        check_ground(parts["area"])
         if parts["wind"] is not None:
             parts["wind"].flown_at(parts["flight"].airspeed_m_per_s)
         # One polygon given more than once forbids no more, and a list is as good as a tuple.

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
-from ..mission.area import Box, check_lat_lon
+from ..mission.area import Box, check_ground, check_lat_lon
 from ..numbers import real_number
 
 Floats = NDArray[np.float64]
@@ -147,7 +147,9 @@ def read_box(text: str) -> Box:
         raise InvalidInput(
             "places {0!r}: {1} numbers", text, len(values), remedy=Message("give {0}", _FORMATS)
         )
-    return Box(*values[:4])
+    box = Box(*values[:4])
+    check_ground(box)
+    return box
 
 
 def spread_places(

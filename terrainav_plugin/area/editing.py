@@ -45,8 +45,8 @@ class AreaEditing(QObject):
 
     Attributes
     ----------
-    wrong : str
-        What is wrong with coordinates pasted into an edge; empty once the edge changes.
+    wrong : dict of str to str
+        What is wrong with coordinates pasted into an edge, by its field; empty once an edge changes.
     """
 
     typed = pyqtSignal()
@@ -62,7 +62,7 @@ class AreaEditing(QObject):
     ) -> None:
         super().__init__(parent)
         self._entries, self._read, self._write = entries, read, write
-        self.wrong = ""
+        self.wrong: dict[str, str] = {}
         self.history = AreaHistory(read, write, self)
         self.undo_keys = UndoKeys(self.history)
         self._shape_lost = False
@@ -76,6 +76,7 @@ class AreaEditing(QObject):
             widget.installEventFilter(self.undo_keys)
         for name, edit in entries.edges.items():
             edit.textChanged.connect(partial(self._take_typed, name))
+            edit.editingFinished.connect(partial(self._take_left, name))
 
     def state(self) -> FormState:
         """State of the form that the area is part of."""
@@ -133,16 +134,29 @@ class AreaEditing(QObject):
 
     def _take_typed(self, name: str, text: str) -> None:
         """Spread coordinates pasted into one edge over all of them; an edge typed makes the area a box."""
-        self.wrong = ""
-        if looks_like_coordinates(text):
-            try:
-                self.set_coordinates(text)
-            except FormError as wrong:
-                self.wrong = wrong.messages["north"]
-            else:
-                return
+        self.wrong = {}
+        # In mid-typing nothing else is touched: three numbers may become an angle, or four.
+        if self._entries.edges[name].is_pasted() and self._is_spread(name, text):
+            return
         self._shape_lost = self._shape_lost or bool(self._entries.shape)
         self._entries.shape = ""
         self.history.name(step_names()[name], joined=True)
         self.typed.emit()
         self.coordinates_entered.emit()
+
+    def _take_left(self, name: str) -> None:
+        """Spread coordinates typed into one edge, now that it is left."""
+        text = self._entries.edges[name].text()
+        if not self.wrong and looks_like_coordinates(text) and not self._is_spread(name, text):
+            self.typed.emit()
+
+    def _is_spread(self, name: str, text: str) -> bool:
+        """Spread coordinates over all edges; False where a text holds none, which is then said where they are wrong."""
+        if not looks_like_coordinates(text):
+            return False
+        try:
+            self.set_coordinates(text)
+        except FormError as wrong:
+            self.wrong = {name: wrong.messages["north"]}
+            return False
+        return True

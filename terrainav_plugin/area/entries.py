@@ -18,7 +18,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ..form.state import BOX_FIELDS, FormState
-from ..form.text import short_degrees
+from ..form.text import inserted, short_degrees
 from ..i18n import number_text, tr
 from ..paths import icon
 from ..widgets import FieldMarks, ShortLine, contents_of, named, row, tool_button
@@ -30,6 +30,24 @@ from .no_fly import NoFlyMenu
 _EDGE_PX = 70
 #: Characters of a list of coordinates that is pasted: tens of thousands of lines. Qt's own limit cuts after a thousand.
 _LONGEST_PASTE = 1_000_000
+
+
+class EdgeLine(ShortLine):
+    """Entry for an edge, which can tell a text that is pasted from one that is being typed."""
+
+    def __init__(self) -> None:
+        super().__init__(short_degrees)
+        self._before = ""
+
+    def enter(self, text: str) -> None:
+        """Enter a text."""
+        super().enter(text)
+        self._before = self.text()
+
+    def is_pasted(self) -> bool:
+        """Whether more than one character has come at once since this was asked last."""
+        before, self._before = self._before, self.text()
+        return inserted(before, self._before) > 1
 
 
 class AreaEntries(QgsCollapsibleGroupBoxBasic):
@@ -44,7 +62,7 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     Attributes
     ----------
-    edges : dict of str to ShortLine
+    edges : dict of str to EdgeLine
     shape, no_fly : str
         Of polygons or points, and of no-fly areas, as `FormState` has them.
     draw_box, draw_polygon, edit : QPushButton
@@ -214,7 +232,7 @@ def _tool_button(name: str, image: str) -> QToolButton:
     return button
 
 
-def _edge(name: str) -> ShortLine:
+def _edge(name: str) -> EdgeLine:
     tips = {
         "north": tr("Northern edge: latitude in degrees, up to 90"),
         "west": tr(
@@ -224,10 +242,11 @@ def _edge(name: str) -> ShortLine:
         "east": tr("Eastern edge: longitude in degrees"),
     }
     paste = tr(
-        "Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of "
-        "lat lon agl [yaw]. An edge typed makes a polygon or points a box."
+        "A number, or degrees, minutes and seconds such as 47 01 30. "
+        "Coordinates pasted here, or typed and left, fill all fields: north_west_south_east_agl, lat_lon_agl, or lines "
+        "of lat lon agl [yaw]. An edge typed makes a polygon or points a box."
     )
-    edit = named(ShortLine(short_degrees), name, f"{tips[name]}\n{paste}")
+    edit = named(EdgeLine(), name, f"{tips[name]}\n{paste}")
     edit.setPlaceholderText(tr("degrees"))
     edit.setMinimumWidth(_EDGE_PX)
     edit.setMaxLength(_LONGEST_PASTE)

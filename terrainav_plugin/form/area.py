@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import ANGLES, Area, Box, Points, Polygon, Polygons, parts_of
+from ...core.mission.area import ANGLES, Area, Box, Points, Polygon, Polygons, check_ground, parts_of
 from ...core.mission.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.mission.pose_table import header_of, read_poses, usual_names
@@ -22,7 +22,16 @@ from ...core.units import LENGTHS_M
 from ..i18n import localized, number_text, tr, translate
 from ..units import area_text, length_text
 from .state import BOX_FIELDS, FormState, in_metres
-from .text import SEPARATORS, degrees_text, exact_degrees_text, parse_number, with_points
+from .text import (
+    LATITUDE,
+    LONGITUDE,
+    SEPARATORS,
+    degrees_text,
+    exact_degrees_text,
+    parse_degrees,
+    with_decimal_degrees,
+    with_points,
+)
 
 #: Heights this near to each other are the same: spin boxes show four decimals, of a foot at least.
 SAME_HEIGHT_M = 1e-4
@@ -95,9 +104,16 @@ def entered_area(state: FormState) -> Area | None:
         shape = entered_shape(state)
         if shape is not None:
             return shape
-        return Box(*(parse_number(getattr(state, name)) for name in BOX_FIELDS))
+        box = Box(*(edge_deg(name, getattr(state, name)) for name in BOX_FIELDS))
+        check_ground(box)
     except (TerrAInavError, ValueError):
         return None
+    return box
+
+
+def edge_deg(name: str, text: str) -> float:
+    """Degrees of an edge by its field, as entered; raises ValueError where it is no angle."""
+    return parse_degrees(text, LATITUDE if name in ("north", "south") else LONGITUDE)
 
 
 @dataclass(frozen=True)
@@ -182,7 +198,8 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
     text : str
         ``north_west_south_east_agl`` or ``lat_lon_agl``, several lines of ``lat lon agl [yaw]``, or a table of poses
         with a header, as `pose_table.read_poses` has it. Commas, semicolons and spaces do as well as underscores, and
-        the height may be left out of one line. Commas before decimals are understood as `with_points` does.
+        the height may be left out of one line. Commas before decimals are understood as `with_points` does, and
+        degrees, minutes and seconds with the letter of their hemisphere as `with_decimal_degrees` does.
     agl : float
         Height where the text has none.
     agl_unit : str
@@ -211,7 +228,16 @@ def area_of_text(text: str, agl: float, agl_unit: str) -> tuple[Area, float | No
         points = read_poses(text.splitlines(), agl_unit=agl_unit, agl_m=agl_m)
         return points, points.poses[0][2] if has_heights else None
     try:
-        read = with_points("\n".join(line for _, line in held)).splitlines()
+        text = with_decimal_degrees("\n".join(line for _, line in held))
+    except ValueError as wrong:
+        raise InvalidInput(
+            tr(
+                "coordinates “{text}”: minutes and seconds must be below 60, and each latitude stand before its "
+                "longitude"
+            ).format(text=wrong)
+        ) from wrong
+    try:
+        read = with_points(text).splitlines()
     except ValueError as wrong:
         raise InvalidInput(
             tr(

@@ -10,18 +10,26 @@ from typing import TYPE_CHECKING, Any
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.fields import declared_fields, field_named
 from ...core.mission.parts import FLAT_PARTS, Flight, Output, Route
-from ..i18n import number_text, tr, translate
-from .area import FormError, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
+from ..i18n import number_text, plain_number, tr, translate
+from .area import FormError, edge_deg, entered_shape, no_fly_of, no_fly_text, shape_text, with_box
 from .camera import camera_as_typed, given_by, in_length_unit
-from .state import DECLARED, DIAGONAL, ENTERED_AS_DECLARED, SENSOR, URL_TEMPLATE, WITHOUT_ENTRY, FormState
+from .state import (
+    BOX_FIELDS,
+    DECLARED,
+    DIAGONAL,
+    ENTERED_AS_DECLARED,
+    SENSOR,
+    URL_TEMPLATE,
+    WITHOUT_ENTRY,
+    FormState,
+)
 from .text import (
-    SEPARATORS,
     aspect_text,
     exact_degrees_text,
+    looks_like_coordinates,
     parse_aspect,
-    parse_number,
+    parse_place,
     short_place,
-    with_points,
 )
 
 if TYPE_CHECKING:
@@ -52,7 +60,9 @@ class _Checks:
         try:
             return check()
         except TerrAInavError as wrong:
-            self.messages.setdefault(field, translate(wrong))
+            # Of several entries that are looked at together the error may name another one.
+            named = wrong.field if wrong.field in BOX_FIELDS else field
+            self.messages.setdefault(named, translate(wrong))
         return None
 
     def number(self, field: str, what: str, text: str, parse: Callable[[str], float]) -> float | None:
@@ -73,9 +83,14 @@ def mission(state: FormState) -> Mission:
     FormError
         With the core's message at every field that is wrong.
     """
+    from ...core.mission.area import check_ground
+
     checks = _Checks()
     area = _box(state, checks)
     shape = checks("shape", lambda: entered_shape(state))
+    if shape is None and area is not None:
+        # That around points may have no ground.
+        checks("south", lambda: check_ground(area))
     return _mission(state, area if shape is None else shape, checks)
 
 
@@ -117,6 +132,9 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
         checks(entry_of(name) or _BEYOND, partial(_check, name, value))
     wind = _wind(state, checks)
     no_fly = checks("no_fly", lambda: no_fly_of(state.no_fly))
+    checks.messages.update(
+        (name, unread_text(name, text)) for name, text in state.unread if name not in state.hidden
+    )
     if checks.messages:
         raise FormError(checks.messages)
     try:
@@ -124,6 +142,36 @@ def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
     except InvalidInput as wrong:
         # Entries that are right one by one, and do not go together.
         raise FormError({entry_of(wrong.field) or _BEYOND: translate(wrong)}) from wrong
+
+
+def unread_text(name: str, text: str) -> str:
+    """Say what is wrong with a text in the entry of a number: no number at all, or not one of the entry's."""
+    others = {
+        "camera_gsd": tr("GSD"),
+        "fov_typed_deg": tr("field of view"),
+        "focal_length_mm": tr("focal length"),
+        "sensor_width_mm": tr("sensor width"),
+        "sensor_height_mm": tr("sensor height"),
+        "resize_width_px": tr("image width"),
+        "resize_height_px": tr("image height"),
+        "facing": tr("azimuth"),
+    }
+    field = DECLARED.get(name)
+    what = others.get(name) or (translate(field.title) if field is not None else name)
+    try:
+        value = plain_number(text)
+    except ValueError:
+        return tr("{what} “{text}”: must be a number").format(what=what, text=text)
+    if field is not None and name not in others:
+        try:
+            field.settled(value / field.unit.times)
+        except InvalidInput as wrong:
+            return translate(wrong)
+    if value < 0.0:
+        return tr("{what} “{text}”: must be 0 or more").format(what=what, text=text)
+    if value != int(value):
+        return tr("{what} “{text}”: must be a whole number").format(what=what, text=text)
+    return tr("{what} “{text}”: is too large").format(what=what, text=text)
 
 
 def _check(name: str, value: Any) -> None:
@@ -144,7 +192,7 @@ def takeoff(state: FormState) -> tuple[float, float] | None:
     if not text:
         return None
     try:
-        lat, lon = map(parse_number, (part for part in SEPARATORS.split(with_points(text)) if part))
+        lat, lon = parse_place(text)
     except ValueError as wrong:
         raise InvalidInput(
             tr("take-off “{text}”: must be a latitude and a longitude, such as {example}").format(
@@ -242,8 +290,11 @@ def _box(state: FormState, checks: _Checks) -> Box | None:
     }
     edges: dict[str, float] = {}
     for field, what in names.items():
-        value = checks.number(field, what, getattr(state, field), parse_number)
+        text = getattr(state, field)
+        value = checks.number(field, what, text, partial(edge_deg, field))
         if value is None:
+            if looks_like_coordinates(text):
+                checks.messages[field] = tr("coordinates are taken when the field is left")
             continue
         edges[field] = value
         lat, lon = (value, 0.0) if field in ("north", "south") else (0.0, value)

@@ -107,6 +107,8 @@ class FormState(_Asked):
         Seed of the gusts; None for the mission's own.
     hidden : tuple of str
         Entries that the choices made leave out of sight: they keep what was typed, and nobody asks for it.
+    unread : tuple of (str, str)
+        Entries of numbers that hold another text, which is no part of the state; they keep their last number.
     """
 
     north: str = ""
@@ -142,6 +144,7 @@ class FormState(_Asked):
     turbulence: float = DECLARED["turbulence"].starts_with
     wind_seed: int | None = None
     hidden: tuple[str, ...] = field(default=(), compare=False)
+    unread: tuple[tuple[str, str], ...] = field(default=(), compare=False)
 
     @property
     def agl_m(self) -> float:
@@ -166,7 +169,7 @@ class FormState(_Asked):
 
     def to_json(self) -> str:
         """Text for the settings."""
-        return json.dumps(asdict(self))
+        return json.dumps(asdict(replace(self, unread=())))
 
     @classmethod
     def from_json(cls, text: str) -> FormState:

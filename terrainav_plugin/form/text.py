@@ -6,8 +6,7 @@ import math
 import re
 from fractions import Fraction
 
-from ...core.numbers import real_number
-from ..i18n import decimal_sign, localized
+from ..i18n import decimal_sign, localized, plain_number
 
 _DEGREE_DECIMALS = 7
 #: Aspect ratios have parts as small as those of 4:3, 16:9 or 3000:2000; others are quotients of what was measured.
@@ -21,41 +20,138 @@ _RUN, _DECIMAL = re.compile(r"[^_;\s]+"), re.compile(r"([-+\u2212]?\d*)[.,](\d+)
 #: A number with decimals or without, and a comma between digits.
 _NUMBER = re.compile(r"[-+\u2212]?\d+(\.\d*)?")
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
+#: Letters of hemispheres, of latitudes and of longitudes.
+LATITUDE, LONGITUDE = "NS", "EW"
+#: Degrees, minutes and maybe seconds, with their signs or spaces between. Nothing is repeated without a bound, so that
+#: texts of any length are looked through in no time.
+_SEXAGESIMAL = (
+    r"(?P<degrees>\d{1,3})(?:\s?[°º]\s?|\s)(?P<minutes>\d{1,2}(?:[.,]\d{0,20})?)"
+    r"(?:(?:\s?['′’]\s?|\s)(?P<seconds>\d{1,2}(?:[.,]\d{0,20})?)\s?(?:[\"″”]|''|′′)?|\s?['′’])?"
+)
+_ANGLE = re.compile(rf"(?P<sign>[-+]?){_SEXAGESIMAL}")
+#: The same with the letter of a hemisphere behind it, as other programs write places.
+_LETTERED = re.compile(rf"(?<![\w.,])(?P<sign>){_SEXAGESIMAL}\s?(?P<letter>[NSEWnsew])\b")
+_FULL_MINUTES = 60.0
+#: Characters of a place as people write it, with room to spare.
+_LONGEST_PLACE = 100
 
 
 def parse_number(text: str) -> float:
-    """Read a number as people type it: Unicode minus, degree sign and hemisphere letters are understood.
-
-    Decimals stand behind a point, a comma or the user's own sign.
+    """Read a number of degrees as people type it: as `plain_number` does, with a degree sign or a hemisphere's letter.
 
     Raises
     ------
     ValueError
         Where there is no number.
     """
-    plain = text.strip().replace("\u2212", "-").rstrip("°").strip()
+    plain = text.strip()
     sign = 1.0
-    if plain and plain[-1:].upper() in "NESW":
+    if plain and plain[-1].upper() in LATITUDE + LONGITUDE:
         sign = -1.0 if plain[-1].upper() in "SW" else 1.0
-        plain = plain[:-1].rstrip().rstrip("°")
-    plain = plain.replace(decimal_sign(), ".")
-    if "," in plain and "." not in plain:
-        plain = plain.replace(",", ".")
-    value = real_number(plain)
-    if not math.isfinite(value):
+        plain = plain[:-1].rstrip()
+    return sign * plain_number(plain.rstrip("°"))
+
+
+def parse_degrees(text: str, letters: str) -> float:
+    """Read a latitude or a longitude: a number, or degrees, minutes and seconds, as ``47 01 30 N`` or ``-8°30'15"``.
+
+    Parameters
+    ----------
+    letters : str
+        `LATITUDE` or `LONGITUDE`: the letters that may stand before or behind it, in place of a sign.
+
+    Raises
+    ------
+    ValueError
+        Where there is no such angle.
+    """
+    plain = text.strip().replace("\u2212", "-")
+    letter = next((end for end in (plain[:1], plain[-1:]) if end and end.upper() in letters), "")
+    if letter:
+        plain = (plain[1:] if plain.startswith(letter) else plain[:-1]).strip()
+        if not plain[:1].isdecimal():
+            # A sign and a letter may contradict each other.
+            raise ValueError(text)
+    found = _ANGLE.fullmatch(" ".join(plain.split()))
+    if not found and plain[-1:].isalpha():
+        # Also where it is the letter of the other axis.
         raise ValueError(text)
-    return sign * value
+    value = _angle_deg(found) if found else parse_number(plain)
+    return -value if letter and letter.upper() in "SW" else value
+
+
+def parse_place(text: str) -> tuple[float, float]:
+    """Read a latitude and a longitude in one text; raises ValueError where it can be read in no way, or in several."""
+    plain = with_points(text.strip().strip(",;"))
+    if len(plain) > _LONGEST_PLACE:
+        raise ValueError(text)
+    halves = ((plain[: one.start()], plain[one.end() :]) for one in SEPARATORS.finditer(plain))
+    places = {place for place in (_place(*half) for half in halves) if place is not None}
+    if len(places) != 1:
+        raise ValueError(text)
+    return places.pop()
+
+
+def _place(lat: str, lon: str) -> tuple[float, float] | None:
+    try:
+        return parse_degrees(lat, LATITUDE), parse_degrees(lon, LONGITUDE)
+    except ValueError:
+        return None
+
+
+def is_angle(text: str) -> bool:
+    """Whether a text is one angle: a number of degrees, or degrees and minutes."""
+    return _is_angle(text, LATITUDE) or _is_angle(text, LONGITUDE)
+
+
+def _is_angle(text: str, letters: str) -> bool:
+    try:
+        parse_degrees(text, letters)
+    except ValueError:
+        return False
+    return True
+
+
+def with_decimal_degrees(text: str) -> str:
+    """Text in which places as other programs write them, ``47°01'30"N 8°30'15"E``, are in decimal degrees.
+
+    Raises
+    ------
+    ValueError
+        A longitude stands before its latitude, or an angle has 60 minutes or seconds or more.
+    """
+    found = list(_LETTERED.finditer(text))
+    for number, one in enumerate(found):
+        if one["letter"].upper() not in (LATITUDE, LONGITUDE)[number % 2]:
+            raise ValueError(one[0])
+    return _LETTERED.sub(_in_decimals, text)
+
+
+def _in_decimals(found: re.Match[str]) -> str:
+    sign = "-" if found["letter"].upper() in "SW" else ""
+    return f"{sign}{_angle_deg(found)!r} "
+
+
+def _angle_deg(found: re.Match[str]) -> float:
+    """Degrees of an angle in degrees, minutes and seconds; raises ValueError where there are too many of them."""
+    minutes, seconds = found["minutes"], found["seconds"]
+    parts = plain_number(minutes), plain_number(seconds or "0")
+    # Of parts of an hour only the last one has decimals.
+    if max(parts) >= _FULL_MINUTES or (seconds is not None and not minutes.isdecimal()):
+        raise ValueError(found[0])
+    value = float(found["degrees"]) + (parts[0] + parts[1] / _FULL_MINUTES) / _FULL_MINUTES
+    return -value if found["sign"] == "-" else value
 
 
 def parse_aspect(text: str) -> float:
     """Width over height from ``4:3``, ``4/3``, ``4000x3000`` or ``1.333``; raises ValueError otherwise."""
     for separator in (":", "/", "x", "×"):
         if separator in text:
-            width, height = (parse_number(part) for part in text.split(separator, 1))
+            width, height = (plain_number(part) for part in text.split(separator, 1))
             if height == 0.0:
                 raise ValueError(text)
             return width / height
-    return parse_number(text)
+    return plain_number(text)
 
 
 def aspect_text(ratio: float) -> str:
@@ -144,8 +240,20 @@ def with_points(text: str) -> str:
 
 
 def looks_like_coordinates(text: str) -> bool:
-    """Whether a text entered into one field holds several numbers, as pasted coordinates do."""
+    """Whether a text entered into one field holds several numbers, as pasted coordinates do, and is no single angle."""
+    if is_angle(text):
+        return False
+    if len(_LETTERED.findall(text)) > 1:
+        return True
     try:
         return len(SEPARATORS.split(with_points(text.strip()))) >= _THREE
     except ValueError:
         return True
+
+
+def inserted(before: str, now: str) -> int:
+    """Return how many characters one change has put into a text."""
+    most = min(len(before), len(now))
+    begin = next((at for at in range(most) if before[at] != now[at]), most)
+    end = next((at for at in range(most - begin) if before[-1 - at] != now[-1 - at]), most - begin)
+    return len(now) - begin - end

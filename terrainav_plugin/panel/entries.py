@@ -81,7 +81,8 @@ class FacingBox(QWidget):
         self.setFocusProxy(self.choice)
         self.azimuth.hide()
         self.choice.currentIndexChanged.connect(self._chosen)
-        self.azimuth.valueChanged.connect(self.changed)
+        for signal in (self.azimuth.valueChanged, self.azimuth.judged):
+            signal.connect(self.changed)
 
     def text(self) -> str:
         """What is chosen; an azimuth in the digits that it was entered in, as long as it is the same."""
@@ -89,6 +90,10 @@ class FacingBox(QWidget):
             return str(self.choice.currentData())
         shown = f"{self.azimuth.value():.15g}"
         return self._entered if shown == self._shown else shown
+
+    def unread(self) -> str | None:
+        """Return what is typed in place of a number of degrees; None where nothing is."""
+        return self.azimuth.unread() if self.choice.currentData() == _AZIMUTH else None
 
     def enter(self, text: str) -> None:
         """Enter a value."""
@@ -165,6 +170,20 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         """Return what is entered, by field."""
         return {name: access.read() for name, access in self._access.items()}
 
+    def unread(self) -> tuple[tuple[str, str], ...]:
+        """Return the fields of numbers that hold another text, each with that; not those that are switched off."""
+        found = (
+            (name, widget.unread())
+            for name, widget in self.entries.items()
+            if isinstance(widget, (NumberBox, FacingBox)) and widget.isEnabled()
+        )
+        return tuple((name, text) for name, text in found if text is not None)
+
+    def forget_unread(self) -> None:
+        """Show again the numbers of entries that hold another text."""
+        for name, _ in self.unread():
+            self._access[name].enter(self._access[name].read())
+
     def enter(self, state: FormState) -> None:
         """Enter the fields of a state; entries that hold theirs already are left alone, also in mid-typing."""
         for name, access in self._access.items():
@@ -189,6 +208,8 @@ class Entries(QgsCollapsibleGroupBoxBasic):
         self.entries[name] = widget
         self._access[name] = access
         access.changed.connect(lambda *_: self.edited.emit(name))
+        if isinstance(widget, NumberBox):
+            widget.judged.connect(lambda: self.edited.emit(name))
 
     def add(self, name: str, label: str, widget: QWidget, shown: QWidget | None = None) -> QWidget:
         """Add the entry of a field with its label, inside ``shown`` if that is given; return the row's field."""

@@ -98,11 +98,12 @@ class DockForm(QWidget):
         }
         for group in self.groups:
             read.update(group.values())
+        read["unread"] = tuple(one for group in self.groups for one in group.unread())
         return replace(self._given, **read)
 
     def set_state(self, state: FormState) -> None:
         """Enter a state; `changed` comes once, at the end."""
-        self.area_editing.wrong = ""
+        self.area_editing.wrong = {}
         self._show(state)
         self._folds.restore()
         self.changed.emit()
@@ -116,6 +117,8 @@ class DockForm(QWidget):
             self.imagery.enter_map_types(state.map_types)
             self.imagery.template.setText(state.template)
             self.imagery.date.setText(state.date)
+            for group in self.groups:
+                group.forget_unread()
             self._enter(state)
         finally:
             self._setting = False
@@ -133,9 +136,7 @@ class DockForm(QWidget):
 
     def show_messages(self, messages: dict[str, str]) -> None:
         """Mark fields; what was wrong with pasted coordinates stays until the field changes."""
-        messages = dict(messages)
-        if self.area_editing.wrong:
-            messages["north"] = self.area_editing.wrong
+        messages = {**messages, **self.area_editing.wrong}
         for group in self.groups:
             group.show_marked(messages)
         self.marks.show(messages)

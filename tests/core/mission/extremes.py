@@ -51,8 +51,8 @@ ATTITUDES = {"nadir": {}, "yaw 30 tilt 45 roll 10": {"yaw_deg": 30.0, "tilt_deg"
 BOXES = {
     "smaller than an image": (Box(35.0001, -89.0001, 35, -89), 120.0),
     "thinner than a pixel": (Box(35.0000001, -89.02, 35, -89), 120.0),
-    "a line": (Box(35, -89.02, 35, -89), 120.0),
-    "of zero area": (Box(35, -89, 35, -89), 120.0),
+    "as thin as a line": (Box(35.0000000001, -89.02, 35, -89), 120.0),
+    "of next to no area": (Box(35.0000000001, -89.0000000001, 35, -89), 120.0),
     "the world at 60 km": (Box(85.05, -180, -85.05, 180), 60e3),
     "the world to 80° at 800 km": (Box(80, -180, -80, 180), 8e5),
     "across the antimeridian": (Box(10.1, 179.95, 10, -179.95), 1200.0),

@@ -39,7 +39,7 @@ SCENES = {
         Box(-75.0, 10.0, -75.02, 10.1), 500.0, WIDE, margin_m=900.0, row_azimuth_deg=60.0
     ),
     "antimeridian": Mission(Box(-12.0, 179.99, -12.02, -179.99), 300.0, WIDE, margin_m=400.0),
-    "a point": Mission(Box(35.0, -89.0, 35.0, -89.0), 120.0, WIDE, margin_m=300.0),
+    "a point": Mission(Box(35.0000000001, -89.0000000001, 35.0, -89.0), 120.0, WIDE, margin_m=300.0),
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -96,7 +97,11 @@ def test_the_papers_grid_is_in_utm_from_the_top_left_corner_to_the_bottom_right(
 
 
 boxes = st.tuples(
-    st.floats(-84.5, 84.5), st.floats(-180, 180), st.floats(0, 0.05), st.floats(0, 0.2), st.floats(300, 3000)
+    st.floats(-84.5, 84.5),
+    st.floats(-180, 180),
+    st.floats(1e-12, 0.05),
+    st.floats(1e-12, 0.2),
+    st.floats(300, 3000),
 )
 
 
@@ -196,7 +201,9 @@ def test_a_polygon_is_covered_and_nothing_else_is_flown(layout):
 
 
 def test_a_hundred_thousand_rows_settle():
-    worked_out = plan(Mission(Box(35.3, -89.90, 35, -89.9), 0.3), PixelGrid(max_zoom=30, native_zoom=30))
+    worked_out = plan(
+        Mission(Box(35.3, -89.9000000001, 35, -89.9), 0.3), PixelGrid(max_zoom=30, native_zoom=30)
+    )
     assert worked_out.rows > 100_000
     assert worked_out.coverage.complete
 
@@ -234,12 +241,47 @@ def test_the_whole_world_from_limit_to_limit():
     assert bottom.max() == GRID.world_px(worked_out.zoom)
 
 
-@pytest.mark.parametrize("area", [Box(35, -89, 35, -89), Box(35, -89.1, 35, -89), Box(35.1, -89, 35, -89)])
-def test_boxes_without_ground_are_lines_and_points_of_captures(area):
+@pytest.mark.parametrize(
+    ("area", "rows", "columns"),
+    [
+        (Box(35.0000000001, -89.0000000001, 35, -89), 1, 1),
+        (Box(35.0000000001, -89.1, 35, -89), 1, None),
+        (Box(35.1, -89.0000000001, 35, -89), None, 1),
+    ],
+)
+def test_boxes_of_next_to_no_ground_are_lines_and_points_of_captures(area, rows, columns):
     worked_out = plan(Mission(area, 120.0), GRID)
     assert worked_out.coverage.complete
-    assert (worked_out.rows == 1) == (area.north_deg == area.south_deg)
-    assert (worked_out.columns == 1) == (area.west_deg == area.east_deg)
+    assert (worked_out.rows == 1) == (rows == 1)
+    assert (worked_out.columns == 1) == (columns == 1)
+
+
+@pytest.mark.parametrize(
+    ("area", "field", "says"),
+    [
+        (Box(35, -89, 35, -89), "south", "box from latitude 35 down to 35: has no height"),
+        (Box(35, -89.1, 35, -89), "south", "has no height; its north must lie above its south"),
+        (Box(90, -89.1, 90, -89), "south", "has no height"),
+        (Box(35.1, -89, 35, -89), "east", "box from longitude -89 to -89: has no width"),
+        (Box(35.1, 180, 35, -180), "east", "from longitude 180 to -180: has no width"),
+    ],
+)
+def test_boxes_without_ground_are_no_missions(area, field, says):
+    good = Mission(Box(35.1, -89.1, 35, -89), 120.0)
+    of_file = {**good.to_dict(), "area": {"type": "box", **asdict(area)}}
+    for make in (
+        lambda: Mission(area, 120.0),
+        lambda: good.with_(area=area),
+        lambda: Mission.from_dict(of_file),
+    ):
+        with pytest.raises(InvalidInput, match=says) as wrong:
+            make()
+        assert wrong.value.field == field
+
+
+def test_a_box_around_the_world_has_ground():
+    for area in (Box(10, -180, -10, 180), Box(10, 0, -10, 360), Box(10, -360, -10, 360)):
+        assert Mission(area, 50e3).area == area
 
 
 def test_points_keep_their_own_heights_and_share_a_zoom():
@@ -527,7 +569,7 @@ def test_names_are_the_published_ones():
             Mission(Points(((35, -89, 120.0),)), 120.0, camera=Camera(60.0, 1e4), tilt_deg=1.0),
             "under one pixel",
         ),
-        (Mission(Box(35, -89, 35, -89), 120.0, overlap_along=0.9999999), "overlap less"),
+        (Mission(Box(35.0001, -89.0001, 35, -89), 120.0, overlap_along=0.9999999), "overlap less"),
         (Mission(Box(10, -170, -10, 170), 1e5, layout="paper"), "use --layout cover"),
     ],
 )

@@ -145,8 +145,8 @@ SCENES = {
     "yaw across rows": Mission(FIELD, 120.0, row_azimuth_deg=127.0, yaw_deg=30.0),
     "wide": Mission(Box(42.0, 0.0, 40.0, 3.0), 12e3, row_azimuth_deg=110.0),
     "ground height": Mission(FIELD, 120.0, row_azimuth_deg=127.0, ground_height_m=2000.0),
-    "a point": Mission(Box(35.0, -89.0, 35.0, -89.0), 120.0, row_azimuth_deg=100.0),
-    "a line": Mission(Box(35.0, -89.02, 35.0, -89.0), 120.0, row_azimuth_deg=100.0),
+    "a point": Mission(Box(35.0000000001, -89.0000000001, 35.0, -89.0), 120.0, row_azimuth_deg=100.0),
+    "a line": Mission(Box(35.0000000001, -89.02, 35.0, -89.0), 120.0, row_azimuth_deg=100.0),
 }
 
 
