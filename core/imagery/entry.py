@@ -20,7 +20,7 @@ from ..resources import read_json
 from ..text import listed
 from .placeholder import Placeholder
 from .policy import BULK, Policy
-from .systems import WORLD_DEG, box_on, plane_of
+from .systems import WORLD_DEG, Bounds, box_on, plane_of
 from .template import KEY_ENV, Template, host_of
 
 DATE_KINDS = ("day", "year", "listed", "any")
@@ -50,6 +50,8 @@ _KINDS_OF: dict[str, tuple[tuple[type, ...], str]] = {
     **dict.fromkeys(("map_types", "hosts", "tile_px", "bounds_deg", "levels", "tile_limits"), _LIST),
     **dict.fromkeys(("urls", "dates", "placeholder", "plane"), _OBJECT),
 }
+#: Corners of the Web-Mercator map.
+_WHOLE_MAP = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 #: What names of sources look like.
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 _VARIABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
@@ -388,17 +390,29 @@ class CatalogueEntry:
         extent = extent_of_box(*self.bounds_deg) if ends else None
         more = _GRIDS.get(self.kind, {})
         if self.plane is not None:
-            extent, more = self._own_extent(self.plane), {"plane": self.plane}
+            box = None if self.bounds_deg == WORLD_DEG else box_on(self.plane, self.bounds_deg)
+            extent, more = self._extent(box), {"plane": self.plane}
+        elif self.tile_limits:
+            extent = self._limited(extent)
         return PixelGrid(size, self.min_zoom, self.max_zoom, self.native_zoom, extent=extent, **more)
 
-    def _own_extent(self, plane: ProjectedPlane) -> tuple[tuple[float, float], ...] | None:
-        """Corners of what tiles there are within the stated bounds, as fractions of the plane; None for all of it."""
+    def _limited(
+        self, extent: tuple[tuple[float, float], ...] | None
+    ) -> tuple[tuple[float, float], ...] | None:
+        """Return what of an extent on the map has tiles; as it is where that crosses the antimeridian."""
+        u, v = zip(*(extent or _WHOLE_MAP))
+        if min(u) < 0.0 or max(u) > 1.0:
+            return extent
+        found = self._extent((min(u), min(v), max(u), max(v)))
+        return extent if found == _WHOLE_MAP else found
+
+    def _extent(self, stated: Bounds | None) -> tuple[tuple[float, float], ...] | None:
+        """Corners of what tiles there are within stated edges, all as fractions of the plane; None for all of it."""
         boxes = [
             (left / (1 << zoom), top / (1 << zoom), (right + 1) / (1 << zoom), (bottom + 1) / (1 << zoom))
             for zoom, left, top, right, bottom in self.tile_limits
             if zoom == self.native_zoom
         ]
-        stated = None if self.bounds_deg == WORLD_DEG else box_on(plane, self.bounds_deg)
         boxes += [] if stated is None else [stated]
         if not boxes:
             return None

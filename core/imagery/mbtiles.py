@@ -12,8 +12,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import Cancelled, InvalidInput, Message, PartError
-from ..geodesy.mercator import HIGHEST_ZOOM, PixelGrid, extent_of_box
+from ..geodesy.mercator import HIGHEST_ZOOM, PixelGrid, extent_of_box, v_to_lat
 from ..limits import (
     MAX_METADATA_CHARACTERS,
     MAX_QUERY_S,
@@ -51,13 +53,16 @@ _COMPUTED = re.compile(r"\bas\b\s*(?:\(|/\*|--)|\bvirtual\b", re.IGNORECASE)
 #: Metadata that are of use here, a tile by its place, and any tile.
 _METADATA = (
     "SELECT name, substr(value, 1, ?) FROM metadata WHERE name IN "
-    "('name', 'attribution', 'date', 'license', 'licence', 'format', 'bounds', 'minzoom', 'maxzoom') LIMIT 100"
+    "('name', 'attribution', 'date', 'license', 'licence', 'format', 'bounds', 'minzoom', 'maxzoom', 'scheme') "
+    "LIMIT 100"
 )
 _TILE = (
     "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles "
     "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ? LIMIT 1"
 )
-_SAMPLE = "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END FROM tiles LIMIT 1"
+_SAMPLE = (
+    "SELECT CASE WHEN length(tile_data) <= ? THEN tile_data END, zoom_level, tile_row FROM tiles LIMIT 1"
+)
 
 
 class MBTilesFile(FileSource):
@@ -82,7 +87,9 @@ class MBTilesSource:
     grid : PixelGrid
     alpha : bool
         Whether the fourth channel is what the tiles have.
-    """
+    from_north : bool
+        Whether its rows count from the north: the standard has them from the south.
+    """""
 
     map_types: tuple[str, ...] = ()
 
@@ -95,11 +102,13 @@ class MBTilesSource:
         grid: PixelGrid,
         *,
         alpha: bool = False,
+        from_north: bool = False,
     ) -> None:
         self.name = str(path)
         self.title = one_line(rows.get("name", "")) or path.stem
         self.attribution = one_line(rows.get("attribution", ""), MAX_METADATA_CHARACTERS)
         self.grid = grid
+        self._from_north = from_north
         date = rows.get("date", "").strip()
         self.date = date if re.fullmatch(r"\d{4}(-\d\d){0,2}", date) else ""
         self.policy = Policy(licence=one_line(rows.get("license", rows.get("licence", ""))))
@@ -165,10 +174,12 @@ class MBTilesSource:
             self._clock.start()
             row = self._connection.execute(
                 _TILE,
-                # Rows are counted from the south (TMS).
-                (MAX_STORED_TILE_BYTES, tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y),
+                (MAX_STORED_TILE_BYTES, tile.zoom, tile.x, self._row(tile)),
             ).fetchone()
         return bytes(row[0]) if row and isinstance(row[0], bytes) else None
+
+    def _row(self, tile: Tile) -> int:
+        return tile.y if self._from_north else (1 << tile.zoom) - 1 - tile.y
 
 
 def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTilesSource:
@@ -193,8 +204,10 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
     try:
         connection = _opened(file, clock)
         _check_defined(connection)
-        rows, sample = _first_look(connection)
-        source = MBTilesSource(file, connection, clock, rows, _grid(connection, rows, sample), alpha=alpha)
+        rows, sample, place = _first_look(connection)
+        grid = _grid(connection, rows, sample)
+        from_north = _is_from_north(rows, *place)
+        source = MBTilesSource(file, connection, clock, rows, grid, alpha=alpha, from_north=from_north)
     except InvalidInput as wrong:
         failure = InvalidInput("MBTiles {0}: {1}", file, wrong)
     except FILE_ERRORS as wrong:
@@ -318,17 +331,46 @@ def _may_name(sql: str, name: str) -> bool:
     return re.search(rf"(?<!\w){name}(?!\w)", sql, re.IGNORECASE) is not None
 
 
-def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes]:
-    """Metadata, and a tile; empty where there is none."""
+def _first_look(connection: sqlite3.Connection) -> tuple[dict[str, str], bytes, tuple[Any, Any]]:
+    """Metadata, and a tile with its zoom and row; empty where there is none."""
     found = connection.execute(_METADATA, (MAX_METADATA_CHARACTERS,))
     rows = {str(name): str(value) for name, value in found}
     tile = connection.execute(_SAMPLE, (MAX_STORED_TILE_BYTES,)).fetchone()
     body = tile[0] if tile else b""
-    return rows, body if isinstance(body, bytes) else b""
+    return rows, body if isinstance(body, bytes) else b"", tile[1:] if tile else (0, 0)
+
+
+def _is_from_north(rows: Mapping[str, str], zoom: Any, row: Any) -> bool:
+    """Whether rows count from the north: the metadata's scheme says so, and its bounds do not contradict.
+
+    Parameters
+    ----------
+    zoom, row : object
+        Of some tile, as they are stored.
+    """
+    if rows.get("scheme", "").strip().lower() != "xyz":
+        return False
+    bounds = _bounds(rows.get("bounds", ""))
+    if bounds is None or not (isinstance(zoom, int) and 0 <= zoom <= HIGHEST_ZOOM and isinstance(row, int)):
+        return True
+    # Some programs take the scheme over from where the tiles came from, and store rows from the south.
+    _, south, _, north = bounds
+
+    def meets(row_from_north: int) -> bool:
+        top_deg, bottom_deg = v_to_lat(np.array([row_from_north, row_from_north + 1]) / (1 << zoom)).tolist()
+        return bool(bottom_deg < north and top_deg > south)
+
+    return meets(row) or not meets((1 << zoom) - 1 - row)
 
 
 def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
-    """Where the metadata's "west,south,east,north" says that there are tiles; None where it says nothing sound."""
+    """Corners of where the metadata say that there are tiles; None where they say nothing sound."""
+    edges = _bounds(bounds)
+    return None if edges is None else extent_of_box(*edges)
+
+
+def _bounds(bounds: str) -> tuple[float, float, float, float] | None:
+    """Metadata's "west,south,east,north"; None where that is not sound."""
     try:
         west, south, east, north = (real_number(part) for part in bounds.split(","))
     except ValueError:
@@ -339,7 +381,7 @@ def _extent(bounds: str) -> tuple[tuple[float, float], ...] | None:
         and west != east
         and -90.0 <= south < north <= 90.0
     )
-    return extent_of_box(west, south, east, north) if sound else None
+    return (west, south, east, north) if sound else None
 
 
 def _grid(connection: sqlite3.Connection, rows: Mapping[str, str], sample: bytes) -> PixelGrid:

@@ -15,7 +15,7 @@ from .cache.tile_cache import TileCache
 from .cache.tilestore import TileStore
 from .decode import WrongSizeError, decode
 from .entry import CatalogueEntry, serving
-from .http.client import Client
+from .http.client import Client, NotThere
 from .http.requests_transport import RequestsTransport
 from .http.transport import Response, Transport
 from .opening import SourceOptions
@@ -157,7 +157,7 @@ class XYZSource:
         tile = tile_address(part, self.grid, self.title)
         left, top, right, bottom = self._limits.get(tile.zoom, (tile.x, tile.y, tile.x, tile.y))
         if not (left <= tile.x <= right and top <= tile.y <= bottom):
-            raise PartError("{0}: beyond the tiles of {1}", tile, self.title)
+            raise NotThere("{0}: beyond the tiles of {1}", tile, self.title)
         url = self._template(map_type).url(
             *tile, scale=self.grid.scale, map_type=map_type, date=self.date, key=self._key_needed(map_type)
         )

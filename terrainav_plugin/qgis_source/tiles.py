@@ -149,6 +149,7 @@ class Tiles:
                     transport=self._transport,
                     connections=self._connections,
                     cache=self._cache,
+                    limits=entry.tile_limits,
                     alpha=True,
                     any_size=entry.any_size,
                 )

@@ -128,14 +128,14 @@ def wmts_layer(
     styles=(("default", True),),
     bounds=None,
 ) -> str:
-    """Write a layer; ``links`` maps tile matrix sets to the matrices it is limited to, none for all.
+    """Write a layer; ``links`` maps tile matrix sets to the matrices that it has, whole; none for all.
 
     They may be a mapping to the limits themselves: first column and row, last column and row. ``bounds`` are west,
     south, east and north in degrees.
     """
     texts = []
     for matrix_set_name, limited in links.items():
-        ends = limited if isinstance(limited, dict) else dict.fromkeys(limited, (0, 0, 1, 1))
+        ends = limited if isinstance(limited, dict) else dict.fromkeys(limited, (0, 0, 1 << 24, 1 << 24))
         limits = "".join(
             f"<TileMatrixLimits><TileMatrix>{one}</TileMatrix><MinTileRow>{top}</MinTileRow>"
             f"<MaxTileRow>{bottom}</MaxTileRow><MinTileCol>{left}</MinTileCol><MaxTileCol>{right}</MaxTileCol>"

@@ -33,6 +33,20 @@ TITLES = {"wmts": "WMTS", "wms": "WMS", "arcgis": "ArcGIS REST", "ogcapi": "OGC 
 ROOTS = {"wmts": rb"<(\w+:)?Capabilities\b", "wms": rb"<(\w+:)?(WMS|WMT_MS)_Capabilities\b"}
 #: Formats of tiles that can be decoded, the first that is offered is taken.
 FORMATS = ("image/png", "image/jpeg", "image/webp", "image/gif")
+#: PNG where pixels are missing, and JPEG elsewhere.
+_EITHER = "image/vnd.jpeg-png"
+#: Other names that servers give them, the best first: of 8 bits a PNG has 256 colours.
+_OTHER_NAMES = {
+    "image/png32": "image/png",
+    "image/png24": "image/png",
+    "image/x-png": "image/png",
+    _EITHER: _EITHER,
+    "image/jpgpng": _EITHER,
+    "image/jpg": "image/jpeg",
+    "image/pjpeg": "image/jpeg",
+    "image/png8": "image/png",
+    "image/vnd.jpeg-png8": _EITHER,
+}
 #: Attempts at a document: a person waits for it, and may try again.
 _TRIES = 2
 #: Layers and tile matrix sets that an error names.
@@ -311,20 +325,36 @@ def chosen_one(document: Document, what: str, wanted: str | None, offered: Mappi
 
 
 def chosen_format(document: Document, offered: list[str]) -> str:
-    """Return the format asked for, or the best of those offered that can be decoded."""
+    """Return the format asked for, or the best of those offered that can be decoded, as the service writes it."""
     wanted = document.service.choices.get("format")
-    known = [kind for kind in offered if kind.partition(";")[0].strip() in FORMATS]
+    known = [kind for kind in offered if media_type(kind)]
     if wanted is not None:
-        wanted = wanted if "/" in wanted else "image/" + wanted.replace("jpg", "jpeg")
-        return chosen_one(document, "format", wanted, {kind: kind for kind in known})
-    for kind in FORMATS:
-        if kind in known:
-            return kind
+        full = (wanted if "/" in wanted else f"image/{wanted}").lower()
+        alike = [kind for kind in known if kind.lower() == full]
+        alike += [kind for kind in known if media_type(kind) == media_type(full)]
+        return alike[0] if alike else chosen_one(document, "format", full, dict.fromkeys(known, ""))
     if known:
-        return known[0]
+        return min(known, key=_by_quality)
     raise document.wrong(
         Message("offers {0}, and none of {1}", ", ".join(offered) or Message("no format"), ", ".join(FORMATS))
     )
+
+
+def media_type(kind: str) -> str:
+    """Media type that a service's name of a format stands for, without parameters; empty where none can be decoded."""
+    plain = kind.partition(";")[0].strip().lower()
+    plain = _OTHER_NAMES.get(plain, plain)
+    return plain if plain in FORMATS or plain == _EITHER else ""
+
+
+def _by_quality(kind: str) -> tuple[int, int]:
+    """Place of a format: those of the registered names, as it was before others were known; then the others."""
+    plain = kind.strip().lower()
+    if plain in FORMATS:
+        return 0, FORMATS.index(plain)
+    if plain not in _OTHER_NAMES:
+        return 1, 0
+    return 2, list(_OTHER_NAMES).index(plain)
 
 
 def policy_of(identification: Any) -> Policy:

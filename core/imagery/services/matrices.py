@@ -142,7 +142,7 @@ def _tiles_of(matrix_set: Any, name: str, layer: Any, first: str | None) -> Laye
     matrices = [one for one in offered if one.scaledenominator >= scale]
     crs = code_of(matrix_set.crs)
     if crs == MAP:
-        return _quad(name, matrices)
+        return _quad(name, matrices, limits)
     if not is_usable(crs):
         return None
     by_axes = not matrix_set.crs.strip().upper().startswith("EPSG:")
@@ -156,14 +156,15 @@ def _tile_px(matrices: Sequence[Any]) -> int | None:
     return size if size >= 256 and size % 256 == 0 else None
 
 
-def _quad(name: str, matrices: list[Any]) -> LayerTiles | None:
+def _quad(name: str, matrices: list[Any], limits: Mapping[str, Any]) -> LayerTiles | None:
     """Tiles of the Web-Mercator quad; None where the matrices are of another grid."""
     width = _tile_px(matrices)
     if width is None:
         return None
     levels = {}
     for matrix in matrices:
-        x_m, y_m = matrix.topleftcorner
+        # The corner is west and north of all, also where a document writes it in the other order.
+        x_m, y_m = sorted(matrix.topleftcorner)
         zoom = math.log2(2.0 * HALF_WORLD_M / (matrix.scaledenominator * SCALE_PX_M * width))
         if (
             abs(x_m + HALF_WORLD_M) <= _CORNER_TOLERANCE_M
@@ -171,13 +172,20 @@ def _quad(name: str, matrices: list[Any]) -> LayerTiles | None:
             and abs(2.0 ** (zoom - round(zoom)) - 1.0) <= _SCALE_TOLERANCE
             and 0 <= round(zoom) <= HIGHEST_ZOOM
         ):
-            levels[round(zoom)] = matrix.identifier
+            levels[round(zoom)] = matrix
     if not levels:
         return None
     # Zooms have to follow each other; what lies below a gap is of no use for captures.
     highest = max(levels)
     lowest = next(zoom for zoom in range(highest, -2, -1) if zoom not in levels) + 1
-    return LayerTiles(name, MAP, width, {zoom: levels[zoom] for zoom in range(lowest, highest + 1)})
+    taken = {zoom: levels[zoom] for zoom in range(lowest, highest + 1)}
+    return LayerTiles(
+        name,
+        MAP,
+        width,
+        {zoom: matrix.identifier for zoom, matrix in taken.items()},
+        limits=tuple((zoom, *_limited(matrix, limits)) for zoom, matrix in taken.items() if limits),
+    )
 
 
 def _own(
@@ -261,8 +269,10 @@ def _limited(matrix: Any, limits: Mapping[str, Any]) -> tuple[int, int, int, int
     stated = limit and (limit.mintilecol, limit.mintilerow, limit.maxtilecol, limit.maxtilerow)
     if not stated or None in stated:
         return 0, 0, last_column, last_row
-    left, top, right, bottom = stated
-    return max(left, 0), max(top, 0), min(right, last_column), min(bottom, last_row)
+    left, top, right, bottom = max(stated[0], 0), max(stated[1], 0), stated[2], stated[3]
+    right, bottom = min(right, last_column), min(bottom, last_row)
+    # Limits that leave nothing are a fault of the document's.
+    return (left, top, right, bottom) if left <= right and top <= bottom else (0, 0, last_column, last_row)
 
 
 def _meets(

@@ -43,6 +43,7 @@ from .capabilities import (
     credit_of,
     fetched,
     filled_template,
+    media_type,
     policy_of,
     reading,
 )
@@ -153,12 +154,13 @@ def _wmts_entry(name: str, document: Document, crs: str, area_deg: Bounds | None
     layer = service.contents[chosen_one(document, "layer", choices.get("layer"), contents)]
     chosen = chosen_tiles(document, service, layer, crs, area_deg)
     kind = chosen_format(document, _formats(layer))
+    # OWSLib has None for an identifier that is empty, as GeoWebCache writes that of a style without a name.
+    styles = {(known or "").strip(): about["isDefault"] for known, about in layer.styles.items()}
     style = choices.get("style")
     if style is None:
-        defaults = [known for known, about in layer.styles.items() if about["isDefault"]]
-        style = (defaults or list(layer.styles) or [""])[0]
-    elif style not in layer.styles:
-        chosen_one(document, "style", style, layer.styles)
+        style = next((known for known, is_default in styles.items() if is_default), next(iter(styles), ""))
+    elif style not in styles:
+        chosen_one(document, "style", style, dict.fromkeys(styles, ""))
     dimensions = _dimensions(document, layer.id)
     dates = next((about for about in dimensions.values() if isinstance(about, Dates)), None)
     filled = {
@@ -197,7 +199,7 @@ def _wmts(document: Document) -> Any:
 
 def _formats(layer: Any) -> list[str]:
     resources = [resource["format"] for resource in layer.resourceURLs if resource["resourceType"] == "tile"]
-    return list(dict.fromkeys([*layer.formats, *resources]))
+    return [kind for kind in dict.fromkeys([*layer.formats, *resources]) if kind]
 
 
 def _dimensions(document: Document, layer: str) -> dict[str, Dates | str]:
@@ -223,10 +225,11 @@ def _dimensions_of(layer: Any) -> dict[str, Dates | str]:
 
 def _rest_url(document: Document, layer: Any, kind: str, filled: dict[str, str]) -> str:
     """Template of the tiles as resources; empty where the service has none of this format."""
-    for resource in layer.resourceURLs:
-        if resource["resourceType"] == "tile" and resource["format"] == kind:
-            return filled_template(document, resource["template"], filled)
-    return ""
+    tiles = [one for one in layer.resourceURLs if one["resourceType"] == "tile"]
+    # Some servers spell a format in the list of formats otherwise than at the resource.
+    same = [one for one in tiles if one["format"] == kind]
+    same += [one for one in tiles if media_type(one["format"]) == media_type(kind)]
+    return filled_template(document, same[0]["template"], filled) if same else ""
 
 
 def _kvp_url(
@@ -297,7 +300,7 @@ def _wms_entry(
     styles = choices.get("styles", "," * (len(layers) - 1)).split(",")
     _check_styles(document, layers, styles)
     get_map = service.getOperationByName("GetMap")
-    kind = chosen_format(document, list(get_map.formatOptions))
+    kind = chosen_format(document, [one for one in get_map.formatOptions if one])
     dates = _dates(layers)
     crs = _crs(document, layers, wanted_crs, area_deg)
     plane = None if crs in MERCATOR_CODES else own_plane(crs, tile_px)
@@ -314,7 +317,7 @@ def _wms_entry(
         "WIDTH": str(tile_px),
         "HEIGHT": str(tile_px),
         "FORMAT": kind,
-        "TRANSPARENT": "TRUE" if "png" in kind else "FALSE",
+        "TRANSPARENT": "TRUE" if "png" in kind.lower() else "FALSE",
         **({"TIME": "{date}"} if dates else {}),
     }
     address = next(method["url"] for method in get_map.methods if method["type"] == "Get")

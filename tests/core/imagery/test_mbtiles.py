@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+import pyproj
 import pytest
 from osgeo import gdal
 from terrainav.core.errors import Cancelled, InvalidInput, PartError
@@ -79,6 +80,38 @@ def test_every_pixel_is_where_the_window_says(tmp_path, extension, tile_px):
     columns, rows = decode_position(picture)
     assert np.array_equal(columns[0], (wanted.left_px + np.arange(wanted.width_px)) % 4096)
     assert np.array_equal(rows[:, 0], (wanted.top_px + np.arange(wanted.height_px)) % 4096)
+
+
+def degrees_of_tiles():
+    """West, south, east and north of `some_tiles`, by PROJ, a little within."""
+    side = 2.0 * HALF_WORLD_M / (1 << ZOOM)
+    x = np.array([20.1, 21.9]) * side - HALF_WORLD_M
+    y = HALF_WORLD_M - np.array([31.9, 30.1]) * side
+    (west, east), (south, north) = pyproj.Transformer.from_crs(3857, 4326, always_xy=True).transform(x, y)
+    return f"{west},{south},{east},{north}"
+
+
+@pytest.mark.parametrize(
+    ("rows", "from_north"),
+    [
+        ({"scheme": "xyz"}, True),
+        ({"scheme": " XYZ "}, True),
+        ({"scheme": "tms"}, False),
+        ({"scheme": "other"}, False),
+        ({}, False),
+        # The bounds tell which way they count, where the scheme was taken over from elsewhere.
+        ({"scheme": "xyz", "bounds": degrees_of_tiles()}, True),
+        ({"scheme": "xyz", "bounds": degrees_of_tiles()}, False),
+        ({"scheme": "xyz", "bounds": "-180,-85,180,85"}, True),
+        ({"scheme": "xyz", "bounds": "nonsense"}, True),
+    ],
+)
+def test_rows_count_from_the_north_where_the_scheme_says_so(tmp_path, rows, from_north):
+    tiles = some_tiles()
+    stored = {(z, x, (1 << z) - 1 - y): body for (z, x, y), body in tiles.items()} if from_north else tiles
+    source = open_mbtiles(write(tmp_path / "own.mbtiles", stored, **rows))
+    assert np.array_equal(source.fetch("", window()), positions("", ZOOM, 20, 30, 256))
+    source.close()
 
 
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP"])

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 from pyproj import Transformer
-from terrainav.core.errors import InvalidInput, SourceError, TerrAInavError
+from terrainav.core.errors import InvalidInput, PartError, SourceError, TerrAInavError
 from terrainav.core.imagery.http.transport import Response
 from terrainav.core.imagery.opening import SourceOptions, kind_of, named_source, open_source
 from terrainav.core.imagery.services.detecting import found_service, is_service_address
@@ -358,6 +358,20 @@ def test_tiles_are_found_from_every_document(server, path):
         assert found.attribution == "Survey of Somewhere"
         assert found.policy.licence == "CC BY 4.0"
         assert found.bounds_deg == (-90.2, 34.9, -89.6, 35.3)
+    source.close()
+
+
+def test_beyond_the_limits_of_an_api_there_is_no_imagery_and_no_request(server):
+    quad = tileset(server.url, "/t", "WebMercatorQuad", MERCATOR_URI, limits=[("5", 6, 13, 4, 11)])
+    serve(server, {"/t/WebMercatorQuad": quad}, r"/t/WebMercatorQuad/(?P<z>\d+)/(?P<y>\d+)/(?P<x>\d+)")
+    source = open_source(f"ogcapi:{server.url}/t/WebMercatorQuad")
+    tile = source.fetch("", Window(5, 11 * 256, 6 * 256, 256, 256))
+    assert (tile == patterns.positions("satellite", 5, 11, 6, 256)).all()
+    asked = len(server.asked)
+    for column, row in ((12, 6), (11, 5), (3, 6), (4, 14)):
+        with pytest.raises(PartError, match="beyond the tiles of"):
+            source.fetch("", Window(5, column * 256, row * 256, 256, 256))
+    assert len(server.asked) == asked
     source.close()
 
 

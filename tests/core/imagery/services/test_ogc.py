@@ -6,6 +6,7 @@ import importlib
 import re
 import sys
 import warnings
+from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
@@ -114,6 +115,141 @@ def test_tiles_by_query_of_the_set_that_fits_among_several(server):
         "/kvp?map=x&SERVICE=WMTS&REQUEST=GetTile&VERSION=1.0.0&LAYER=a%20b&STYLE=default&TILEMATRIXSET=quad512"
         "&TILEMATRIX=4&TILEROW=2&TILECOL=3&FORMAT=image/png"
     )
+    source.close()
+
+
+@pytest.mark.parametrize(
+    ("styles", "asked"),
+    [
+        ((("", True),), ""),
+        ((("", False),), ""),
+        ((("grey", False), ("", True)), ""),
+        ((("", False), ("grey", True)), "grey"),
+        ((("  ", True),), ""),
+        ((), ""),
+    ],
+)
+def test_a_style_without_a_name_is_asked_for_by_none(server, styles, asked):
+    """By query and as a resource; GeoWebCache writes such styles."""
+    rest = f"{server.url}/tiles/{{Style}}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.png"
+    for resources in ((), [("image/png", rest)]):
+        layer = wmts_layer("ortho", {"GoogleMapsCompatible": []}, styles=styles, resources=resources)
+        document = wmts_document([layer], [QUAD], get_tile=f"{server.url}/kvp")
+        server.answer = lambda *_, document=document: xml(document)
+        url = service_entry(f"wmts:{server.url}/c.xml").templates("")[""].url(3, 1, 2)
+        if resources:
+            assert url == f"{server.url}/tiles/{asked}/3/2/1.png"
+        else:
+            assert parse_qs(urlsplit(url).query, keep_blank_values=True)["STYLE"] == [asked]
+    named = service_entry(f"wmts:{server.url}/c.xml#layer=ortho&style={asked}") if styles else None
+    assert named is None or named.urls == service_entry(f"wmts:{server.url}/c.xml").urls
+
+
+@pytest.mark.parametrize("crs", ["urn:ogc:def:crs:EPSG::3857", "urn:ogc:def:crs:EPSG::900913", "EPSG:3857"])
+def test_the_corner_of_the_quad_may_be_written_in_the_other_order(server, crs):
+    half = 20037508.342789244
+    levels = [matrix(str(zoom), zoom, corner=(half, -half)) for zoom in range(19)]
+    rest = f"{server.url}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.png"
+    layer = wmts_layer("ortho", {"swapped": []}, resources=[("image/png", rest)])
+    serve_tiles(
+        server,
+        wmts_document([layer], [matrix_set("swapped", levels, crs)]),
+        r"/(?P<z>\d+)/(?P<y>\d+)/(?P<x>\d+)\.png\?",
+    )
+    source = open_source(f"wmts:{server.url}/c.xml")
+    tile = source.fetch("", Window(18, 137263 * 256, 91771 * 256, 256, 256))
+    assert (tile == patterns.positions("satellite", 18, 137263, 91771, 256)).all()
+    assert server.asked[-1] == "/18/91771/137263.png"
+    source.close()
+    # Any other corner is of another grid.
+    for corner in ((-half, -half), (half, half)):
+        levels = [matrix(str(zoom), zoom, corner=corner) for zoom in range(19)]
+        document = wmts_document([layer], [matrix_set("swapped", levels, crs)])
+        server.answer = lambda *_, document=document: xml(document)
+        with pytest.raises(InvalidInput, match="needs a Web-Mercator quad"):
+            service_entry(f"wmts:{server.url}/c.xml")
+
+
+@pytest.mark.parametrize(
+    ("offered", "asked"),
+    [
+        (["image/jpgpng"], "image/jpgpng"),
+        (["image/jpg"], "image/jpg"),
+        (["image/PNG"], "image/PNG"),
+        (["image/png8"], "image/png8"),
+        (["image/vnd.jpeg-png"], "image/vnd.jpeg-png"),
+        # What was taken before is taken still, and colours come before 256 of them.
+        (["image/jpgpng", "image/jpeg"], "image/jpeg"),
+        (["image/png8", "image/jpg"], "image/jpg"),
+        (["image/jpeg; mode=x", "image/png8"], "image/jpeg; mode=x"),
+        (["image/tiff", "image/png32"], "image/png32"),
+        (["", "image/png"], "image/png"),
+    ],
+)
+def test_formats_go_by_other_names_too_and_are_asked_for_as_written(server, offered, asked):
+    layer = wmts_layer("ortho", {"GoogleMapsCompatible": []}, formats=offered)
+    document = wmts_document([layer], [QUAD], get_tile=f"{server.url}/kvp")
+
+    def answer(_path, query):
+        if query.get("REQUEST") != "GetTile":
+            return xml(document)
+        *_, body = png(patterns.positions("satellite", 3, 1, 2, 256))
+        return 200, asked, body
+
+    server.answer = answer
+    source = open_source(f"wmts:{server.url}/c.xml")
+    tile = source.fetch("", Window(3, 256, 512, 256, 256))
+    assert (tile == patterns.positions("satellite", 3, 1, 2, 256)).all()
+    assert parse_qs(urlsplit(server.asked[-1]).query)["FORMAT"] == [asked]
+    source.close()
+    short = asked.partition("/")[2]
+    for choice in (asked, asked.upper(), short):
+        entry = service_entry(f"wmts:{server.url}/c.xml#layer=ortho&format={choice}")
+        assert parse_qs(urlsplit(entry.urls[""]).query)["FORMAT"] == [asked]
+
+
+def test_a_format_may_be_spelled_otherwise_at_its_resource(server):
+    rest = f"{server.url}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.jpg"
+    layer = wmts_layer(
+        "ortho", {"GoogleMapsCompatible": []}, formats=["image/jpeg"], resources=[("image/jpg", rest)]
+    )
+    server.answer = lambda *_: xml(wmts_document([layer], [QUAD]))
+    assert service_entry(f"wmts:{server.url}/c.xml").templates("")[""].url(3, 1, 2).endswith("/3/2/1.jpg")
+
+
+def test_a_wms_offers_formats_by_other_names(server):
+    layer = "<Layer><Title>a</Title><Layer><Name>a</Name><Title>a</Title><CRS>EPSG:3857</CRS></Layer></Layer>"
+    for kinds, asked, clear in (
+        (("image/jpg",), "image/jpg", "FALSE"),
+        (("image/PNG",), "image/PNG", "TRUE"),
+    ):
+        document = wms_document("1.3.0", f"{server.url}/wms", layer, formats=kinds)
+        server.answer = lambda *_, document=document: xml(document)
+        query = parse_qs(urlsplit(service_entry(f"wms:{server.url}/c.xml").urls[""]).query)
+        assert (query["FORMAT"], query["TRANSPARENT"]) == ([asked], [clear])
+
+
+def test_beyond_the_limits_of_the_quad_there_is_no_imagery_and_no_request(server):
+    limits = {"4": (2, 3, 5, 6), "5": (4, 6, 11, 13), "6": (70, 9, 8, 9)}
+    rest = f"{server.url}/{{TileMatrix}}/{{TileRow}}/{{TileCol}}.png"
+    layer = wmts_layer("ortho", {"GoogleMapsCompatible": limits}, resources=[("image/png", rest)])
+    serve_tiles(server, wmts_document([layer], [QUAD]), r"/(?P<z>\d+)/(?P<y>\d+)/(?P<x>\d+)\.png\?")
+    source = open_source(f"wmts:{server.url}/c.xml#layer=ortho&tilematrix=5")
+    for zoom, column, row in ((5, 4, 6), (5, 11, 13), (4, 2, 3), (4, 5, 6)):
+        tile = source.fetch("", Window(zoom, column * 256, row * 256, 256, 256))
+        assert (tile == patterns.positions("satellite", zoom, column, row, 256)).all()
+    asked = len(server.asked)
+    for zoom, column, row in ((5, 3, 6), (5, 4, 5), (5, 12, 13), (5, 11, 14), (4, 1, 3), (4, 6, 6)):
+        with pytest.raises(PartError, match="beyond the tiles of"):
+            source.fetch("", Window(zoom, column * 256, row * 256, 256, 256))
+    assert len(server.asked) == asked
+    # The ends are the imagery's, and a plan knows.
+    assert source.grid.extent == tuple((u / 32, v / 32) for u, v in ((4, 6), (12, 6), (12, 14), (4, 14)))
+    source.close()
+    # Limits that leave nothing are no limits.
+    source = open_source(f"wmts:{server.url}/c.xml")
+    assert source.fetch("", Window(6, 20 * 256, 9 * 256, 256, 256)).shape == (256, 256, 3)
+    assert source.grid.extent is None
     source.close()
 
 
