@@ -10,6 +10,7 @@ from ..errors import InvalidInput, Message
 from ..text import time_s
 from ..units import LENGTHS_M
 from .area import ANGLES, Points
+from .litchi_table import is_litchi, read_litchi
 
 #: What columns of a table of poses may be headed, in lower case; of several heights the first named here is taken.
 _HEADERS = {
@@ -87,7 +88,9 @@ def read_poses(
     agl_unit: str = "m",
     agl_m: float | None = None,
 ) -> Points:
-    """Points of a table; columns of other names are left out, and so are empty lines and those that begin with #.
+    """Points of a table, or images of a mission of Litchi's.
+
+    Columns of other names are left out, and so are empty lines and those that begin with #.
 
     ``lat`` and ``lon`` are needed, ``agl`` unless a height is given; ``yaw``, ``tilt`` (0 looks straight down) or
     ``gimbal_pitch`` (-90 does), ``roll`` and ``time`` may be there. They go by other usual names, too, such as
@@ -115,6 +118,8 @@ def read_poses(
     header = held[0][1]
     delimiter = _delimiter(header)
     headers = [cell.lower() for cell in _cut(header, delimiter)]
+    if is_litchi(headers):
+        return read_litchi([line.removeprefix("\ufeff") for _, line in held], where, agl_m)
     columns = _columns(headers, where, needs_agl=agl_m is None)
     has_decimal_commas = delimiter in (";", "\t")
     values: dict[str, list[float]] = {name: [] for name in columns}

@@ -7004,6 +7004,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/mission/litchi_table.py"/>
         <location filename="../../core/poses/gpx.py"/>
         <source>{0} {1!r}: must be a number</source>
         <translation>{0} {1!r}: debe ser un número</translation>
@@ -10654,6 +10655,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}; el relieve oculta cerca del {1:.1f} %</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/flown.py"/>
+        <source>{0}: between waypoints {1} and {2} the flight comes {5:.2f} m below the surface, at latitude {3:.6f}, longitude {4:.6f}</source>
+        <translation>{0}: entre los puntos de paso {1} y {2} el vuelo queda {5:.2f} m por debajo de la superficie, en la latitud {3:.6f}, longitud {4:.6f}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/flown.py"/>
+        <source>{0}: between waypoints {1} and {2} the flight comes {5:.2f} m short of its clearance of {6:g} m, at latitude {3:.6f}, longitude {4:.6f}</source>
+        <translation>{0}: entre los puntos de paso {1} y {2} al vuelo le faltan {5:.2f} m para su distancia de seguridad de {6:g} m, en la latitud {3:.6f}, longitud {4:.6f}</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/geopackage.py"/>
         <source>footprints and captures are those of the flight in wind, the flight line is the one that was meant</source>
         <translation>las huellas y las capturas son las del vuelo con viento; la línea de vuelo, la prevista</translation>
@@ -10735,6 +10746,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/litchi.py"/>
         <source>the speed of {0:g} m/s is reduced to Litchi's {1:g} m/s</source>
         <translation>la velocidad de {0:g} m/s se reduce a los {1:g} m/s de Litchi</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <source>QGroundControl plan at {0:g} m: must be below {1:g} m above the take-off</source>
+        <translation>Plan de QGroundControl a {0:g} m: debe estar a menos de {1:g} m sobre el despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
@@ -10886,6 +10902,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/writing.py"/>
         <source>{0} parts of one flight, {1} to {2}</source>
         <translation>{0} partes de un vuelo, de {1} a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>{0}, part {1}</source>
+        <translation>{0}, parte {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/alignment.py"/>
@@ -11447,6 +11468,22 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>tilt the camera less, fly lower or take a smaller area</source>
         <translation>incline menos la cámara, vuele más bajo o tome un área menor</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/litchi_table.py"/>
+        <source>{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)</source>
+        <translation>{0} su altura de {1:g} m es sobre el despegue (altitudemode {2}): debe ser sobre el terreno (1)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/litchi_table.py"/>
+        <source>{0}, waypoint {1}:</source>
+        <translation>{0}, punto de paso {1}:</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/litchi_table.py"/>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0}: holds no poses below its header</source>
+        <translation>{0}: no contiene poses bajo su cabecera</translation>
     </message>
     <message>
         <location filename="../../core/mission/methods.py"/>
@@ -12688,11 +12725,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/pose_table.py"/>
-        <source>{0}: holds no poses below its header</source>
-        <translation>{0}: no contiene poses bajo su cabecera</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/pose_table.py"/>
         <source>{0}: its column pitch may count from the horizon or from straight down</source>
         <translation>{0}: su columna pitch puede contarse desde el horizonte o desde la vertical hacia abajo</translation>
     </message>
@@ -13249,6 +13281,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/settings.py"/>
         <source>KITTI trajectory</source>
         <translation>Trayectoria KITTI</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Litchi mission</source>
+        <translation>Misión de Litchi</translation>
     </message>
     <message>
         <location filename="../../core/poses/settings.py"/>
