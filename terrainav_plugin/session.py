@@ -273,6 +273,7 @@ class Session(QObject):
         missions.capture_failed_wanted.connect(lambda: self.capture(only_failed=True))
         missions.clean_wanted.connect(lambda folder: self.datasets.open(folder, CLEAN))
         missions.plan_export.plan_wanted.connect(self.planning.with_plan)
+        missions.plan_export.refused.connect(form.show_messages)
         self.dock.export_plan_clicked.connect(missions.plan_export.ask)
         self.datasets.dataset_wanted.connect(missions.open_dataset)
         self.datasets.compare_wanted.connect(self.compare.open)

@@ -89,7 +89,7 @@ class MBTilesSource:
         Whether the fourth channel is what the tiles have.
     from_north : bool
         Whether its rows count from the north: the standard has them from the south.
-    """""
+    """
 
     map_types: tuple[str, ...] = ()
 

@@ -8,7 +8,7 @@ In reading order:
 - `coords`: areas in text
 - `geojson`: shapes of GeoJSON files, in degrees of WGS 84
 - `area_files`: polygons in GeoJSON, KML and KMZ files
-- `pose_table`: poses in a table with a header
+- `pose_table`, `litchi_table`: poses in a table with a header, and images of a Litchi mission
 - `cameras`: cameras by name, those that ship and the user's own
 - `imageries`: several sources, dates or map types by name
 - `mission`: all that is asked, as one value of parts, in and out of JSON

@@ -14,6 +14,7 @@ from ..text import time_s
 from ..units import LENGTHS_M
 from .area import ANGLES, Points
 from .clock import check_column
+from .litchi_table import is_litchi, read_litchi
 
 #: What columns of a table of poses may be headed, in lower case; of several heights the first named here is taken.
 _HEADERS = {
@@ -105,7 +106,9 @@ def read_poses(
     agl_m: float | None = None,
     most: int | None = None,
 ) -> Points:
-    """Points of a table; columns of other names are left out, and so are empty lines and those that begin with #.
+    """Points of a table, or images of a mission of Litchi's.
+
+    Columns of other names are left out, and so are empty lines and those that begin with #.
 
     ``lat`` and ``lon`` are needed, ``agl`` unless a height is given; ``yaw``, ``tilt`` (0 looks straight down) or
     ``gimbal_pitch`` (-90 does), ``roll`` and ``time`` may be there. They go by other usual names, too, such as
@@ -131,13 +134,16 @@ def read_poses(
     """
     rows = _rows(lines, where)
     headers = [cell.lower() for cell in next(rows).cells]
+    if is_litchi(headers):
+        held = [line for line in lines if line.strip() and not line.lstrip().startswith("#")]
+        return read_litchi([line.removeprefix("\ufeff") for line in held], where, agl_m)
     columns = _columns(headers, where, needs_agl=agl_m is None)
-    held = list(itertools.islice(rows, most))
-    if not held:
+    poses = list(itertools.islice(rows, most))
+    if not poses:
         raise InvalidInput("{0}: holds no poses below its header", where)
     values: dict[str, list[float]] = {name: [] for name in columns}
     dated = False
-    for row in held:
+    for row in poses:
         there = _line(where, row.number)
         if len(row.cells) != len(headers):
             raise InvalidInput(
@@ -160,13 +166,13 @@ def read_poses(
                 values[name].append(time_s(cell, there))
                 dated = True
     m_per_unit = LENGTHS_M[agl_unit]
-    values["agl"] = [agl_m] * len(held) if agl_m is not None else [agl * m_per_unit for agl in values["agl"]]
+    values["agl"] = [agl_m] * len(poses) if agl_m is not None else [agl * m_per_unit for agl in values["agl"]]
     if "gimbal_pitch" in values:
         values["tilt"] = [90.0 + pitch for pitch in values["gimbal_pitch"]]
     try:
         points = _points(values, slice(None))
     except InvalidInput as wrong:
-        for at, row in enumerate(held):
+        for at, row in enumerate(poses):
             _check_point(values, at, _line(where, row.number))
         raise InvalidInput("{0} {1}", Message("{0}:", where), wrong) from wrong
     check_column(points.times_s, where, dated=dated)

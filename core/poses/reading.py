@@ -6,17 +6,29 @@ import os
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
 from ..errors import InvalidInput, Message
 from ..fields import field_named
 from ..files import is_there, read_limited
 from ..limits import MAX_MISSION_BYTES
-from ..mission.area import Points, check_lat_lon
+from ..mission.area import ANGLES, Points, check_lat_lon
+from ..mission.litchi_table import is_litchi
 from ..mission.parts import Flight
+from ..mission.pose_table import read_poses
 from ..safe_json import decoded
 from ..safe_xml import XMLReader, elements_of
 from .gpx import read_gpx
 from .logs import read_dataflash, read_ulog
-from .settings import COUNTED_FORMATS, ENDINGS, LOCAL_FORMATS, LOG_FORMATS, WITHOUT_TIMES, PoseFile
+from .settings import (
+    COUNTED_FORMATS,
+    ENDINGS,
+    LITCHI_ENDING,
+    LOCAL_FORMATS,
+    LOG_FORMATS,
+    WITHOUT_TIMES,
+    PoseFile,
+)
 from .track import Progress, Track, unwatched
 from .trajectories import read_trajectory
 
@@ -52,7 +64,11 @@ class ReadPoses(NamedTuple):
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
     """Format that a file's ending tells; None where it tells none."""
-    return ENDINGS.get(Path(path).suffix.lower())
+    return (
+        "litchi"
+        if Path(path).name.lower().endswith(LITCHI_ENDING)
+        else ENDINGS.get(Path(path).suffix.lower())
+    )
 
 
 def likely_format(path: str | os.PathLike[str]) -> str | None:
@@ -67,6 +83,8 @@ def likely_format(path: str | os.PathLike[str]) -> str | None:
     except OSError:
         return None
     is_csv = "," in line
+    if is_litchi([cell.strip().lower() for cell in line.split(",")]):
+        return "litchi"
     return {(12, False): "kitti", (8, False): "tum", (8, True): "euroc", (17, True): "euroc"}.get(
         (len(line.replace(",", " ").split()), is_csv)
     )
@@ -140,6 +158,8 @@ def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("trajectory {0}: cannot be read ({1})", path, wrong) from wrong
     name = Message("trajectory {0}", path)
+    if file_format == "litchi":
+        return _litchi(text, name, how.agl_m)
     if file_format == "gpx":
         return read_gpx(body, name, read_xml, progress, with_times=with_times)
     return read_trajectory(
@@ -152,6 +172,14 @@ def _track(path: Path, how: PoseFile, read_xml: XMLReader, progress: Progress) -
         name=name,
         progress=progress,
     )
+
+
+def _litchi(text: str, name: str, agl_m: float | None) -> Track:
+    """Images of a mission of Litchi's, with heights above the ground."""
+    points = read_poses(text.splitlines() or [""], name, agl_m=agl_m)
+    lat, lon, agl = np.array(points.poses).T
+    yaw, tilt, roll = (np.array(points.own_deg(angle) or np.zeros(len(lat))) for angle in ANGLES)
+    return Track(lat, lon, agl, 0.0, None, (yaw, tilt, roll))
 
 
 def _origin(numbers: tuple[float, ...], path: Path, file_format: str) -> tuple[float, float, float]:

@@ -22,6 +22,8 @@ WITHOUT_TIMES = "none"
 LOG_FORMATS = ("ulog", "dataflash")
 #: Formats that the endings of files tell.
 ENDINGS = {".gpx": "gpx", ".ulg": "ulog", ".bin": "dataflash", ".log": "dataflash"}
+#: Ending of missions of Litchi's as plans are written.
+LITCHI_ENDING = ".litchi.csv"
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,7 @@ class PoseFile(Part):
             "gpx": "GPX track",
             "ulog": "PX4 log (ULog)",
             "dataflash": "ArduPilot log (DataFlash)",
+            "litchi": "Litchi mission",
         },
     )
     origin: tuple[float, ...] = declared(

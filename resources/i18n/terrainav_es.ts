@@ -7227,6 +7227,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Lanczos</translation>
     </message>
     <message>
+        <location filename="../../core/poses/settings.py"/>
+        <source>Litchi mission</source>
+        <translation>Misión de Litchi</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/export/litchi.py"/>
         <source>Litchi mission at {0:g} m: must be {1:g} m above ground or less</source>
         <translation>misión Litchi a {0:g} m: debe estar a {1:g} m sobre el terreno o menos</translation>
@@ -7430,6 +7435,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/export/survey.py"/>
         <source>QGroundControl lays the rows anew when you edit the survey, or open it at another speed than its own: within a metre or two of the planned ones, with the nose along the flight</source>
         <translation>QGroundControl vuelve a trazar las filas cuando se edita el levantamiento o se abre con una velocidad distinta de la suya: a uno o dos metros de las planificadas, con el morro en el sentido del vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/qgroundcontrol.py"/>
+        <source>QGroundControl plan at {0:g} m: must be below {1:g} m above the take-off</source>
+        <translation>Plan de QGroundControl a {0:g} m: debe estar a menos de {1:g} m sobre el despegue</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/qgroundcontrol.py"/>
@@ -13426,6 +13436,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} no es de ningún formato de imagen que un VRT pueda leer aquí</translation>
     </message>
     <message>
+        <location filename="../../core/mission/litchi_table.py"/>
+        <source>{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)</source>
+        <translation>{0} su altura de {1:g} m es sobre el despegue (altitudemode {2}): debe ser sobre el terreno (1)</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} names other files, which are not read</source>
         <translation>{0} nombra otros archivos, que no se leen</translation>
@@ -13582,6 +13597,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/mission/litchi_table.py"/>
         <location filename="../../core/poses/gpx.py"/>
         <source>{0} {1!r}: must be a number</source>
         <translation>{0} {1!r}: debe ser un número</translation>
@@ -13718,6 +13734,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}, o hacerlas más pequeñas ({1})</translation>
     </message>
     <message>
+        <location filename="../../core/mission/export/writing.py"/>
+        <source>{0}, part {1}</source>
+        <translation>{0}, parte {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/litchi_table.py"/>
+        <source>{0}, waypoint {1}:</source>
+        <translation>{0}, punto de paso {1}:</translation>
+    </message>
+    <message>
         <location filename="../../core/poses/logs.py"/>
         <source>{0}, which reads such files, is not installed</source>
         <translation>{0}, que lee estos archivos, no está instalado</translation>
@@ -13786,6 +13812,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/stores.py"/>
         <source>{0}: access is refused: the credentials do not allow it</source>
         <translation>{0}: se deniega el acceso: las credenciales no lo permiten</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/flown.py"/>
+        <source>{0}: between waypoints {1} and {2} the flight comes {5:.2f} m below the surface, at latitude {3:.6f}, longitude {4:.6f}</source>
+        <translation>{0}: entre los puntos de paso {1} y {2} el vuelo queda {5:.2f} m por debajo de la superficie, en la latitud {3:.6f}, longitud {4:.6f}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/flown.py"/>
+        <source>{0}: between waypoints {1} and {2} the flight comes {5:.2f} m short of its clearance of {6:g} m, at latitude {3:.6f}, longitude {4:.6f}</source>
+        <translation>{0}: entre los puntos de paso {1} y {2} al vuelo le faltan {5:.2f} m para su distancia de seguridad de {6:g} m, en la latitud {3:.6f}, longitud {4:.6f}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/source.py"/>
@@ -13974,6 +14010,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no contiene poses</translation>
     </message>
     <message>
+        <location filename="../../core/mission/litchi_table.py"/>
         <location filename="../../core/mission/pose_table.py"/>
         <source>{0}: holds no poses below its header</source>
         <translation>{0}: no contiene poses bajo su cabecera</translation>

@@ -10,6 +10,7 @@ from qgis.PyQt.QtCore import QObject, pyqtSignal
 from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox, QWidget
 
 from ...core.errors import TerrAInavError
+from ..form.mission_form import refused_fields
 from ..i18n import tr, translate
 from ..paths import open_in_system
 from ..settings import Settings
@@ -33,6 +34,8 @@ class ExportTask(Task):
     exported : Exported or None
     there : tuple of Path
         Files that parts of the plan would have replaced, unasked; then nothing is written.
+    refusal : TerrAInavError or None
+        Why the plan is not written: the format cannot hold it, or it comes too near to the relief.
     """
 
     def __init__(self, plan: Plan, path: Path, replace_parts: bool = False) -> None:
@@ -40,6 +43,7 @@ class ExportTask(Task):
         self.plan, self.path = plan, path
         self.exported: Exported | None = None
         self.there: tuple[Path, ...] = ()
+        self.refusal: TerrAInavError | None = None
         self._replace_parts = replace_parts
 
     def work(self) -> None:
@@ -50,6 +54,9 @@ class ExportTask(Task):
             self.exported = write_plan(self.plan, self.path, replace_parts=self._replace_parts)
         except PartsAlreadyThere as wrong:
             self.there = wrong.files
+        except TerrAInavError as wrong:
+            self.refusal = wrong
+            raise
 
 
 class PlanExport(QObject):
@@ -69,9 +76,12 @@ class PlanExport(QObject):
     -------
     plan_wanted(object, str)
         What to do with the plan of what is entered, as soon as there is one; and what to say where there is none.
+    refused(object)
+        Messages by the entries in which they are put right.
     """
 
     plan_wanted = pyqtSignal(object, str)
+    refused = pyqtSignal(object)
 
     def __init__(
         self,
@@ -162,6 +172,8 @@ class PlanExport(QObject):
     def _ended(self, task: ExportTask) -> None:
         self._task = None
         if task.error:
+            if task.refusal is not None:
+                self.refused.emit(refused_fields(task.refusal))
             self._messages.failed(translate(task.error), task.trace)
             return
         if task.there:

@@ -217,6 +217,28 @@ def test_what_cannot_be_exported_is_one_line(desk, tmp_path, choose_file):
     assert "\n" not in ours[0]
 
 
+def test_a_flight_too_near_to_the_relief_is_refused_beside_its_entry(
+    desk, tmp_path, choose_file, monkeypatch
+):
+    from terrainav.core.errors import InvalidInput
+    from terrainav.core.mission import export as exports
+
+    def write_plan(_plan, path, **_how):
+        raise InvalidInput(
+            "{0}: comes 3.00 m short at latitude 38.8, longitude -77.1", path.name, field="clearance_m"
+        )
+
+    desk.enter_small_mission()
+    desk.wait_planned()
+    monkeypatch.setattr(exports, "write_plan", write_plan)
+    choose_file(tmp_path / "survey.plan")
+    export(desk)
+    text = "survey.plan: comes 3.00 m short at latitude 38.8, longitude -77.1"
+    assert any(text in said for said in desk.messages())
+    assert text in desk.session.dock.form.marks.message("clearance_m")
+    assert list(tmp_path.glob("survey*")) == []
+
+
 def test_closed_dialog_writes_nothing(desk, tmp_path, choose_file):
     desk.enter_small_mission()
     desk.wait_planned()

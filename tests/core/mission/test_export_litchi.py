@@ -5,12 +5,17 @@ from __future__ import annotations
 import csv
 import re
 
+import numpy as np
 import pytest
+from pyproj import Geod
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.coords import parse_coords
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
+from terrainav.core.poses.reading import likely_format, read_poses_file
+from terrainav.core.poses.settings import PoseFile
 
 from tests.core.mission.flights import ALONE, HERE, IN_WIND, worked_out
 
@@ -138,3 +143,55 @@ def test_part_of_a_flight_is_not_left_behind(tmp_path):
     with pytest.raises(OutputError, match=r"big-2\.litchi\.csv"):
         write_plan(worked_out(MANY), tmp_path / "big.litchi.csv")
     assert [path.name for path in tmp_path.iterdir()] == ["big-2.litchi.csv"]
+
+
+# --- read back
+
+
+@pytest.mark.parametrize("trigger", ["waypoint", "hover", "distance"])
+def test_the_file_is_read_back_as_its_images(tmp_path, trigger):
+    mission = HERE.with_(
+        takeoff=(35.153, -89.9), turnaround_m=25.0, trigger=trigger, area=Box(35.16, -89.90, 35.157, -89.895)
+    )
+    flown = worked_out(mission)
+    (path,) = write_plan(flown, tmp_path / "field.litchi.csv").files
+    points, agl_m = parse_coords(str(path))
+    assert agl_m == pytest.approx(120.0)
+    for found in (points, read_poses_file(path, PoseFile()).points):
+        lat, lon, agl = np.array(found.poses).T
+        # By distance, images are as far from each other as the centimetres of the file say.
+        away = Geod(ellps="WGS84").inv(lon, lat, flown.lon_deg, flown.lat_deg)[2]
+        assert away.max() < (0.5 if trigger == "distance" else 0.002)
+        assert agl == pytest.approx(flown.agl_m, abs=0.006)
+        assert found.yaws_deg == pytest.approx([330.0] * len(flown))
+        assert found.tilts_deg == pytest.approx([20.0] * len(flown))
+
+
+HUB = (
+    "latitude,longitude,altitude({unit}),heading(deg),curvesize(m),rotationdir,gimbalmode,gimbalpitchangle,"
+    "altitudemode"
+)
+
+
+def test_missions_of_the_hub_without_images_are_their_waypoints(tmp_path):
+    path = tmp_path / "hub.csv"
+    path.write_text(
+        HUB.format(unit="ft") + "\n47.1,8.1,328.084,10,0,0,2,-60,1\n47.2,8.1,328.084,20,0,0,0,0,1\n"
+    )
+    points, _ = parse_coords(str(path))
+    assert points.poses == ((47.1, 8.1, pytest.approx(100.0)), (47.2, 8.1, pytest.approx(100.0)))
+    assert points.yaws_deg == (10.0, 20.0)
+    assert points.tilts_deg == (30.0, 0.0)
+    assert likely_format(path) == "litchi"
+
+
+def test_heights_above_the_take_off_are_no_heights_above_ground(tmp_path):
+    path = tmp_path / "hub.csv"
+    path.write_text(HUB.format(unit="m") + "\n47.1,8.1,100,10,0,0,2,-60,1\n47.2,8.1,100,20,0,0,0,0,0\n")
+    with pytest.raises(InvalidInput, match=r"waypoint 2: its height of 100 m is above the take-off"):
+        parse_coords(str(path))
+    points, _ = parse_coords(str(path), agl_m=80.0)
+    assert [pose[2] for pose in points.poses] == [80.0, 80.0]
+    path.write_text(HUB.format(unit="m") + "\n47.1,x,100,10,0,0,2,-60,1\n")
+    with pytest.raises(InvalidInput, match=r"waypoint 1: 'x': must be a number"):
+        parse_coords(str(path))

@@ -1,0 +1,114 @@
+"""Images of a Litchi mission: the CSV of its Mission Hub, as a table of poses.
+
+Columns and codes are those of https://www.litchiutilities.com/docs/litchiCsv.php.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from ..errors import InvalidInput, Message
+from ..geodesy.mercator import wrap_lon_deg
+from ..geodesy.projections import along_geodesics, geodesics
+from ..numbers import real_number
+from ..units import LENGTHS_M
+from .area import Points
+
+#: Columns of heights by their unit, and those that tell the format beside them.
+_HEIGHTS = {"altitude(m)": "m", "altitude(ft)": "ft"}
+_COLUMNS = {"latitude", "longitude", "heading(deg)", "gimbalpitchangle", "altitudemode"}
+#: Codes of the columns: heights above ground; an image is taken; the pitch of the gimbal is set.
+_ABOVE_GROUND, _TAKE_PHOTO, _INTERPOLATE = "1", "1", "2"
+#: Poses: latitude, longitude, height above ground, yaw and tilt.
+Pose = tuple[float, float, float, float, float]
+
+
+def is_litchi(columns: Sequence[str]) -> bool:
+    """Whether a table with these columns, in lower case, is a mission of Litchi's."""
+    return set(columns) >= _COLUMNS and any(name in columns for name in _HEIGHTS)
+
+
+def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) -> Points:
+    """Images that a mission takes: at its waypoints, and along legs by distance; of one without any, its waypoints.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        The first names the columns.
+    where : str
+        What the lines are of, for messages.
+    agl_m : float or None
+        Height above ground of all, instead of the column.
+
+    Raises
+    ------
+    InvalidInput
+        Names the line that cannot be read, or whose height is not above the ground.
+    """
+    rows = [
+        {(name or "").strip().lower(): cell or "" for name, cell in row.items() if isinstance(cell, str)}
+        for row in csv.DictReader([line for line in lines if line.strip()])
+    ]
+    poses = [_pose(row, Message("{0}, waypoint {1}:", where, at), agl_m) for at, row in enumerate(rows, 1)]
+    if not poses:
+        raise InvalidInput("{0}: holds no poses below its header", where)
+    found: list[Pose] = []
+    for at, (row, pose) in enumerate(zip(rows, poses)):
+        if any(row.get(name) == _TAKE_PHOTO for name in row if name.startswith("actiontype")):
+            found.append(pose)
+        spacing_m = _number(row.get("photo_distinterval", "-1"), Message("{0}, waypoint {1}:", where, at + 1))
+        if spacing_m > 0.0 and at + 1 < len(poses):
+            found += _between(pose, poses[at + 1], spacing_m)
+    lat, lon, agl, yaw, tilt = zip(*(found or poses))
+    return Points(tuple(zip(lat, lon, agl)), yaw, tilt)
+
+
+def _pose(row: Mapping[str, str], where: str, agl_m: float | None) -> Pose:
+    lat, lon, yaw = (_number(row.get(name, ""), where) for name in ("latitude", "longitude", "heading(deg)"))
+    # Without a pitch of its own, the gimbal is left as it is: straight down, for images of the ground.
+    pitch = -90.0
+    if row.get("gimbalmode", _INTERPOLATE) == _INTERPOLATE:
+        pitch = _number(row.get("gimbalpitchangle", ""), where)
+    if agl_m is None:
+        name, unit = next(one for one in _HEIGHTS.items() if one[0] in row)
+        agl_m = _number(row[name], where) * LENGTHS_M[unit]
+        if row.get("altitudemode") != _ABOVE_GROUND:
+            raise InvalidInput(
+                "{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)",
+                where,
+                agl_m,
+                row.get("altitudemode", ""),
+            )
+    pose = lat, lon, agl_m, yaw, 90.0 + pitch
+    try:
+        Points((pose[:3],), (yaw,), (pose[4],))
+    except InvalidInput as wrong:
+        raise InvalidInput("{0} {1}", where, wrong) from wrong
+    return pose
+
+
+def _between(start: Pose, end: Pose, spacing_m: float) -> list[Pose]:
+    """Poses of images by distance between two waypoints, without these."""
+    ends = (np.array([value]) for value in (*start[:2], *end[:2]))
+    azimuth, _, (length_m,) = geodesics(*ends)
+    # The last one is nearer to the end than to the one after it: that is the end's own.
+    count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
+    along = spacing_m * np.arange(1.0, count + 1.0)
+    first_lat, first_lon, way = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))
+    lat, lon, _ = along_geodesics(first_lat, first_lon, way, along)
+    agl = start[2] + along / max(float(length_m), spacing_m) * (end[2] - start[2])
+    return [(*place, *start[3:]) for place in zip(lat.tolist(), wrap_lon_deg(lon).tolist(), agl.tolist())]
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        value = real_number(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidInput("{0} {1!r}: must be a number", where, text[:80])
+    return value
