@@ -9217,6 +9217,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/service.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: defina la variable de entorno {1}</translation>

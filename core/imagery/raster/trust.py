@@ -15,12 +15,12 @@ from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
 from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
-from ..template import check_address
+from ..template import check_address, host_of
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
@@ -71,8 +71,11 @@ VIRTUAL, CURL = "/vsi", "/vsicurl/"
 FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
 #: Address of a raster file, and of no tiles.
 ADDRESS = re.compile(
-    r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\})*)?", re.IGNORECASE | re.DOTALL
+    r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\}|\{key\})*)?", re.IGNORECASE | re.DOTALL
 )
+#: What stands for a key in an address.
+KEY = "{key}"
+_WHOLE_KEY = re.compile(r"([?&]){key}(?=[&#]|$)")
 #: Files beside a raster that GDAL opens with it.
 _COMPANIONS = (".ovr", ".msk")
 
@@ -91,6 +94,21 @@ def file_of_part(name: str) -> str:
 def name_for_gdal(name: str) -> str:
     """Name by which GDAL opens what a user has named: an address becomes ``/vsicurl/address``."""
     return CURL + name if ADDRESS.fullmatch(name) else name
+
+
+def host_of_virtual(name: str) -> str:
+    """Host that GDAL fetches a file of its virtual file systems from; empty where the name has no address."""
+    found = re.search(r"https?://[^#]+", unquote(name).replace("{key}", "0"), re.IGNORECASE)
+    return host_of(found[0]) if found else ""
+
+
+def with_key(name: str, key: str) -> str:
+    """Name with what ``{key}`` stands for: a value, written as in an address (%2B for +) or not, or several parameters.
+
+    Several, ``name=value&…``, where it stands alone between ``?`` or ``&`` and the next one.
+    """
+    whole = _WHOLE_KEY.sub(lambda found: found[1] + key.lstrip("?&"), name)
+    return whole.replace(KEY, quote(unquote(key), safe=""))
 
 
 def check_virtual(path: str) -> None:
