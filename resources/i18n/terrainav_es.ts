@@ -10621,6 +10621,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,.1f} m above the ellipsoid everywhere</source>
+        <translation>{0:,.1f} m sobre el elipsoide en todas partes</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} images left out</source>
         <translation>{0:,} imágenes omitidas</translation>
     </message>

@@ -25,7 +25,7 @@ from ..template import check_address, host_of
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
     "GTiff JPEG PNG JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL ECW MrSID HFA GPKG WEBP GIF BIGGIF BMP ENVI EHdr NITF "
-    "RMF VRT".split()
+    "RMF SRTMHGT AAIGrid VRT".split()
 )
 #: Environment variable with folders that a VRT may read files of, beside its own.
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
@@ -33,7 +33,12 @@ FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 _MAGIC = (
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
     *(b"SQLite format 3", b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a", b"EHFA_HEADER_TAG"),
-    *(b"msid", b"e\x02", b"NITF", b"NSIF"),
+    *(b"msid", b"e\x02", b"NITF", b"NSIF", b"ncols", b"NCOLS"),
+)
+#: Endings of SRTM's files, which have no beginning of their own, and bytes of their 1, 1.5 and 3 seconds of arc.
+_SRTM, _SRTM_BYTES = (
+    ".hgt",
+    frozenset(2 * side * rows for side, rows in ((1201, 1201), (3601, 3601), (1801, 3601))),
 )
 #: How descriptions of services and collections begin, wherever GDAL looks for that.
 _DESCRIPTIONS = re.compile(
@@ -172,7 +177,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
             file.name,
             remedy="name the service itself: wms:URL, wmts:URL or a URL template",
         )
-    elif depth and head and not head.startswith(_MAGIC):
+    elif depth and head and not (head.startswith(_MAGIC) or _is_srtm(file)):
         raise InvalidInput("{0} is of no format of images that a VRT may read here", file.name)
     for ending in _COMPANIONS:
         beside = file.with_name(file.name + ending)
@@ -183,6 +188,10 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         raise InvalidInput("{0} names other files, which are not read", aux.name)
     if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
+
+
+def _is_srtm(file: Path) -> bool:
+    return file.suffix.lower() == _SRTM and file.stat().st_size in _SRTM_BYTES
 
 
 def _names(what: re.Pattern[str], metadata: bytes) -> bool:
