@@ -243,7 +243,10 @@ def _is_any_file(text: str) -> bool:
 
 #: What a user names a source by: a path, an address of tiles or of a service, a name, or a map of a QGIS project.
 FILE, ADDRESS, SERVICE, NAMED, PROJECT = "file", "address", "service", "name", "project"
-_RASTERS = (".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog")
+_RASTERS = (
+    *(".tif", ".tiff", ".vrt", ".jp2", ".img", ".png", ".jpg", ".jpeg", ".ecw", ".gpkg", ".cog"),
+    *(".hgt", ".asc"),
+)
 #: Kinds of sources, asked in this order. A further one is its module and a line.
 KINDS = (
     Kind("mbtiles", FILE, ".mbtiles", "MBTilesFile", endings=(".mbtiles",)),

@@ -58,6 +58,10 @@ _KEY_NAMES = re.compile(
 #: Environment variable with the hosts that the key is for, with commas or spaces between them.
 HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
 
+#: Parameters of signed addresses of stores: the signature, and who has signed.
+_SIGNATURE = re.compile(r"(x-(amz|goog)-)?signature", re.IGNORECASE)
+_SIGNER = re.compile(r"x-(amz|goog)-credential|awsaccesskeyid|googleaccessid|key-pair-id", re.IGNORECASE)
+
 
 @dataclass(frozen=True)
 class Template:
@@ -242,7 +246,14 @@ def keys_in(address: str) -> list[str]:
     before, _, after = address.partition("#")
     # Some servers take ; between parameters, and what stands after # may have been meant for the query.
     parameters = f"{before.partition('?')[2]}&{after}".replace(";", "&")
-    return [name for name, value in parse_qsl(parameters) if is_key_name(name) and "{key}" not in value]
+    named = parse_qsl(parameters)
+    # Beside a signature that is left out they say whose it is, which is no secret.
+    is_signed = any(_SIGNATURE.fullmatch(name) and value == "{key}" for name, value in named)
+    return [
+        name
+        for name, value in named
+        if is_key_name(name) and "{key}" not in value and not (is_signed and _SIGNER.fullmatch(name))
+    ]
 
 
 def is_key_name(name: str) -> bool:

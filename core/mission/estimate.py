@@ -118,6 +118,7 @@ class Summary:
     coarsest_gsd_m_per_px: float | None = None
     clearance_m: float | None = None
     hidden_share: float | None = None
+    level_ground_m: float | None = None
     filled_heights: int | None = None
     interpolated_heights: int | None = None
     heights: int | None = None
@@ -234,6 +235,9 @@ class Summary:
         return lines
 
     def _relief(self) -> list[tuple[str, str]]:
+        if self.level_ground_m is not None:
+            level = Message("{0:,.1f} m above the ellipsoid everywhere", self.level_ground_m)
+            return [(Message("ground below"), level)]
         if self.lowest_ground_m is None or self.finest_gsd_m_per_px is None:
             return []
         ground = Message(
@@ -368,6 +372,8 @@ def _polygons(plan: Plan) -> int:
 
 
 def _over_relief(plan: Plan) -> dict[str, Any]:
+    if plan.relief is None and plan.mission.terrain.elevation:
+        return {"level_ground_m": plan.level_m}
     if plan.relief is None or plan.flown is None or plan.size_px is None:
         return {}
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)

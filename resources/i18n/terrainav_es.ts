@@ -13229,6 +13229,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0:,.0f} poses: deben ser de 1 a {1:,}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/estimate.py"/>
+        <source>{0:,.1f} m above the ellipsoid everywhere</source>
+        <translation>{0:,.1f} m sobre el elipsoide en todas partes</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/decode.py"/>
         <source>{0:,} bytes, more than the {1:,} of {2}x{3} px at most</source>
         <translation>{0:,} bytes, más de los {1:,} que puede tener una imagen de {2}x{3} px</translation>
@@ -14168,6 +14173,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/service.py"/>
         <source>{0}: needs an API key: set the environment variable {1}</source>
         <translation>{0}: necesita una clave API: defina la variable de entorno {1}</translation>

@@ -15,7 +15,10 @@ class _Handler(BaseHTTPRequestHandler):
     disable_nagle_algorithm = True
 
     def do_HEAD(self):
-        self.do_GET()
+        if self.server.owner.answers_heads:
+            self.do_GET()
+        else:
+            self._send(403, b"signed for GET", {})
 
     def do_GET(self):
         owner, path = self.server.owner, urlsplit(self.path).path
@@ -91,6 +94,8 @@ class RangeServer:
         Of the next answers; 0 for none.
     sends_parts, names_versions, keeps_conditions : bool
         What of Range, ETag and If-Match it knows.
+    answers_heads : bool
+        Whether it answers requests for heads, as it does not where addresses are signed for GET alone.
     when : (int, callable) or None
         After how many requests something happens.
     cuts_at : int or None
@@ -99,7 +104,7 @@ class RangeServer:
 
     def __init__(self):
         self.files, self.redirects, self.asked, self.faults = {}, {}, [], []
-        self.sends_parts = self.names_versions = self.keeps_conditions = True
+        self.sends_parts = self.names_versions = self.keeps_conditions = self.answers_heads = True
         self.when, self.cuts_at, self.latency_s = None, None, 0.0
         self.sent_bytes = self.under_way = self.most_under_way = 0
         self.lock = threading.Lock()

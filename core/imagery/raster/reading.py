@@ -471,22 +471,35 @@ class Pool:
                 raise Cancelled("{0}: closed", self._path)
             free = self._free.setdefault(level, [])
             known = free.pop() if free else None
-        file = known or self._opened(level)
-        try:
-            yield file
-        except BaseException:
-            file.close()
-            raise
+        with self._without_key():
+            file = known or self._opened(level)
+            try:
+                yield file
+            except BaseException:
+                file.close()
+                raise
         if not self._taken_back(level, file):
             file.close()
+
+    @contextmanager
+    def _without_key(self) -> Iterator[None]:
+        """Words of GDAL without the key that may stand in the address of a raster."""
+        try:
+            yield
+        except ReadError as wrong:
+            if self.remote is None:
+                raise
+            raise ReadError(self.remote.masked(str(wrong))) from None
 
     def _opened(self, level: int) -> RasterFile:
         if self.remote is None:
             return self._open(self._path, level)
         try:
             return self._open(self.remote.path, level, options=self.remote.options)
-        except ReadError as wrong:
-            raise ReadError(str(wrong).replace(self.remote.path, self._path)) from wrong
+        except ReadError:
+            if not self.remote.leave_out_heads():
+                raise
+        return self._open(self.remote.path, level, options=self.remote.options)
 
     def _taken_back(self, level: int, file: RasterFile) -> bool:
         with self._lock:

@@ -18,11 +18,12 @@ from typing import NamedTuple
 from urllib.parse import unquote
 
 from ...errors import InvalidInput, PartError, SourceError
+from ...text import Secrets
 from ..entry import providers_in, strictest
 from ..http.client import FIRST_WAIT_S, TRIES, Client, NotThere
 from ..http.transport import Response, Timeouts, Transport, too_long, user_agent
 from ..policy import Policy
-from .trust import CURL
+from .trust import CURL, with_key
 
 #: GDAL's names of files over HTTP, and of those within archives over HTTP, with and without braces.
 _PLAIN = re.compile(r"()/vsicurl/(https?://[^#]+)()", re.IGNORECASE)
@@ -38,6 +39,8 @@ _STRONG = re.compile(r'"[!#-+\--\[\]-~]+"')
 _SAME_FOR_S = 2.0
 #: Bytes of an answer to a request of one byte.
 _MOST_BYTES = 1 << 16
+#: GDAL's option by which it asks for the heads of files first.
+_HEAD = "CPL_VSIL_CURL_USE_HEAD"
 #: Tells rasters that are opened one after the other apart, as GDAL keeps parts of files by their address.
 _opened = itertools.count(1)
 
@@ -65,6 +68,8 @@ class Remote:
     title : str
     transport : Transport or None
         Left open; None for one of its own.
+    key : str
+        What ``{key}`` stands for in the path.
 
     Attributes
     ----------
@@ -81,8 +86,9 @@ class Remote:
         It is out of reach, or refuses.
     """
 
-    def __init__(self, path: str, title: str, transport: Transport | None = None) -> None:
+    def __init__(self, path: str, title: str, transport: Transport | None = None, key: str = "") -> None:
         self._title = title
+        self._named, self._secrets = path, Secrets((key,) if key else ())
         timeouts = Timeouts()
         self.options = {
             "GDAL_HTTP_USERAGENT": user_agent(),
@@ -96,7 +102,8 @@ class Remote:
             "GDAL_HTTP_MULTIRANGE": "SERIAL",
             "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR",
         }
-        self.path, self._url = _address(path)
+        self._path_with_key = with_key(path, key)
+        self.path, self._url = _address(self._path_with_key)
         self._providers = list(providers_in(path))
         self._client: Client | None = None
         self._asking = threading.Lock()
@@ -105,9 +112,10 @@ class Remote:
         if transport is None:
             from ..http.requests_transport import RequestsTransport
 
-            self._client = Client(RequestsTransport(1, timeouts, _MOST_BYTES), title, connections=1)
+            transport = RequestsTransport(1, timeouts, _MOST_BYTES)
         else:
-            self._client = Client(_Lent(transport), title, connections=1)
+            transport = _Lent(transport)
+        self._client = Client(transport, title, connections=1, secrets=(key,) if key else ())
         try:
             self._version = self._ask(self._client)
         except NotThere as wrong:
@@ -130,6 +138,22 @@ class Remote:
         """Terms of the providers that were asked so far, wherever a redirect led; of several the strictest."""
         known = strictest(self._providers)
         return Policy() if known is None else known.policy
+
+    def leave_out_heads(self) -> bool:
+        """Have GDAL not ask for the head of the file first; False where it does not, or may not be told so.
+
+        Servers do not answer that where an address is signed for its content alone.
+        """
+        if not self._url or _HEAD in self.options:
+            return False
+        self.options[_HEAD] = "NO"
+        # GDAL keeps what it has been told of an address.
+        self.path, _ = _address(self._path_with_key)
+        return True
+
+    def masked(self, text: str) -> str:
+        """GDAL's words with the name of the file as it was given, and nothing of a key."""
+        return self._secrets.masked(text.replace(self.path, self._named))
 
     def check(self, *, anew: bool = False) -> None:
         """Refuse a file that is another one by now; asks for it again after seconds, or where it is to.

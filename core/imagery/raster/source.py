@@ -28,12 +28,13 @@ from ..opening import FileSource
 from ..policy import Policy
 from ..source import Part, Pixels, Window, check_zoom, tile_parts
 from ..systems import MAP
+from ..template import KEY_ENV, environment_key
 from .colours import Colours, colours_of, heights_of
 from .place import TILE_PX, Place
 from .reading import Box, Facts, Pool, ReadError, Values, opener
 from .remote import Remote
 from .resampling import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
-from .trust import FETCHED, check_virtual, drivers_for, file_of_part, name_for_gdal
+from .trust import FETCHED, KEY, check_virtual, drivers_for, file_of_part, host_of_virtual, name_for_gdal
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
 _MAX_ZOOM = 22
@@ -79,7 +80,19 @@ class RasterFile(FileSource):
             as_stored=options.as_stored,
             heights=options.heights,
             transport=options.transport,
+            key=options.key or self.environment_key() or "",
         )
+
+    @property
+    def needs_key(self) -> bool:
+        """Whether a key stands in its address."""
+        return KEY in self.text
+
+    def environment_key(self) -> str | None:
+        """Return the environment's key, if that is for its host."""
+        if not self.needs_key:
+            return None
+        return environment_key([host_of_virtual(self.text)], named_by_user=self.options.named_by_user)
 
 
 def open_raster(
@@ -92,6 +105,7 @@ def open_raster(
     as_stored: bool = False,
     heights: bool = False,
     transport: Transport | None = None,
+    key: str = "",
 ) -> RasterSource:
     """Open a raster file as a source of imagery.
 
@@ -121,6 +135,8 @@ def open_raster(
         The first band is taken for heights, as float32, and rows along degrees keep their own pixels, too.
     transport : Transport or None
         For what is asked of a server beside GDAL's requests; None for one of its own. It stays open.
+    key : str
+        What ``{key}`` in an address stands for.
 
     Raises
     ------
@@ -142,7 +158,8 @@ def open_raster(
     except InvalidInput as wrong:
         raise InvalidInput("{0}: {1}", file, wrong) from wrong
     library = partial(opener(), drivers=drivers)
-    pool = Pool(library, file, Remote(file, _title(file), transport) if FETCHED.search(file) else None)
+    remote = Remote(file, _title(file), transport, _key_for(file, key)) if FETCHED.search(file) else None
+    pool = Pool(library, file, remote)
     try:
         with pool.lent(0) as raster:
             facts = raster.facts()
@@ -412,6 +429,12 @@ class RasterSource:
             self._check_same(anew=True)
             raise PartError("{0}: cannot be read here: {1}", self.title, wrong) from wrong
         return strips[0] if len(strips) == 1 else np.concatenate(strips)
+
+
+def _key_for(path: str, key: str) -> str:
+    if KEY in path and not key:
+        raise SourceError("{0}: needs an API key: set the environment variable {1}", _title(path), KEY_ENV)
+    return key if KEY in path else ""
 
 
 def _title(path: str) -> str:

@@ -15,17 +15,17 @@ from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
 from ...files import is_there
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
-from ..template import check_address
+from ..template import check_address, host_of
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
     "GTiff JPEG PNG JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL ECW MrSID HFA GPKG WEBP GIF BIGGIF BMP ENVI EHdr NITF "
-    "RMF VRT".split()
+    "RMF SRTMHGT AAIGrid VRT".split()
 )
 #: Environment variable with folders that a VRT may read files of, beside its own.
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
@@ -33,7 +33,12 @@ FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 _MAGIC = (
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
     *(b"SQLite format 3", b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a", b"EHFA_HEADER_TAG"),
-    *(b"msid", b"e\x02", b"NITF", b"NSIF"),
+    *(b"msid", b"e\x02", b"NITF", b"NSIF", b"ncols", b"NCOLS"),
+)
+#: Endings of SRTM's files, which have no beginning of their own, and bytes of their 1, 1.5 and 3 seconds of arc.
+_SRTM, _SRTM_BYTES = (
+    ".hgt",
+    frozenset(2 * side * rows for side, rows in ((1201, 1201), (3601, 3601), (1801, 3601))),
 )
 #: How descriptions of services and collections begin, wherever GDAL looks for that.
 _DESCRIPTIONS = re.compile(
@@ -71,8 +76,11 @@ VIRTUAL, CURL = "/vsi", "/vsicurl/"
 FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
 #: Address of a raster file, and of no tiles.
 ADDRESS = re.compile(
-    r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\})*)?", re.IGNORECASE | re.DOTALL
+    r"https?://([^{}?#]|\{date\})+\.(tiff?|cog|jp2)(\?([^{}#]|\{date\}|\{key\})*)?", re.IGNORECASE | re.DOTALL
 )
+#: What stands for a key in an address.
+KEY = "{key}"
+_WHOLE_KEY = re.compile(r"([?&]){key}(?=[&#]|$)")
 #: Files beside a raster that GDAL opens with it.
 _COMPANIONS = (".ovr", ".msk")
 
@@ -91,6 +99,21 @@ def file_of_part(name: str) -> str:
 def name_for_gdal(name: str) -> str:
     """Name by which GDAL opens what a user has named: an address becomes ``/vsicurl/address``."""
     return CURL + name if ADDRESS.fullmatch(name) else name
+
+
+def host_of_virtual(name: str) -> str:
+    """Host that GDAL fetches a file of its virtual file systems from; empty where the name has no address."""
+    found = re.search(r"https?://[^#]+", unquote(name).replace("{key}", "0"), re.IGNORECASE)
+    return host_of(found[0]) if found else ""
+
+
+def with_key(name: str, key: str) -> str:
+    """Name with what ``{key}`` stands for: a value, written as in an address (%2B for +) or not, or several parameters.
+
+    Several, ``name=value&…``, where it stands alone between ``?`` or ``&`` and the next one.
+    """
+    whole = _WHOLE_KEY.sub(lambda found: found[1] + key.lstrip("?&"), name)
+    return whole.replace(KEY, quote(unquote(key), safe=""))
 
 
 def check_virtual(path: str) -> None:
@@ -154,7 +177,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
             file.name,
             remedy="name the service itself: wms:URL, wmts:URL or a URL template",
         )
-    elif depth and head and not head.startswith(_MAGIC):
+    elif depth and head and not (head.startswith(_MAGIC) or _is_srtm(file)):
         raise InvalidInput("{0} is of no format of images that a VRT may read here", file.name)
     for ending in _COMPANIONS:
         beside = file.with_name(file.name + ending)
@@ -165,6 +188,10 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         raise InvalidInput("{0} names other files, which are not read", aux.name)
     if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
+
+
+def _is_srtm(file: Path) -> bool:
+    return file.suffix.lower() == _SRTM and file.stat().st_size in _SRTM_BYTES
 
 
 def _names(what: re.Pattern[str], metadata: bytes) -> bool:

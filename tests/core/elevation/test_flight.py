@@ -196,6 +196,13 @@ def test_filled_holes_are_counted_and_can_be_refused(dem):
         flown(Mission(AREA, 60.0, elevation=(dem["hills"],), surface=(dem["hole"],), holes="refuse"))
 
 
+def test_level_ground_is_stated_with_its_height(dem):
+    figures = estimate(flown(Mission(AREA, 60.0, elevation=(dem["level"],))))
+    assert figures.level_ground_m == 41.5
+    assert str(dict(figures.lines())["ground below"]) == "41.5 m above the ellipsoid everywhere"
+    assert "ground below" not in dict(estimate(plan(Mission(AREA, 60.0), GRID)).lines())
+
+
 @pytest.mark.parametrize("kind", ["box", "polygon", "point"])
 def test_holes_beside_the_area_are_not_refused(dem, kind):
     south, west, north, east = AREA.south_deg, AREA.west_deg, AREA.north_deg, AREA.east_deg
