@@ -355,12 +355,12 @@ def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
 
 def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
-    first, _ = runs_on(grid, flown.poses)
+    first, run = runs_on(grid, flown.poses)
+    if flown.sizes is not None:
+        first, _ = flown.sizes.runs(first, run)
+        width, height = (np.asarray(side, np.float64) for side in flown.sizes.take(first))
+        return Scene(mission.camera, width, height, flown.poses.take(first), ground_of(mission))
     poses = flown.poses.take(first)
-    if flown.size_px is not None:
-        return Scene(
-            mission.camera, float(flown.size_px[0]), float(flown.size_px[1]), poses, ground_of(mission)
-        )
     # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
     width, height = swapped(
         quarter_turns(poses, grid.own),
