@@ -27,7 +27,7 @@ from ..geodesy.footprint import (
 from ..geodesy.frames import Sizes, Windows, quarter_turns, runs_on, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import TurnedPlane
-from ..geodesy.relief_view import Tracing
+from ..geodesy.relief_view import Tracing, settled
 from ..geodesy.view import View, view
 from .area import Points
 from .flight.motion import Legs, fly, intervals_s, legs
@@ -66,6 +66,8 @@ Kept = TypeVar("Kept")
 _KEPT = 16
 #: Captures over relief whose outlines are worked out together.
 _OUTLINED = 128
+#: Share of what rays over relief may be off by that is left to the rounding of their camera's pose.
+_OF_SETTLING = 2.0**-7
 #: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
 _VIEWS_COUNTED = 500
 #: The same of turned rows in still air, whose views differ by the plane's convergence and by latitude alone.
@@ -312,12 +314,12 @@ class Plan:
         if relief is None:
             raise InvalidInput("rays over relief: the ground is level")
         scene = Scene(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
+        tolerance_px = self.accuracy.mesh_tolerance_px
         return Tracing(
-            scene,
-            float(self.height_m[index]),
+            *settled(scene, float(self.height_m[index]), tolerance_px * _OF_SETTLING),
             relief.heights.surface,
             relief.lowest_m,
-            self.accuracy.mesh_tolerance_px,
+            tolerance_px * (1.0 - _OF_SETTLING),
         )
 
     def _level_view(self, index: int) -> View:
