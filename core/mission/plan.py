@@ -510,7 +510,8 @@ class Plan:
         if len(first) > most:
             starts = np.arange(0, len(self), -(-len(self) // most))
             starts = np.union1d(starts, [part.first for part in self.passes]).astype(np.intp)
-        moved = np.zeros(len(self)), lat_to_v(self.lat_deg)
+        # A pole is infinitely far up or down the map, and no other place lies by a distance from there.
+        moved = np.zeros(len(self)), np.clip(lat_to_v(self.lat_deg), -1.0, 2.0)
         if self.grid.own is not None:
             moved = self.grid.own.forward(self.lat_deg, self.lon_deg)
         seen: NDArray[np.int64] = np.empty(0, np.int64)

@@ -8564,6 +8564,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/view.py"/>
+        <source>fly lower, or choose a source that has lower zooms</source>
+        <translation>vuele más bajo o elija una fuente que tenga zooms más bajos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/view.py"/>
+        <source>image of {0:,} x {1:,} px: shows more than {2:,} tiles of the source, which are allowed for one</source>
+        <translation>imagen de {0:,} x {1:,} px: muestra más de {2:,} teselas de la fuente, que son las permitidas para una</translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/ways.py"/>
         <source>leave room between them, or keep less distance</source>
         <translation>deje espacio entre ellas, o guarde menos distancia</translation>
@@ -12207,8 +12217,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>how far the camera is rolled about its line of sight, right side down</source>
-        <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
+        <source>how far the camera is turned last, after yaw and tilt, about where the image's top edge points: right side down</source>
+        <translation>cuánto gira la cámara al final, tras la guiñada y la inclinación, en torno a la dirección a la que apunta el borde superior de la imagen: lado derecho hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
