@@ -59,6 +59,8 @@ MAX_HEIGHT_SOURCES = 16
 MAX_IMAGERIES = 64
 #: Poses that are drawn at random, or flown along a line.
 MAX_POSES = 10_000_000
+#: Tiles that one picture is made of: the largest one, from pixels half as large, takes some 12,000 of 256 px.
+MAX_IMAGE_TILES = 32_768
 #: Pixels of all pictures that are on the way at once: one that is made while the next is fetched.
 MAX_PICTURES_AT_ONCE_PX = 2 * MAX_PICTURE_PX
 

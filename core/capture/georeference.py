@@ -15,7 +15,7 @@ from ..bands import RGB, Bands, unnamed
 from ..errors import InvalidInput
 from ..geodesy.mercator import WebMercator
 from ..mission.plan import Plan
-from .metadata import degrees, xml_text
+from .metadata import degrees, metres, xml_text
 from .tiff import Kind, Tag
 
 #: What GeoTIFF says of a CRS that has no code.
@@ -186,7 +186,7 @@ class ControlPoints:
                 (1.0 - y) / 2.0 * height_px,
                 np.array(lon),
                 np.array(lat),
-                heights[0],
+                np.array([metres(height) for height in heights[0]]),
             )
             found = np.stack(columns, axis=1)[hit]
             if len(found) >= _FEWEST:

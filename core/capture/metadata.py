@@ -37,6 +37,7 @@ _MM_PER_CM = 10.0
 NAMESPACE = "http://pix4d.com/camera/1.0/"
 #: Decimals of degrees, 0.1 mm of ground, and digits of other figures.
 DECIMALS_OF_DEGREES, _DIGITS = 9, 6
+_DECIMALS_OF_METRES = 4
 #: Decimals of an accuracy in metres, of which 0.01 is the finest that is stated.
 _DECIMALS_OF_ACCURACY = 4
 #: What XML 1.0 excludes, however it is written.
@@ -202,6 +203,11 @@ def xmp(description: Description, exposure: Exposure) -> bytes:
 def degrees(angle_deg: float) -> float:
     """Angle in degrees as files state it; never -0."""
     return round(float(angle_deg), DECIMALS_OF_DEGREES) + 0.0
+
+
+def metres(length_m: float) -> float:
+    """Height or depth in metres as files state it, to 0.1 mm as `degrees`; never -0."""
+    return round(float(length_m), _DECIMALS_OF_METRES) + 0.0
 
 
 def accuracy(metres: float) -> float:

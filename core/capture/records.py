@@ -224,7 +224,7 @@ def _effective_gsd_m(plan: Plan, index: int) -> float:
         own, zoom = float(grid.ground_m_per_px(lat, lon, plan.zoom)), plan.zoom
     else:
         lat, lon = np.asarray(plan.lat_deg[index]), np.asarray(plan.lon_deg[index])
-        own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / plan.size_px[0]
+        own = mission.camera.ground_size_m(float(plan.agl_m[index]))[0] / float(plan.width_px[index])
         zoom = sampled_zooms(mission, grid)[1]
     if mission.output.img_size is not None:
         own *= float(plan.width_px[index]) / mission.output.img_size[0]

@@ -72,7 +72,7 @@ def _add_random(actions: Any) -> None:
         ("agl", None, "height above ground in metres"),
         ("yaw", ("uniform", "-180", "180"), "degrees from north to the image's top edge"),
         ("tilt", ("0",), "degrees of tilt, 0 straight down"),
-        ("roll", ("0",), "degrees of roll, right side down"),
+        ("roll", ("0",), "degrees of roll about where the image's top edge points, right side down"),
     ):
         by_default = "" if default is None else f" ({' '.join(default)})"
         drawing.add_argument(

@@ -31,6 +31,7 @@ Flags = NDArray[np.bool_]
 #: Pieces an edge of the image is divided into, and each arc of the horizon: an arc of a full circle is then
 #: within 0.1 % of its radius.
 _EDGE_PIECES, _ARC_PIECES = 16, 72
+_MIDDLE: ImagePoints = ((0.0, 0.0),)
 #: Image points this close are one.
 _SAME_POINT = 1e-12
 
@@ -80,6 +81,35 @@ def ground_corners(
     return Corners(
         corners.lat_deg[run], poses.lon_deg[:, np.newaxis] + corners.lon_deg[run], corners.hit[run]
     )
+
+
+def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
+    """Ground in the middle of images: where the exact camera's axis meets it, (n,) each.
+
+    Where the axis looks past the Earth it is the middle of the part of the image that does not.
+
+    Returns
+    -------
+    lat_deg, lon_deg : array (n,)
+        Longitudes are continuous with the cameras'.
+
+    Raises
+    ------
+    InvalidInput
+        A camera none of whose rays meets the Earth.
+    """
+    first, run = poses.runs()
+    each = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
+    seen = exact(camera, each, _MIDDLE, ground)
+    lat, dlon = seen.lat_deg[:, 0], seen.lon_deg[:, 0]
+    for at in np.flatnonzero(~seen.hit[:, 0]).tolist():
+        one = each.take(slice(at, at + 1))
+        yaw, tilt, roll = (float(angle[0]) for angle in one.attitude)
+        shown = outline(camera, float(one.lat_deg[0]), float(one.agl_m[0]), (yaw, tilt, roll), ground)
+        x, y = shown.image_xy.mean(axis=0).tolist()
+        middle = exact(camera, one, ((x, y),), ground)
+        lat[at], dlon[at] = middle.lat_deg[0, 0], middle.lon_deg[0, 0]
+    return lat[run], poses.lon_deg + dlon[run]
 
 
 @dataclass(frozen=True, eq=False)

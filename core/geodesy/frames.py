@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +64,44 @@ class Windows(NamedTuple):
         """Left, top, right and bottom edges as float64, (n,) each."""
         left, top = np.asarray(self.left_px, np.float64), np.asarray(self.top_px, np.float64)
         return left, top, left + self.width_px, top + self.height_px
+
+
+class Sizes(NamedTuple):
+    """Widths and heights of camera frames, px, (n,) each; one size for all takes no memory."""
+
+    width_px: Numbers
+    height_px: Numbers
+
+    @classmethod
+    def of(cls, width: Floats, aspect_ratio: float) -> Sizes:
+        """Whole sizes of images by their widths, (n,); 0 where a side is under half a pixel."""
+        of = width[:1] if len(width) and width.min() == width.max() else width
+        sides = (np.rint(side).astype(np.int64) for side in (of, of / aspect_ratio))
+        return cls(*(np.broadcast_to(side, width.shape) for side in sides))
+
+    @property
+    def largest(self) -> tuple[int, int]:
+        """Size of the largest image."""
+        return int(self.width_px.max()), int(self.height_px.max())
+
+    def take(self, which: NDArray[Any] | slice) -> Sizes:
+        """Some of them, by index, mask or slice."""
+        count = self.width_px[which].shape
+        return Sizes(
+            *(side[which] if any(side.strides) else np.broadcast_to(side[:1], count) for side in self)
+        )
+
+    def runs(
+        self, first: NDArray[np.intp], run: NDArray[np.intp]
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Runs of poses as of `Poses.runs`, in each of which images have one size, too."""
+        if not any(self.width_px.strides + self.height_px.strides):
+            return first, run
+        change = np.zeros(len(run), bool)
+        change[first] = True
+        for side in self:
+            change[1:] |= side[1:] != side[:-1]
+        return np.flatnonzero(change), np.cumsum(change) - 1
 
 
 def quarter_turns(poses: Poses, own: ProjectedPlane | None = None) -> Numbers:

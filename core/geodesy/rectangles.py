@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .camera import Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, above_tangent_plane_m, sight_lines
-from .footprint import Corners, exact, outline
+from .footprint import Corners, exact, image_centres
 from .frames import FrameEdges
 from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from .planes import ProjectedPlane, TurnedPlane
@@ -222,14 +222,8 @@ def _map_positions(seen: Corners) -> Floats:
 
 def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
     """Points of the map about which the rectangles lie, (n, 2)."""
-    seen = exact(camera, poses, ((0.0, 0.0),), ground)
-    centre = _map_positions(seen)[:, 0]
-    for at in np.flatnonzero(~seen.hit[:, 0]).tolist():
-        yaw, tilt, roll = (float(angle[at]) for angle in poses.attitude)
-        shown = outline(camera, float(poses.lat_deg[at]), float(poses.agl_m[at]), (yaw, tilt, roll), ground)
-        x, y = shown.image_xy.mean(axis=0).tolist()
-        centre[at] = _map_positions(exact(camera, poses.take(np.array([at])), ((x, y),), ground))[0, 0]
-    return centre
+    lat, lon = (angle[:, np.newaxis] for angle in image_centres(camera, poses, ground))
+    return _map_positions(Corners(lat, lon, np.ones(lat.shape, bool)))[:, 0]
 
 
 def _searched(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -12,6 +13,7 @@ from numpy.polynomial.polynomial import polyval2d, polyvander2d
 from numpy.typing import NDArray
 
 from .accuracy import Scene
+from .camera import Poses
 from .ellipsoid import WGS84, clearance, positions, sight_lines, trace
 from .mercator import PixelGrid, wrap_lon_deg
 from .paths import Paths
@@ -117,6 +119,37 @@ class Faces(NamedTuple):
     lon_deg: Floats
     east: Floats
     north: Floats
+
+
+def settled(scene: Scene, height_m: float, tolerance_px: float) -> tuple[Scene, float]:
+    """Scene of one pose and its height, rounded so far that the last digits of a processor's sines do not count.
+
+    Which points rays meet, within what they may be off by, hangs on every digit; so images of one mission would
+    differ everywhere. Rounding moves no pixel by more than the tolerance.
+    """
+    pose, focal_px = scene.poses, float(scene.focal_px)
+    nearest_m = float(pose.agl_m[0]) / focal_px
+    # Of six numbers each moves a pixel of level ground by no more than twice its own rounding, but for slant.
+    share_px = tolerance_px / (16.0 * (1.0 + scene.diagonal_tangent**2))
+    metre, turn = (power_of_two(share_px * size) for size in (nearest_m, math.degrees(1.0 / focal_px)))
+    degree = power_of_two(math.degrees(metre / WGS84.a_m))
+
+    def rounded(values: Floats, step: float) -> Floats:
+        found: Floats = np.rint(values / step) * step
+        return found
+
+    poses = Poses(
+        rounded(pose.lat_deg, degree),
+        rounded(pose.lon_deg, degree),
+        rounded(pose.agl_m, metre),
+        *(rounded(angle, turn) for angle in pose.attitude),
+    )
+    return replace(scene, poses=poses), float(rounded(np.array(height_m), metre))
+
+
+def power_of_two(value: float) -> float:
+    """Greatest power of two up to a value."""
+    return math.ldexp(0.5, math.frexp(value)[1])
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,12 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InvalidInput
+from ..limits import MAX_IMAGE_TILES
 from .accuracy import Scene, grazing, mesh_noise_px
 from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import PixelGrid, lat_to_v
 from .planes import ProjectedPlane
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 Numbers = NDArray[np.int64]
 #: A zoom serves while its pixels, seen in the image, are between this and half of it: rounding to the nearest.
 _NEAREST = 2.0**0.5
@@ -29,12 +32,16 @@ KERNEL_REACH_PX = 4
 _EXTENT_TOLERANCE_PX = 0.1
 #: Extents that tiles are counted under in one go, for any number of cameras.
 _EXTENTS_COUNTED = 1 << 19
+#: Tiles of extents that are numbered at a time, to bound memory: some 60 MB.
+_KEYS_AT_ONCE = 1 << 20
 #: Numbers up to which it is counted how often each occurs; more are sorted.
 _MOST_COUNTED = 1 << 22
 #: Rays traced in one go.
 _BATCH = 1 << 17
 #: Sides of the cells begun with, and of those below which every pixel gets a ray of its own, px.
 _LARGEST_PX, _SMALLEST_PX = 160, 8
+#: Cells along each side of an image at which it is looked whether a mesh has any.
+_CELLS_TRIED = 24
 #: How much farther one corner of a cell may be than another: beyond, one zoom would not suit all of it.
 _MOST_UNEVEN = 1.5
 #: Factor on the bound for what second derivatives leave out; validated by Monte Carlo.
@@ -178,24 +185,42 @@ class View:
     def _keys(
         self, zoom: int, u: Floats, moved_v: Floats, west: Floats, east: Floats, north: Floats, south: Floats
     ) -> Numbers:
-        first_x, last_x, first_y, last_y = self._tile_spans(
-            zoom, u, west, east, north + moved_v, south + moved_v
+        first_x, last_x, first_y, last_y = (
+            np.ravel(one)
+            for one in np.broadcast_arrays(
+                *self._tile_spans(zoom, u, west, east, north + moved_v, south + moved_v)
+            )
         )
-        columns, rows = (
-            int(np.max(last - first)) + 1 for first, last in ((first_x, last_x), (first_y, last_y))
-        )
+        wide, most = last_x - first_x + 1, MAX_IMAGE_TILES * len(u)
+        counts = wide * (last_y - first_y + 1)
+        if int(counts.max(initial=0)) > most:
+            raise self._too_many_tiles()
         # Tiles beyond a plane of a source's own count from below 0.
         beyond = _BEYOND_TILES if self.grid.own else 0
-        keys = [
-            (zoom << 56)
-            + ((np.minimum(first_y + down, last_y) + beyond) << 28)
-            + self.grid.wrapped(np.minimum(first_x + across, last_x), zoom)
-            + beyond
-            for across in range(columns)
-            for down in range(rows)
-        ]
-        each_once: Numbers = np.unique(np.stack(keys))
-        return each_once
+        ends, keys = np.cumsum(counts), np.empty(0, np.int64)
+        start = begun = 0
+        while start < len(counts):
+            stop = max(int(np.searchsorted(ends, begun + _KEYS_AT_ONCE, "right")), start + 1)
+            some = np.arange(start, stop)
+            one = np.repeat(some, counts[some])
+            at = np.arange(len(one)) - np.repeat(ends[some] - counts[some] - begun, counts[some])
+            x, y = first_x[one] + at % wide[one], first_y[one] + at // wide[one]
+            found = (zoom << 56) + ((y + beyond) << 28) + self.grid.wrapped(x, zoom) + beyond
+            keys = np.union1d(keys, found)
+            if len(keys) > most:
+                raise self._too_many_tiles()
+            start, begun = stop, int(ends[stop - 1])
+        return keys
+
+    def _too_many_tiles(self) -> InvalidInput:
+        return InvalidInput(
+            "image of {0:,} x {1:,} px: shows more than {2:,} tiles of the source, which are allowed for one",
+            self.width_px,
+            self.height_px,
+            MAX_IMAGE_TILES,
+            field="source",
+            remedy="fly lower, or choose a source that has lower zooms",
+        )
 
     def _tile_spans(
         self, zoom: int, u: Floats | float, west: Floats, east: Floats, north: Floats, south: Floats
@@ -488,7 +513,6 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
     tolerance_px : float
         What a cell's bound must not exceed; 0 leaves every pixel that sees the Earth to a ray of its own.
     """
-    noise = float(mesh_noise_px(rays.scene)[0])
     box = _first_boxes(*rays.scene.one_size_px)
     fitting: list[tuple[Numbers, Floats, Floats, Floats]] = []
     loose = [np.empty((0, 4), np.int64)]
@@ -498,16 +522,10 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
         if not seen.all():
             seen |= _holds_earth(rays, box)
             box, du, v, spread, hit = (values[seen] for values in (box, du, v, spread, hit))
-        (along_x, along_y), (uneven_x, uneven_y) = _errors_px(rays, box, v, hit.all(axis=1))
+        errors, uneven = _errors_px(rays, box, v, hit.all(axis=1))
+        (along_x, along_y), (uneven_x, uneven_y) = errors, uneven
         size = box[:, 2:] - box[:, :2]
-        # The perspective of a thin cell hangs on its short side, and enlarges that side's noise along the long one.
-        thinness = size.max(axis=1) / size.min(axis=1)
-        bound = _BEYOND_SECOND_ORDER * (along_x + along_y) + noise * thinness
-        whole = hit.all(axis=1) & rays.on_map(v).all(axis=1)
-        if rays.own is None:
-            whole &= spread <= _FAR_SIDE_DEG / 360.0
-        even = np.maximum(uneven_x, uneven_y) <= _MOST_UNEVEN
-        fits = whole & even & (bound <= tolerance_px)
+        bound, fits = _fitting(rays, box, (v, spread, hit), (errors, uneven), tolerance_px)
         fitting.append((box[fits], du[fits], v[fits], bound[fits]))
         smallest = (size <= _SMALLEST_PX).all(axis=1) if tolerance_px > 0.0 else np.ones(len(box), bool)
         loose.append(box[~fits & smallest])
@@ -516,6 +534,42 @@ def mesh(rays: ImageRays, tolerance_px: float) -> Cells:
         box = _halved(box[more], across_x[more])
     boxes, us, vs, bounds = (np.concatenate(parts) for parts in zip(*fitting))
     return Cells(boxes, us, vs, bounds, np.concatenate(loose))
+
+
+def _fitting(
+    rays: ImageRays,
+    box: Numbers,
+    seen: tuple[Floats, Floats, Flags],
+    errors: tuple[tuple[Floats, Floats], tuple[Floats, Floats]],
+    tolerance_px: float,
+) -> tuple[Floats, Flags]:
+    """Bounds of cells, and whether each is, within a tolerance, the perspective through its corners."""
+    (v, spread, hit), ((along_x, along_y), (uneven_x, uneven_y)) = seen, errors
+    size = box[:, 2:] - box[:, :2]
+    # The perspective of a thin cell hangs on its short side, and enlarges that side's noise along the long one.
+    thinness = size.max(axis=1) / size.min(axis=1)
+    bound = _BEYOND_SECOND_ORDER * (along_x + along_y) + float(mesh_noise_px(rays.scene)[0]) * thinness
+    whole = hit.all(axis=1) & rays.on_map(v).all(axis=1)
+    if rays.own is None:
+        whole &= spread <= _FAR_SIDE_DEG / 360.0
+    even = np.maximum(uneven_x, uneven_y) <= _MOST_UNEVEN
+    return bound, whole & even & (bound <= tolerance_px)
+
+
+def mesh_serves(rays: ImageRays, tolerance_px: float) -> bool:
+    """Whether a mesh has cells in an image, as far as the smallest ones that are spread over it tell."""
+    x, y = (
+        np.unique(np.linspace(0, max(side - _SMALLEST_PX, 0), _CELLS_TRIED).astype(np.int64))
+        for side in rays.scene.one_size_px
+    )
+    left, top = (at.ravel() for at in np.meshgrid(x, y))
+    right, bottom = (
+        np.minimum(at + _SMALLEST_PX, side) for at, side in zip((left, top), rays.scene.one_size_px)
+    )
+    box = np.stack([left, top, right, bottom], axis=1)
+    _, v, spread, hit = _corners(rays, box)
+    errors = _errors_px(rays, box, v, hit.all(axis=1))
+    return bool(_fitting(rays, box, (v, spread, hit), errors, tolerance_px)[1].any())
 
 
 def _first_boxes(width: int, height: int) -> Numbers:

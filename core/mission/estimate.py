@@ -378,12 +378,15 @@ def _over_relief(plan: Plan) -> dict[str, Any]:
         return {}
     found = plan.relief.figures(plan.poses, plan.flown, plan.corners)
     filled, interpolated, count = plan.relief.filled
-    px_per_m = plan.mission.camera.ground_size_m(1.0)[0] / plan.size_px[0]
+    finest, coarsest = (
+        plan.mission.camera.ground_size_m(1.0)[0] / width
+        for width in (plan.width_px.max(), plan.width_px.min())
+    )
     return {
         "lowest_ground_m": found.lowest_m,
         "highest_ground_m": found.highest_m,
-        "finest_gsd_m_per_px": found.nearest_m * px_per_m,
-        "coarsest_gsd_m_per_px": found.farthest_m * px_per_m,
+        "finest_gsd_m_per_px": found.nearest_m * float(finest),
+        "coarsest_gsd_m_per_px": found.farthest_m * float(coarsest),
         "clearance_m": found.clearance_m,
         "hidden_share": found.hidden_share,
         "filled_heights": filled,

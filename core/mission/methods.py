@@ -15,6 +15,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.frames import own_frame_px, quarter_turns, runs_on, swapped
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.planes import ProjectedPlane
+from ..geodesy.view import ImageRays, mesh_serves
 from .area import ANGLES, Points
 from .layout.framing import (
     CameraFraming,
@@ -355,12 +356,12 @@ def choose_pixels(mission: Mission, scene: Scene, others_px: float) -> Choice:
 
 def scene_of(mission: Mission, flown: Framed, grid: PixelGrid) -> Scene:
     """What the bounds of a framed mission depend on, once for each run of poses that share it."""
-    first, _ = runs_on(grid, flown.poses)
+    first, run = runs_on(grid, flown.poses)
+    if flown.sizes is not None:
+        first, _ = flown.sizes.runs(first, run)
+        width, height = (np.asarray(side, np.float64) for side in flown.sizes.take(first))
+        return Scene(mission.camera, width, height, flown.poses.take(first), ground_of(mission))
     poses = flown.poses.take(first)
-    if flown.size_px is not None:
-        return Scene(
-            mission.camera, float(flown.size_px[0]), float(flown.size_px[1]), poses, ground_of(mission)
-        )
     # Pictures of one row differ by a pixel at most, as each edge is rounded on its own.
     width, height = swapped(
         quarter_turns(poses, grid.own),
@@ -419,7 +420,7 @@ def _accuracy(
         pixels=pixels,
         condition=accuracy.condition_number(scene, on_mercator=grid.own is None),
         terrain_px_per_m=accuracy.terrain_px_per_m(scene),
-        left_out=tuple(_left_out(mission, picture.method, pixels)),
+        left_out=tuple(_left_out(mission, scene, picture.method, pixels)),
     )
     budget, total = made.budget_px, made.bound_px
     if total > budget and not mission.accuracy.accept_error:
@@ -439,11 +440,13 @@ def _accuracy(
     return made
 
 
-def _left_out(mission: Mission, picture: Method, pixels: Choice | None) -> list[tuple[str, str]]:
+def _left_out(
+    mission: Mission, scene: Scene, picture: Method, pixels: Choice | None
+) -> list[tuple[str, str]]:
     found: list[tuple[str, str]] = []
     if picture.name == "map":
         found.append((Message("resampling"), Message("a map frame shows the source's own pixels")))
-    if pixels is not None and pixels.method.name == "mesh":
+    if pixels is not None and pixels.method.name == "mesh" and _mesh_serves(scene, pixels.method.bound_px):
         found.append(
             (
                 Message("rays for every pixel"),
@@ -460,6 +463,13 @@ def _left_out(mission: Mission, picture: Method, pixels: Choice | None) -> list[
             )
         )
     return found
+
+
+def _mesh_serves(scene: Scene, tolerance_px: float) -> bool:
+    """Whether a mesh is of use in the first image at least: from very high, every pixel has a ray of its own."""
+    width, height = (float(np.ravel(side)[0]) for side in (scene.width_px, scene.height_px))
+    one = Scene(scene.camera, width, height, scene.poses.take(slice(0, 1)), scene.ground)
+    return mesh_serves(ImageRays.of(one), tolerance_px)
 
 
 def _too_much(bound_px: float, others_px: float, budget_px: float) -> str:

@@ -230,7 +230,8 @@ class Attitude(Part):
     roll_deg: float = declared(
         0.0,
         title="roll",
-        help="how far the camera is rolled about its line of sight, right side down",
+        help="how far the camera is turned last, after yaw and tilt, about where the image's top edge points: right "
+        "side down",
         unit="deg",
         least=-180.0,
         most=180.0,

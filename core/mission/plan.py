@@ -20,13 +20,14 @@ from ..geodesy.footprint import (
     Outline,
     exact,
     ground_corners,
+    image_centres,
     outline,
     poles_seen,
 )
-from ..geodesy.frames import Windows, quarter_turns, runs_on, window_centres
+from ..geodesy.frames import Sizes, Windows, quarter_turns, runs_on, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import TurnedPlane
-from ..geodesy.relief_view import Tracing
+from ..geodesy.relief_view import Tracing, settled
 from ..geodesy.view import View, view
 from .area import Points, check_area, check_polygons
 from .flight.motion import Legs, fly, intervals_s, legs
@@ -65,6 +66,8 @@ Kept = TypeVar("Kept")
 _KEPT = 16
 #: Captures over relief whose outlines are worked out together.
 _OUTLINED = 128
+#: Share of what rays over relief may be off by that is left to the rounding of their camera's pose.
+_OF_SETTLING = 2.0**-7
 #: Views from which tiles are counted, at most: a plan of more distinct ones moves some of them to where the others are.
 _VIEWS_COUNTED = 500
 #: The same of turned rows in still air, whose views differ by the plane's convergence and by latitude alone.
@@ -90,8 +93,8 @@ class Plan:
         camera frame shows.
     corners : Corners
         Ground corners that the camera sees, (n, 4).
-    size_px : tuple of int, or None
-        Width and height of camera frames; None for map frames, which are as large as their windows.
+    sizes : Sizes or None
+        Of camera frames; None for map frames, which are as large as their windows.
     accuracy : Accuracy
         The methods that were chosen, and their bounds.
     nominal : Poses or None
@@ -120,7 +123,7 @@ class Plan:
     poses: Poses
     windows: Windows
     corners: Corners
-    size_px: tuple[int, int] | None
+    sizes: Sizes | None
     accuracy: Accuracy
     nominal: Poses | None = None
     passes: tuple[Pass, ...] = ()
@@ -146,6 +149,7 @@ class Plan:
             poses=self.poses.take(which),
             windows=Windows._make(values[which] for values in self.windows),
             corners=Corners._make(values[which] for values in self.corners),
+            sizes=None if self.sizes is None else self.sizes.take(which),
             nominal=None if self.nominal is None else self.nominal.take(which),
             passes=(),
             flown=None if self.flown is None else Flown(*(values[which] for values in self.flown)),
@@ -153,7 +157,13 @@ class Plan:
             left_out=0,
         )
         part.__dict__["masked"] = self.masked
+        part.__dict__["frame_centres"] = tuple(angle[which] for angle in self.frame_centres)
         return part
+
+    @cached_property
+    def size_px(self) -> tuple[int, int] | None:
+        """Width and height of the largest camera frame; None for map frames."""
+        return None if self.sizes is None else self.sizes.largest
 
     @property
     def lat_deg(self) -> Floats:
@@ -204,9 +214,8 @@ class Plan:
 
     @cached_property
     def _sizes_px(self) -> tuple[Numbers, Numbers]:
-        if self.size_px is not None:
-            width, height = self.size_px
-            return np.broadcast_to(width, len(self)), np.broadcast_to(height, len(self))
+        if self.sizes is not None:
+            return self.sizes.width_px, self.sizes.height_px
         wide, high = self.windows.width_px, self.windows.height_px
         if self.is_north_up:
             return wide, high
@@ -225,7 +234,8 @@ class Plan:
 
     @cached_property
     def _runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        return runs_on(self.grid, self.poses)
+        first, run = runs_on(self.grid, self.poses)
+        return (first, run) if self.sizes is None else self.sizes.runs(first, run)
 
     @cached_property
     def poles(self) -> NDArray[np.int64]:
@@ -300,23 +310,23 @@ class Plan:
         InvalidInput
             The ground is level.
         """
-        relief, size = self.relief, size_px or self.size_px
-        if relief is None or size is None:
+        relief, size = self.relief, size_px or self.picture_size_px(index)
+        if relief is None:
             raise InvalidInput("rays over relief: the ground is level")
         scene = Scene(self.mission.camera, *size, self.poses.take(slice(index, index + 1)), self.ground)
+        tolerance_px = self.accuracy.mesh_tolerance_px
         return Tracing(
-            scene,
-            float(self.height_m[index]),
+            *settled(scene, float(self.height_m[index]), tolerance_px * _OF_SETTLING),
             relief.heights.surface,
             relief.lowest_m,
-            self.accuracy.mesh_tolerance_px,
+            tolerance_px * (1.0 - _OF_SETTLING),
         )
 
     def _level_view(self, index: int) -> View:
         """View over the level ground that captures are planned over."""
-        size = self.size_px
-        if size is None:
+        if self.sizes is None:
             raise InvalidInput("view of a map frame: its image is a window of the source as it is")
+        size = self.picture_size_px(index)
         tolerance = self.accuracy.mesh_tolerance_px
         if self.relief is not None:
             tolerance = COARSEST_MESH_PX
@@ -325,6 +335,10 @@ class Plan:
             return self._view_over_level(Scene(self.mission.camera, *size, pose, self.ground), tolerance)
 
         return self._kept("views", index, made)
+
+    def picture_size_px(self, index: int) -> tuple[int, int]:
+        """Width and height of a capture's picture."""
+        return int(self.width_px[index]), int(self.height_px[index])
 
     def _view_over_level(self, scene: Scene, tolerance_px: float) -> View:
         mission = self.mission
@@ -358,19 +372,46 @@ class Plan:
 
     @cached_property
     def frame_centres(self) -> tuple[Floats, Floats]:
-        """Latitude and longitude (wrapped) of the pictures' own centres, degrees, (n,) each."""
-        return window_centres(self.windows, self.grid, self.zoom)
+        """Latitude and longitude (wrapped) of the ground in the middle of pictures, degrees, (n,) each.
+
+        Of a map frame it is the centre of its window; of a camera frame where the exact camera's axis meets the ground
+        or the relief, see `image_centres`.
+        """
+        if self.sizes is None:
+            return window_centres(self.windows, self.grid, self.zoom)
+        poses = self.poses._replace(lon_deg=wrap_lon_deg(self.lon_deg))
+        if self.relief is None:
+            lat, lon = image_centres(self.mission.camera, poses, self.ground)
+        else:
+            lat, lon = self.relief.image_centres(poses, self.height_m)
+        return lat, wrap_lon_deg(lon)
 
     @cached_property
     def names(self) -> list[str]:
-        """Name of each picture without its ending, as the published dataset has them."""
-        lat, lon = self.frame_centres
+        """Name of each picture without its ending, as the published dataset has them.
+
+        Those of camera frames do not depend on the source: one pose has one name in all imageries.
+        """
         return [
-            f"{column}_{row}_{lat_deg:.8f}_{lon_deg:.8f}_{self.zoom}"
-            for column, row, lat_deg, lon_deg in zip(
-                self.column.tolist(), self.row.tolist(), lat.tolist(), lon.tolist()
+            f"{column}_{row}_{lat_deg:.8f}_{lon_deg:.8f}_{zoom}"
+            for column, row, lat_deg, lon_deg, zoom in zip(
+                *(
+                    values.tolist()
+                    for values in (self.column, self.row, *self.frame_centres, self._named_zooms)
+                )
             )
         ]
+
+    @property
+    def _named_zooms(self) -> Numbers:
+        """Zooms in names, (n,): of camera frames the one asked for, or that of the camera's own pixels on the map."""
+        mission = self.mission
+        if self.sizes is None or mission.pixels.zoom is not None:
+            return np.broadcast_to(np.int64(self.zoom), len(self))
+        pixel_m = mission.camera.gsd_m_per_px(1.0, mission.pixels.image_px) * self.meant.agl_m
+        coarsest_m = PixelGrid().ground_m_per_px(self.meant.lat_deg, self.meant.lon_deg, 0)
+        zooms: Numbers = np.maximum(np.rint(np.log2(coarsest_m / pixel_m)), 0.0).astype(np.int64)
+        return zooms
 
     @cached_property
     def edges(self) -> tuple[Floats, Floats, Floats, Floats]:
@@ -469,7 +510,8 @@ class Plan:
         if len(first) > most:
             starts = np.arange(0, len(self), -(-len(self) // most))
             starts = np.union1d(starts, [part.first for part in self.passes]).astype(np.intp)
-        moved = np.zeros(len(self)), lat_to_v(self.lat_deg)
+        # A pole is infinitely far up or down the map, and no other place lies by a distance from there.
+        moved = np.zeros(len(self)), np.clip(lat_to_v(self.lat_deg), -1.0, 2.0)
         if self.grid.own is not None:
             moved = self.grid.own.forward(self.lat_deg, self.lon_deg)
         seen: NDArray[np.int64] = np.empty(0, np.int64)
@@ -644,7 +686,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
         poses=poses,
         windows=flown.windows,
         corners=corners,
-        size_px=flown.size_px,
+        sizes=flown.sizes,
         accuracy=chosen,
         nominal=nominal,
         passes=flown.passes,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines, sin_cos
-from ..geodesy.footprint import Corners, ImagePoints, Outline, exact
+from ..geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import LocalPlane
 from ..geodesy.relief import Surface
@@ -418,6 +418,16 @@ class ReliefBelow:
         """Ground corners that captures see."""
         return self.seen(poses, height_m, CORNERS)[0]
 
+    def image_centres(self, poses: Poses, height_m: Floats) -> tuple[Floats, Floats]:
+        """Ground in the middle of images, (n,) each, as `footprint.image_centres` has it over level ground."""
+        seen, _ = self.seen(poses, height_m, ((0.0, 0.0),))
+        lat, lon = seen.lat_deg[:, 0], seen.lon_deg[:, 0]
+        beyond = np.flatnonzero(~seen.hit[:, 0])
+        if len(beyond):
+            level = poses.take(beyond)._replace(agl_m=height_m[beyond] - self.lowest_m)
+            lat[beyond], lon[beyond] = image_centres(self.mission.camera, level, WGS84.raised(self.lowest_m))
+        return lat, lon
+
     def outlines(self, poses: Poses, height_m: Floats) -> list[Outline | None]:
         """Outlines of the ground that captures see; None of one where a part of its edge sees none."""
         along = np.linspace(-1.0, 1.0, _ALONG_EDGE, endpoint=False)
@@ -593,6 +603,20 @@ class ReliefBelow:
             )
         return Flown(height, ground, seen)
 
+    def as_alone(self, layout: Layout, flown: Flown | None) -> Layout:
+        """Captures with heights over the highest of what each may see; those of points as if flown without the others.
+
+        How far others of a table see would lower them, too.
+        """
+        if flown is None or not isinstance(self.mission.area, Points):
+            return layout
+        lat, lon, height = layout.lat_deg, layout.lon_deg, flown.height_m
+        reach = _reaches(self.mission)[layout.column]
+        lowest = _around(_lowest_around, self._ground, lat, lon, (height - flown.ground_m) * reach)
+        above = np.maximum(height - np.fmin(lowest, flown.ground_m), 1.0)
+        tops = _around(_highest_around, self._surface, lat, lon, above * reach)
+        return layout._replace(agl_m=height - np.fmax(tops, flown.ground_m))
+
     def figures(self, poses: Poses, flown: Flown, corners: Corners) -> ReliefFigures:
         """Figures of a flight by its captures (n,) and the corners of their images (n, 4)."""
         lowest = _lowest_around(self._surface, self.radius_m)(poses.lat_deg, poses.lon_deg)
@@ -724,17 +748,23 @@ def _from_to(at: Floats, count: int) -> slice:
 
 def _reach(mission: Mission) -> float:
     """How far from below the camera an image sees level ground, for a metre of height, as far as that counts."""
+    return float(_reaches(mission).max())
+
+
+def _reaches(mission: Mission) -> Floats:
+    """The same of each point, (n,), or of the images of an area, (1,)."""
     area = mission.area
     if isinstance(area, Points):
         angles = [point_angles_deg(mission, area, name) for name in ANGLES]
     else:
         angles = [np.array([getattr(mission.attitude, f"{name}_deg")]) for name in ANGLES]
     # Which way it looks does not tell how far; only different attitudes are worked out.
-    tilts, rolls = np.unique(np.stack(angles[1:]), axis=1)
+    (tilts, rolls), which = np.unique(np.stack(angles[1:]), axis=1, return_inverse=True)
     rays = mission.camera.rays_enu(CORNERS, np.zeros_like(tilts), tilts, rolls)
     with np.errstate(divide="ignore"):
         tangents = np.hypot(rays[..., 0], rays[..., 1]) / np.maximum(-rays[..., 2], 1e-9)
-    return float(min(tangents.max(), _LOOKED_AT))
+    farthest: Floats = np.minimum(tangents.max(axis=-1), _LOOKED_AT)
+    return farthest[np.ravel(which)]
 
 
 def _ends(mission: Mission) -> tuple[Floats, Floats]:
@@ -818,6 +848,26 @@ def _holds(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
 def _is_finest_of(surface: Surface, lat_deg: Floats, lon_deg: Floats) -> bool:
     """Whether a surface has the finest heights of positions (n,)."""
     return surface.zoom == surface.grid.native_zoom and _holds(surface, lat_deg, lon_deg)
+
+
+def _around(
+    find: Callable[[Surface, float], Callable[[Floats, Floats], Floats]],
+    surface: Surface,
+    lat_deg: Floats,
+    lon_deg: Floats,
+    radius_m: Floats,
+) -> Floats:
+    """What `_highest_around` or `_lowest_around` find of positions, within distances of their own, (n,) each.
+
+    These are rounded down, by 16 % at most, so that few different ones are looked within.
+    """
+    cell_m = _cell_m(surface)
+    steps = np.floor(4.0 * np.log2(np.maximum(radius_m / cell_m, 1.0)))
+    found = np.full(len(lat_deg), np.nan)
+    for step in np.unique(steps).tolist():
+        at = steps == step
+        found[at] = find(surface, cell_m * 2.0 ** (step / 4.0))(lat_deg[at], lon_deg[at])
+    return found
 
 
 def _highest_around(surface: Surface, radius_m: float) -> Callable[[Floats, Floats], Floats]:

@@ -109,8 +109,8 @@ class CameraFrames:
         The level ground that they see; WGS 84 where there is relief.
     relief : Relief or None
     paths : tuple of Path
-    size_px : tuple of int
-        Width and height of the images as written.
+    sizes_px : array (n, 2)
+        Widths and heights of the images as written.
     plane : Plane
         Of the CRS that their mosaic is to have.
     flattest_deg : float
@@ -122,7 +122,7 @@ class CameraFrames:
     ground: Ellipsoid
     relief: Relief | None
     paths: tuple[Path, ...]
-    size_px: tuple[int, int]
+    sizes_px: Numbers
     plane: Plane
     flattest_deg: float = FLATTEST_DEG
 
@@ -142,7 +142,7 @@ class CameraFrames:
             plan.ground if plan.relief is None else WGS84,
             None if plan.relief is None else plan.relief.heights.surface,
             (path,),
-            (size[0], size[1]),
+            np.array([size[:2]]),
             plan.grid.plane,
         )
 
@@ -169,7 +169,7 @@ class CameraFrames:
         below = self.poses.agl_m
         if self.relief is not None:
             below = below - self._heights_below
-        return self.camera.gsd_m_per_px(float(np.nanmedian(below)), max(self.size_px))
+        return self.camera.gsd_m_per_px(float(np.nanmedian(below / self.sizes_px.max(axis=1))), 1.0)
 
     @property
     def coarsest_gsd_m(self) -> float:
@@ -241,14 +241,14 @@ class CameraFrames:
 
     def _ends(self, index: int, boxes: Boxes) -> Ends:
         """Ends of the ground that one image shows."""
-        width, height = self.size_px
+        width, height = self.sizes_px[index].tolist()
         x, y = np.linspace(-1.0, 1.0, width + 1), np.linspace(-1.0, 1.0, height + 1)
         edge = [*(np.stack([x, np.full_like(x, at)], axis=-1) for at in (-1.0, 1.0))]
         edge += [*(np.stack([np.full_like(y, at), y], axis=-1) for at in (-1.0, 1.0))]
         east, north, all_met = self._met(index, np.concatenate(edge), boxes)
         if not all_met:
             # The relief ends within the image.
-            x, y = (np.linspace(-1.0, 1.0, side // _EACH_PX + 2) for side in self.size_px)
+            x, y = (np.linspace(-1.0, 1.0, side // _EACH_PX + 2) for side in (width, height))
             inner_east, inner_north, _ = self._met(
                 index, np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2), boxes
             )
@@ -400,7 +400,7 @@ class CameraFrames:
     def take(self, rows: Numbers) -> CameraFrames:
         """Some of the images."""
         paths = tuple(self.paths[row] for row in rows.tolist())
-        return replace(self, poses=self.poses.take(rows), paths=paths)
+        return replace(self, poses=self.poses.take(rows), paths=paths, sizes_px=self.sizes_px[rows])
 
 
 @dataclass(frozen=True, eq=False)
@@ -411,7 +411,7 @@ class MapFrames:
     ----------
     affines : array (n, 6)
         GDAL's six numbers of each.
-    size_px : array (n, 2)
+    sizes_px : array (n, 2)
         Width and height.
     nadirs : tuple of arrays (n,)
         Places below the cameras, in the CRS.
@@ -535,14 +535,14 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
         else:
             agl = height
     attitude = (table.yaw_deg[rows], table.tilt_deg[rows], table.roll_deg[rows])
-    size = tuple(int(side[rows[0]]) for side in (table.image_width_px, table.image_height_px))
+    sizes = np.stack([side[rows] for side in (table.image_width_px, table.image_height_px)], axis=1)
     return CameraFrames(
         mission.camera,
         Poses(lat, lon, agl, *attitude),
         ground,
         relief,
         tuple(images.path(row) for row in rows.tolist()),
-        (size[0], size[1]),
+        sizes.astype(np.int64),
         _plane_of(table, rows),
     )
 

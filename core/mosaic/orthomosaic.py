@@ -190,7 +190,7 @@ def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:
         Where the file cannot be written.
     """
     alone = frames.take(np.array([0]))
-    below_m = frames.gsd_m * max(frames.size_px) / (2.0 * max(frames.camera.half_tangents))
+    below_m = frames.gsd_m * float(frames.sizes_px.max()) / (2.0 * max(frames.camera.half_tangents))
     reach_m = _COARSEST * frames.gsd_m * longest_px
     flattest_deg = min(math.degrees(math.atan2(reach_m, below_m)), _LEVEL_DEG)
     cut = replace(alone, flattest_deg=flattest_deg)

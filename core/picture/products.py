@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,9 +10,9 @@ from numpy.typing import NDArray
 
 from ..bands import Bands
 from ..geodesy.accuracy import Scene
-from ..geodesy.ellipsoid import sight_lines
+from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.relief_view import Sighting
+from ..geodesy.relief_view import Sighting, power_of_two
 from ..geodesy.view import ImageRays
 from ..mission.plan import Plan
 from .map_frame import turned
@@ -27,6 +28,8 @@ BANDS = {
     "facades": Bands(("face",), "uint8", (0,)),
 }
 _FACE = 255
+#: Share of a pixel on the ground to which depths and places are rounded: digits behind it are noise of sines.
+_SHARE_OF_PIXEL = 2.0**-13
 
 
 def products(
@@ -49,8 +52,7 @@ def products(
     wanted = plan.mission.output.products
     if not wanted:
         return
-    known = shot.tracing if isinstance(shot, Shot) and size_px == plan.size_px else None
-    seen = sighting(plan, index, size_px) if known is None else known.sighting
+    seen = sighting(plan, index, size_px, shot)
     there = np.isfinite(seen.depth_m)
     for name in wanted:
         if name == "facades":
@@ -65,10 +67,40 @@ def products(
         yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
 
 
-def sighting(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
-    """What the pixels of one capture's picture see, were it of some size."""
-    if plan.relief is not None:
-        return plan.tracing(index, size_px).sighting
+def sighting(
+    plan: Plan, index: int, size_px: tuple[int, int], shot: MapShot | Shot | None = None
+) -> Sighting:
+    """What the pixels of one capture's picture see, were it of some size, without digits that mean nothing.
+
+    Parameters
+    ----------
+    shot : MapShot, Shot or None
+        What the picture is made from, whose rays may be known.
+    """
+    if isinstance(shot, Shot) and shot.tracing is not None and size_px == plan.picture_size_px(index):
+        seen = shot.tracing.sighting
+    elif plan.relief is not None:
+        seen = plan.tracing(index, size_px).sighting
+    else:
+        seen = _over_level(plan, index, size_px)
+    pixel_m = plan.mission.camera.gsd_m_per_px(float(plan.agl_m[index]), max(size_px))
+    metre = power_of_two(pixel_m * _SHARE_OF_PIXEL)
+    degree = power_of_two(math.degrees(metre / WGS84.a_m))
+    return seen._replace(
+        depth_m=_rounded(seen.depth_m, metre),
+        lat_deg=_rounded(seen.lat_deg, degree),
+        lon_deg=_rounded(seen.lon_deg, degree),
+        height_m=_rounded(seen.height_m, metre),
+    )
+
+
+def _rounded(values: Floats, step: float) -> Floats:
+    found: Floats = np.rint(values / step) * step + 0.0
+    return found
+
+
+def _over_level(plan: Plan, index: int, size_px: tuple[int, int]) -> Sighting:
+    """What the pixels of a picture see of level ground."""
     pose = plan.poses.take(np.array([index]))
     camera, (width, height) = plan.mission.camera, size_px
     lat, lon, agl = (float(values[0]) for values in pose[:3])

@@ -9086,6 +9086,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>vuele más bajo o tome un área menor</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/view.py"/>
+        <source>fly lower, or choose a source that has lower zooms</source>
+        <translation>vuele más bajo o elija una fuente que tenga zooms más bajos</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/parts.py"/>
         <source>fly the area a second time, in rows across the first: about twice as many images</source>
         <translation>volar el área por segunda vez, en pasadas que cruzan las primeras: cerca del doble de imágenes</translation>
@@ -9898,8 +9903,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>how far the camera is rolled about its line of sight, right side down</source>
-        <translation>cuánto gira la cámara en torno a su línea de visión, lado derecho hacia abajo</translation>
+        <source>how far the camera is turned last, after yaw and tilt, about where the image's top edge points: right side down</source>
+        <translation>cuánto gira la cámara al final, tras la guiñada y la inclinación, en torno a la dirección a la que apunta el borde superior de la imagen: lado derecho hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -9976,6 +9981,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/entropy.py"/>
         <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
         <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/view.py"/>
+        <source>image of {0:,} x {1:,} px: shows more than {2:,} tiles of the source, which are allowed for one</source>
+        <translation>imagen de {0:,} x {1:,} px: muestra más de {2:,} teselas de la fuente, que son las permitidas para una</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/framing.py"/>

@@ -12,16 +12,21 @@ import sys
 from pathlib import Path
 
 import terrainav.core
+from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.camera import Camera
+from terrainav.core.imagery.opening import named_source
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.heights import heights_of
 from terrainav.core.world import WorldSource
 
 from tests.support.libraries import inexact
 
+HILLS = Box(35.1415, -89.866, 35.1405, -89.8645)
+LEANING = {"yaw_deg": 213.0, "tilt_deg": 31.0, "roll_deg": 4.0}
 BOX = Box(35.1425, -89.866, 35.1405, -89.8625)
 TURNED = {"yaw_deg": 33.0, "tilt_deg": 24.0, "roll_deg": -7.0}
 MISSIONS = {
@@ -38,7 +43,22 @@ MISSIONS = {
         max_px=320,
         frame="camera",
     ),
+    "relief": Mission(HILLS, 90.0, elevation=("world",), max_px=240, **LEANING),
+    "products": Mission(
+        HILLS,
+        70.0,
+        elevation=("world",),
+        image_format="jpg",
+        max_px=160,
+        products=("depth", "points", "normals", "facades"),
+        **LEANING,
+    ),
+    "level_products": Mission(
+        HILLS, 110.0, image_format="png", max_px=200, products=("depth", "points", "normals"), **LEANING
+    ),
 }
+#: Missions that are also captured in blocks.
+IN_BLOCKS = ("relief", "products", "turned")
 
 
 def _load_core() -> None:
@@ -57,7 +77,11 @@ def main() -> None:
     source = WorldSource()
     with inexact(int(seed[0]), but="terrainav.core.imagery") if seed else contextlib.nullcontext():
         for name, mission in MISSIONS.items():
-            capture(plan(mission, source.grid), source, Path(folder) / name)
+            worked_out = plan(mission, source.grid, heights_of(mission))
+            capture(worked_out, source, Path(folder) / name)
+            if name in IN_BLOCKS:
+                blocks = Path(folder) / f"{name}_in_blocks"
+                capture(worked_out, named_source("world"), blocks, blocks=Blocks(images=2))
 
 
 if __name__ == "__main__":

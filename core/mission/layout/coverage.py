@@ -470,7 +470,7 @@ def shares(
     shared = np.minimum(right[neighbours], right[neighbours + 1]) - np.maximum(
         left[neighbours], left[neighbours + 1]
     )
-    along = shared / np.minimum(width[neighbours], width[neighbours + 1])
+    along = _of_smaller(shared, width[neighbours], width[neighbours + 1])
 
     # Where in its row each one is: its column, or its middle as a share of what all of them span.
     place = column.astype(np.float64)
@@ -488,7 +488,18 @@ def shares(
     here = np.flatnonzero(np.isfinite(apart) if rows_are_level else apart == 0.0)
     below = np.where(off_before <= off_behind, before, behind)[here]
     shared = np.minimum(bottom[here], bottom[below]) - np.maximum(top[here], top[below])
-    return along, shared / np.minimum(height[here], height[below])
+    return along, _of_smaller(shared, height[here], height[below])
+
+
+def _of_smaller(shared: Floats, one: Floats, other: Floats) -> Floats:
+    """Shares of the smaller of two extents, (n,).
+
+    Gusts may turn an image so far that no rectangle lies in it: its gap is a share of the other one, and a whole one
+    where neither has any.
+    """
+    smaller, larger = np.minimum(one, other), np.maximum(one, other)
+    extent = np.where(smaller > 0.0, smaller, larger)
+    return np.where(extent > 0.0, shared / np.where(extent > 0.0, extent, 1.0), -1.0)
 
 
 def _least_and_median(shares: Floats) -> tuple[float | None, float | None]:

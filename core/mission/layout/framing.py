@@ -17,6 +17,7 @@ from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ...geodesy.frames import (
     FrameEdges,
+    Sizes,
     Windows,
     map_frame_edges,
     quarter_turns,
@@ -64,7 +65,7 @@ _ROUNDED_PX = 1.0
 class Framed(NamedTuple):
     """Captures with the windows of their pictures.
 
-    ``size_px`` is the width and height of camera frames, and None for map frames, whose windows are the pictures.
+    ``sizes`` are those of camera frames, and None for map frames, whose windows are the pictures.
     ``passes`` are those of turned or crossed rows, and ``flown`` is how high captures over relief are. ``parts`` are
     the indices of the first captures of several polygons, and ``left_out`` is how many captures no-fly areas have cost.
     """
@@ -73,7 +74,7 @@ class Framed(NamedTuple):
     poses: Poses
     zoom: int
     windows: Windows
-    size_px: tuple[int, int] | None
+    sizes: Sizes | None
     passes: tuple[Pass, ...] = ()
     flown: Flown | None = None
     parts: tuple[int, ...] = ()
@@ -91,8 +92,8 @@ class Framing(Protocol):
         """Zoom of a mission's pictures."""
         ...
 
-    def size_px(self, layout: Layout) -> tuple[int, int] | None:
-        """Width and height of pictures that all have one size."""
+    def sizes(self, layout: Layout) -> Sizes | None:
+        """Sizes of pictures that are not as large as their windows."""
         ...
 
 
@@ -173,12 +174,12 @@ def framed(
     if relief is not None:
         flown = relief.flown(layout)
         layout = layout._replace(agl_m=flown.seen_agl_m)
+    sizes = framing.sizes(layout if relief is None else relief.as_alone(layout, flown))
     poses = disturbed(layout, nominal_poses(mission, layout))
-    size_px = framing.size_px(layout)
     still = mission.wind is None and grid.own is None and flown is None
-    alike = passes and still and size_px is not None
+    alike = passes and still and sizes is not None
     windows = _windows(framing, poses, grid, zoom, _laid_out_first(mission, layout) if alike else None)
-    return Framed(layout, poses, zoom, windows, size_px, passes, flown, parts, lost)
+    return Framed(layout, poses, zoom, windows, sizes, passes, flown, parts, lost)
 
 
 def _room_in_plane(
@@ -192,7 +193,7 @@ def _room_in_plane(
     if grid.own is not None:
         # Outer frames leave room for the rounding of their edges to the grid's pixels.
         return {"room_m": _ROUNDED_PX * grid.own.unit_m * max(grid.pixel_size(zoom_of(layout)))}
-    if framing.size_px(layout) is None:
+    if framing.sizes(layout) is None:
         # Map frames have rounded edges, and lie a little across the axes of a plane about the area.
         off_px = _ROUNDED_PX + mission.accuracy.error_budget_px
         pixels_m = grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom_of(layout))
@@ -403,7 +404,7 @@ class MapFraming:
         """Edges through the midpoints of the images' edges, whatever the pixel."""
         return map_frame_edges(self.mission.camera, poses, ground_of(self.mission), self.grid.own)
 
-    def size_px(self, layout: Layout) -> None:
+    def sizes(self, layout: Layout) -> None:
         """None: each picture is as large as its window."""
 
     def zoom(self, layout: Layout) -> int:
@@ -459,33 +460,46 @@ class CameraFraming:
             )
         return inscribed_edges(self.mission.camera, poses, ground_of(self.mission), pixel)
 
-    def size_px(self, layout: Layout) -> tuple[int, int]:
-        """Size of the images: as fine as the zoom or the distance asked for, else the camera's as far as allowed."""
+    def sizes(self, layout: Layout) -> Sizes:
+        """Sizes of images: as fine as the zoom or the distance asked for, else the camera's as far as allowed.
+
+        Those of one flight over an area are all alike; that of a point depends on its own pose alone, and on no others
+        of its table.
+        """
         mission, grid = self.mission, self.grid
         aspect = mission.camera.aspect_ratio
         longest = float(min(mission.pixels.image_px, _limit_px(mission, grid)))
-        width = longest if aspect >= 1.0 else longest * aspect
+        most = longest if aspect >= 1.0 else longest * aspect
         if mission.output.img_size is not None:
-            width = min(width, max(float(mission.output.img_size[0]), mission.output.img_size[1] * aspect))
-        ground_m = mission.camera.ground_size_m(float(np.median(layout.agl_m)))[0]
-        finest_m = float(
-            np.median(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, _highest(mission, grid)))
-        )
+            most = min(most, max(float(mission.output.img_size[0]), mission.output.img_size[1] * aspect))
+        width = np.broadcast_to(np.float64(most), layout.lat_deg.shape)
+        ground_m = mission.camera.ground_size_m(1.0)[0] * self._of_each(layout.agl_m)
         if mission.pixels.gsd_m_per_px is not None:
+            finest_m = float(np.median(self._pixels_m(layout, _highest(mission, grid))))
             if mission.pixels.gsd_m_per_px < finest_m * _SAME_SIZE:
                 raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
             width = ground_m / mission.pixels.gsd_m_per_px
         elif mission.pixels.zoom is not None:
-            width = ground_m / float(
-                np.median(grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, mission.pixels.zoom))
-            )
+            width = ground_m / self._pixels_m(layout, mission.pixels.zoom)
         elif not mission.pixels.upsample:
-            width = min(width, max(ground_m / finest_m, 1.0, aspect))
-        size = round(width), round(width / aspect)
-        if min(size) < 1:
-            raise self._under_one_pixel(width, width / aspect)
-        _check_size(*size, mission, grid, coarsest=mission.pixels.zoom == grid.min_zoom)
-        return size
+            shown = ground_m / self._pixels_m(layout, _highest(mission, grid))
+            width = np.minimum(width, np.maximum(shown, max(1.0, aspect)))
+        sizes = Sizes.of(width, aspect)
+        least = float(width.min())
+        if round(min(least, least / aspect)) < 1:
+            raise self._under_one_pixel(least, least / aspect)
+        _check_size(*sizes.largest, mission, grid, coarsest=mission.pixels.zoom == grid.min_zoom)
+        return sizes
+
+    def _pixels_m(self, layout: Layout, zoom: int) -> Floats:
+        """Sizes of the source's pixels that captures count with, metres, (n,)."""
+        return self._of_each(self.grid.ground_m_per_px(layout.lat_deg, layout.lon_deg, zoom))
+
+    def _of_each(self, values: Floats) -> Floats:
+        """Values of captures (n,) as they are for points, and their median for a flight over an area."""
+        if isinstance(self.mission.area, Points):
+            return values
+        return np.broadcast_to(np.median(values), values.shape)
 
     def _under_one_pixel(self, width_px: float, height_px: float) -> InvalidInput:
         mission = self.mission
@@ -518,7 +532,8 @@ class CameraFraming:
         if mission.pixels.zoom is not None:
             return _checked_zoom(mission.pixels.zoom, mission, grid)
         poses = Poses.level(layout.lat_deg, layout.lon_deg, layout.agl_m)
-        scene = Scene(mission.camera, *self.size_px(layout), poses)
+        width, height = (np.asarray(side, np.float64) for side in self.sizes(layout))
+        scene = Scene(mission.camera, width, height, poses)
         return _nearest_zoom(mission, grid, layout, scene.nadir_px_m)
 
 
@@ -586,13 +601,13 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
     _, top, _, bottom = windows.bounds_px
     if grid.own is not None:
         outside = np.zeros(len(top), bool)
-    elif framed.size_px is not None:
+    elif framed.sizes is not None:
         middle = (top + bottom) / 2.0
         outside = ~((middle >= 0.0) & (middle <= world))
     else:
         outside = (top < 0) | (bottom > world) | (windows.width_px > world)
     beyond = np.flatnonzero(outside)
-    if framed.size_px is not None and len(beyond):
+    if framed.sizes is not None and len(beyond):
         beyond = beyond[~_sees_the_map(mission, poses.take(beyond))]
     if len(beyond):
         place = Message(
@@ -600,7 +615,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
             float(poses.lat_deg[beyond[0]]),
             float(poses.agl_m[beyond[0]]),
         )
-        if framed.size_px is not None:
+        if framed.sizes is not None:
             raise InvalidInput(
                 "{0}: lies beyond the map, which ends at ±{1:.4f}",
                 place,
@@ -613,7 +628,7 @@ def check_windows(framed: Framed, mission: Mission, grid: PixelGrid) -> None:
             MAX_LAT_DEG,
             remedy="fly lower or nearer to the equator, or choose imagery in a polar CRS",
         )
-    if framed.size_px is not None:
+    if framed.sizes is not None:
         return
     small = np.minimum(windows.width_px, windows.height_px) < 1
     if small.any():

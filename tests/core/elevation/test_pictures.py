@@ -551,3 +551,25 @@ def test_from_high_up_cells_are_as_large_as_what_pixels_show():
     assert tracing.depth_m == pytest.approx(1e5 - 100.0, rel=2e-2)
     pixel_m = 1e5 * Camera(78.8, 4 / 3).ground_size_m(1.0)[0] / 64
     assert 20.0 < min(asked) <= max(asked) < pixel_m
+
+
+@pytest.mark.parametrize("heights", ["hills", "tower"])
+def test_the_place_of_an_image_is_where_its_axis_first_meets_the_relief(files, heights):
+    made, _ = one(files, heights, x=330.0, y=330.0, tilt_deg=25.0, yaw_deg=200.0)
+    lat, lon = (float(angle[0]) for angle in made.frame_centres)
+    camera, right, top, axis = axes(made)
+    east, north = TO_UTM.transform(lon, lat)
+    j, i = (east - WEST) / CELL - 0.5, (NORTH - north) / CELL - 0.5
+    z = (hills if heights == "hills" else with_tower)(*grid_points()).astype(np.float32).astype(float)
+    j0, i0 = int(j), int(i)
+    (a, b), (c, d) = z[i0 : i0 + 2, j0 : j0 + 2]
+    height = (a * (1 - j + j0) + b * (j - j0)) * (1 - i + i0) + (c * (1 - j + j0) + d * (j - j0)) * (i - i0)
+    off = np.array(GEOCENTRIC.transform(lon, lat, height)) - camera
+    assert off @ axis > 50.0
+    assert np.abs([off @ right, off @ top]).max() < 2e-3
+    # Nothing of the relief stands between: the axis is above it all the way.
+    along = np.linspace(0.0, 0.999, 400)[:, np.newaxis] * off + camera
+    lons, lats, heights_m = GEOCENTRIC.transform(*along.T, direction="INVERSE")
+    x, y = TO_UTM.transform(lons, lats)
+    below = (hills if heights == "hills" else with_tower)(x - WEST, NORTH - y)
+    assert (heights_m > below - 0.1).all()

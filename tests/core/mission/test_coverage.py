@@ -19,7 +19,7 @@ from terrainav.core.mission.area import Box, Polygon, area_within_m2, crossed_an
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import coverage
 from terrainav.core.mission.layout import rows as layout
-from terrainav.core.mission.layout.coverage import Rectangles, gaps
+from terrainav.core.mission.layout.coverage import Rectangles, gaps, shares
 from terrainav.core.mission.layout.rotated import Shape
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -269,3 +269,21 @@ def test_a_mission_of_far_too_many_images_is_refused_before_its_rows_are_placed(
     width, height = mission.camera.ground_size_m(mission.flight.agl_m)
     zone_m2 = 4.0 * math.pi * 6_371_007.0**2 * math.sin(math.radians(80.0))
     assert named == pytest.approx(1e6 * zone_m2 / (width * height), rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_overlap_is_a_number_where_gusts_leave_images_no_rectangle(seed):
+    box = Box(35.16, -89.90, 35.1565, -89.894)
+    blown = Wind(14.0, 250.0, 1.0, seed=seed)
+    made = plan(Mission(box, 120.0, wind=blown, row_azimuth_deg=30.0), PixelGrid())
+    assert np.isfinite([*vars(made.overlap).values()]).all()
+    assert made.overlap.least_along < made.overlap.median_along < 1.0
+
+
+def test_what_an_image_without_extent_shares_is_a_gap_of_its_neighbour():
+    column, row = np.array([0, 1, 2, 0, 1]), np.array([0, 0, 0, 1, 1])
+    x0, x1 = np.array([0.0, 15.0, 20.0, 3.0, 3.0]), np.array([10.0, 15.0, 30.0, 3.0, 3.0])
+    y0, y1 = np.array([0.0, 0.0, 0.0, 12.0, 12.0]), np.array([10.0, 10.0, 10.0, 12.0, 12.0])
+    along, across = shares(column, row, Rectangles(x0, y0, x1, y1), rows_are_level=False)
+    assert along.tolist() == [-0.5, -0.5, -1.0]
+    assert across.tolist() == pytest.approx([-0.2, -0.2])

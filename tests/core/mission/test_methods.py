@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import tracemalloc
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -14,6 +16,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.picture.shot import tiles_of
 
 from tests.support.errors import refused
 
@@ -123,3 +126,39 @@ def test_camera_frames_cover_whatever_the_attitude():
         worked_out = plan(Mission(AGRICENTER, 120.0, overlap_along=0.2, **attitude), PixelGrid())
         assert worked_out.coverage.complete
         assert worked_out.overlap.least_along >= 0.19
+
+
+@pytest.mark.parametrize(("agl_m", "serves"), [(120.0, True), (3e6, True), (2e7, False)])
+def test_rays_are_said_to_be_left_out_where_a_mesh_has_cells(agl_m, serves):
+    made = plan(Mission(Points(((40.0, -90.0, agl_m),)), agl_m, frame="camera"), PixelGrid())
+    assert bool(made.view(0).patches) is serves
+    assert ("rays for every pixel" in dict(made.accuracy.left_out)) is serves
+
+
+@pytest.mark.parametrize("lat_deg", [90.0, -90.0])
+def test_a_plan_over_a_pole_is_worked_out_without_a_warning(lat_deg):
+    made = plan(Mission(Points(((lat_deg, 0.0, 3e6), (lat_deg, 40.0, 3e6))), 3e6), PixelGrid())
+    tiles = {(zoom, x % 2**zoom, y) for at in (0, 1) for zoom, x, y in tiles_of(made, at)}
+    assert made.requests == len(tiles)
+    assert np.isfinite(made.frame_centres).all()
+
+
+def test_tiles_are_counted_as_one_by_one_and_too_many_refused_before_they_take_memory():
+    def made(zoom, count=1):
+        grid = PixelGrid(min_zoom=zoom, native_zoom=zoom, max_zoom=zoom)
+        places = tuple((40.0 + 5.0 * at, -90.0, 1e6) for at in range(count))
+        return plan(Mission(Points(places), 1e6, frame="camera", image_px=64), grid)
+
+    for zoom in (4, 8, 11):
+        few = made(zoom, 2)
+        tiles = {(z, x % 2**z, y) for at in (0, 1) for z, x, y in tiles_of(few, at)}
+        assert few.requests == len(tiles)
+    assert few.requests > 10_000
+    for zoom in (14, 19, 22):
+        large = made(zoom, 2)
+        tracemalloc.start()
+        with pytest.raises(InvalidInput, match="more than 32,768 tiles of the source"):
+            _ = large.requests
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < 200e6

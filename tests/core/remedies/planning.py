@@ -489,3 +489,18 @@ def _no_way(case: Case) -> None:
     case.refused(lambda: around(2.0, 2.0))
     case.follow("leave room between them", lambda: around(6.0, 2.0))
     case.follow("keep less distance", lambda: around(2.0, 0.5))
+
+
+@remedy(
+    "geodesy/view.py",
+    "image of {} x {} px: shows more than {} tiles of the source, which are allowed for one; fly lower, or choose a "
+    "source that has lower zooms",
+)
+def _tiles_of_one(case: Case) -> None:
+    def counted(agl_m: float, zoom: int) -> int:
+        grid = PixelGrid(min_zoom=zoom, native_zoom=14, max_zoom=14)
+        return plan(at(40.0, agl_m, frame="camera", image_px=64), grid).requests
+
+    case.refused(partial(counted, 1e6, 14))
+    case.follow("fly lower", partial(counted, 1e4, 14))
+    case.follow("choose a source that has lower zooms", partial(counted, 1e6, 0))
