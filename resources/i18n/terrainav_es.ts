@@ -1152,6 +1152,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Within the selected imagery</source>
+        <translation>&amp;Dentro de las imágenes seleccionadas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
         <source>Camera and overlaps ({along} %, {across} %) are those of the panel.</source>
         <translation>La cámara y los solapes ({along} %, {across} %) son los del panel.</translation>
     </message>
@@ -1174,6 +1179,11 @@
         <location filename="../../terrainav_plugin/area/patterns.py"/>
         <source>Corridor along a line</source>
         <translation>Corredor a lo largo de una línea</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Draw only poses whose camera, that of the panel, sees no ground without imagery: images that show some, as at the edge of a raster, fail</source>
+        <translation>Sortea solo poses cuya cámara, la del panel, no ve terreno sin imágenes: las imágenes que lo muestran, como en el borde de un ráster, fallan</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/patterns.py"/>
@@ -5139,6 +5149,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Leave out queries beyond the imagery</source>
+        <translation>Omitir consultas fuera de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Leave out queries that see beyond the imagery, their own or the reference's, and would fail.</source>
+        <translation>Omite las consultas que ven más allá de las imágenes, las suyas o las de la referencia, y que fallarían.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Make a benchmark</source>
         <translation>Crear un banco de pruebas</translation>
     </message>
@@ -5211,6 +5231,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Queries in no part</source>
         <translation>Consultas en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries of each imagery left out, which see beyond the imagery: {n}</source>
+        <translation>Consultas omitidas de cada imagen, que ven más allá de las imágenes: {n}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -11243,6 +11268,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>tipo de mapa {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>choose another area, or lower flights</source>
+        <translation>elija otra zona o vuelos más bajos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>give points</source>
+        <translation>indique puntos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>images within the imagery: of an area over relief or in wind they are not told apart</source>
+        <translation>imágenes dentro de las disponibles: las de una zona con relieve o con viento no se distinguen</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>none of the {0:,} images lies within the imagery</source>
+        <translation>ninguna de las {0:,} imágenes queda dentro de las disponibles</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/layout/framing.py"/>
         <source>ask for that or more, or allow upsampling ({0})</source>
         <translation>pida ese o más, o permita el sobremuestreo ({0})</translation>
@@ -13177,6 +13222,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
+        <source>choose an area that lies farther inside, lower heights, or less tilt</source>
+        <translation>elija una zona más al interior, alturas menores o menos inclinación</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
         <source>distribution {0!r}: must be a number, uniform LOW HIGH or normal MEAN DEVIATION</source>
         <translation>distribución {0!r}: debe ser un número, uniform MÍNIMO MÁXIMO o normal MEDIA DESVIACIÓN</translation>
     </message>
@@ -13209,6 +13259,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/random_poses.py"/>
         <source>within 180 degrees</source>
         <translation>de 180 grados como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>{0:,} of {1:,} poses lie within the imagery with all that they see</source>
+        <translation>{0:,} de {1:,} poses quedan dentro de las imágenes con todo lo que ven</translation>
     </message>
     <message>
         <location filename="../../core/poses/random_poses.py"/>
