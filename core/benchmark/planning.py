@@ -19,6 +19,7 @@ from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..mission.area import Box, Points
 from ..mission.imageries import NamedImagery
+from ..mission.inside import captures_inside, of_captures
 from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
 from ..mission.relief import Heights
@@ -61,6 +62,8 @@ class BenchmarkSettings:
         Of training, validation and test.
     gap_m : float
         With cross-area: minimum distance between ground of two parts.
+    inside : bool
+        Leave out queries that see beyond the imagery of one of the ``imageries``, or of the reference.
     """
 
     queries: Mission
@@ -74,6 +77,7 @@ class BenchmarkSettings:
     split: str = CROSS_AREA
     shares: tuple[float, float, float] = SHARES
     gap_m: float = 0.0
+    inside: bool = False
 
     def __post_init__(self) -> None:
         if not self.imageries:
@@ -111,6 +115,8 @@ class BenchmarkSettings:
             "split": self.split,
             "shares": list(self.shares),
             "gap_m": self.gap_m,
+            # Benchmarks of before had no such setting.
+            **({"inside": True} if self.inside else {}),
         }
 
 
@@ -126,12 +132,15 @@ class BenchmarkPlan:
         Of one image.
     tiles : mapping of float to Plan
         By their width in metres.
+    left_out : int
+        Queries of each imagery that see beyond the imagery, where those are left out.
     """
 
     settings: BenchmarkSettings
     queries: Mapping[str, Plan]
     mosaic: Plan
     tiles: Mapping[float, Plan] = field(default_factory=dict)
+    left_out: int = 0
 
     @property
     def captures(self) -> dict[str, tuple[NamedImagery, Plan]]:
@@ -170,7 +179,18 @@ def plan_benchmark(
         Queries that cannot be flown or see the horizon; a reference of more pixels than an image may have.
     """
     mission = settings.queries.with_(frame="camera")
-    queries = {one.name: plan(mission.over(one), grids[str(one)], heights) for one in settings.imageries}
+
+    def worked_out_over(mission: Mission) -> dict[str, Plan]:
+        return {one.name: plan(mission.over(one), grids[str(one)], heights) for one in settings.imageries}
+
+    queries, left_out = worked_out_over(mission), 0
+    if settings.inside:
+        asked = len(queries[settings.imageries[0].name])
+        # In wind those that are left are moved otherwise.
+        while not (kept := _inside(settings, queries, grids)).all():
+            mission = of_captures(mission, queries[settings.imageries[0].name], kept)
+            queries = worked_out_over(mission)
+        left_out = asked - len(kept)
     first = queries[settings.imageries[0].name]
     for name, worked_out in queries.items():
         beyond = np.flatnonzero(~worked_out.corners.hit.all(axis=1))
@@ -188,7 +208,17 @@ def plan_benchmark(
     gsd_m = first.delivered_gsd_m_per_px
     mosaic = _mosaic(settings, box, gsd_m, grids[str(settings.reference)])
     tiles = {width: _tiles(settings, mosaic, width) for width in widths}
-    return BenchmarkPlan(settings, queries, mosaic, tiles)
+    return BenchmarkPlan(settings, queries, mosaic, tiles, left_out)
+
+
+def _inside(
+    settings: BenchmarkSettings, queries: Mapping[str, Plan], grids: Mapping[str, PixelGrid]
+) -> NDArray[np.bool_]:
+    """Which queries see the imagery of all their sources and of the reference alone."""
+    found = [captures_inside(queries[one.name], grids[str(one)]) for one in settings.imageries]
+    found.append(captures_inside(queries[settings.imageries[0].name], grids[str(settings.reference)]))
+    whole: NDArray[np.bool_] = np.logical_and.reduce(found)
+    return whole
 
 
 def _cut(mosaic: Plan) -> Plan:

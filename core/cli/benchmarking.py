@@ -86,6 +86,7 @@ def _settings(arguments: argparse.Namespace) -> tuple[dict[str, Any], BenchmarkS
         semi_positive_iou=arguments.semi_positive,
         split=arguments.split,
         gap_m=arguments.gap,
+        inside=arguments.inside,
         **more,
     )
 
@@ -165,6 +166,8 @@ def _print_plan(worked_out: BenchmarkPlan) -> None:
         size = f"{int(plan.width_px.max()):,} x {int(plan.height_px.max()):,} px"
         images = f"{len(plan):,} image{'s' * (len(plan) > 1)} of {size}"
         print(printable(f"{folder:28s}{images}, {plan.requests:,} requests, {imagery}"))
+    if worked_out.left_out:
+        print(f"{worked_out.left_out:,} queries of each imagery left out, which see beyond the imagery")
 
 
 def _print_made(made: Making, as_json: bool) -> None:

@@ -267,6 +267,11 @@ def _add_benchmark_make(actions: Any) -> None:
         "reference",
     )
     asked.add_argument(
+        "--inside",
+        action="store_true",
+        help="leave out queries that see beyond the imagery, their own or the reference's",
+    )
+    asked.add_argument(
         "--shares",
         nargs=3,
         type=float,

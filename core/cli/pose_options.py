@@ -84,6 +84,12 @@ def _add_random(actions: Any) -> None:
             help=f"{what}: a number, uniform LOW HIGH, or normal MEAN DEVIATION{by_default}",
         )
     _add_seed(drawing)
+    drawing.add_argument(
+        "--inside",
+        action="store_true",
+        help="draw poses whose camera sees only ground, level ground, of which the source has imagery",
+    )
+    _add_camera(drawing, "source", "crs")
 
 
 def _add_line(actions: Any) -> None:
@@ -171,13 +177,13 @@ def _add_scans(actions: Any) -> None:
         _add_camera(command)
 
 
-def _add_camera(command: argparse.ArgumentParser) -> None:
-    """Add the options of a camera and of its overlaps."""
+def _add_camera(command: argparse.ArgumentParser, *more: str) -> None:
+    """Add the options of a camera and of its overlaps, and others of a mission."""
     group = command.add_argument_group(
         "camera", "as those of plan and capture, each also in the environment or config.json"
     )
     for option in OPTIONS:
-        if option.name in CAMERA:
+        if option.name in (*CAMERA, *more):
             add_option(group, option)
 
 

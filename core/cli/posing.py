@@ -14,7 +14,10 @@ from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
-    from ..geodesy.camera import Camera
+    from collections.abc import Callable
+    from typing import Any
+
+    from ..geodesy.camera import Camera, Poses
     from ..mission.area import Box, Points, Polygon, Polygons
     from ..poses.settings import Scan
 
@@ -55,9 +58,23 @@ def _random(arguments: argparse.Namespace) -> int:
     distributions = PoseDistributions(
         *(Distribution.parse(getattr(arguments, name)) for name in ("agl", "yaw", "tilt", "roll"))
     )
-    points = random_poses(_area(arguments.area), arguments.count, distributions, arguments.seed)
+    keep = _inside(arguments) if arguments.inside else None
+    points = random_poses(_area(arguments.area), arguments.count, distributions, arguments.seed, keep)
     _write(points, arguments.output)
     return DONE
+
+
+def _inside(arguments: argparse.Namespace) -> Callable[[Poses], Any]:
+    """What tells which poses see the imagery alone."""
+    from ..imagery.opening import SourceOptions, named_source
+    from ..mission.inside import poses_inside
+    from ..mission.settings import camera_from, resolve
+    from .pose_options import CAMERA
+
+    values = resolve({name: getattr(arguments, name) for name in (*CAMERA, "source", "crs")})
+    grid = named_source(values["source"], SourceOptions(crs=values["crs"] or "")).grid
+    camera, image_px = camera_from(values)
+    return lambda poses: poses_inside(grid, camera, poses, image_px)
 
 
 def _line(arguments: argparse.Namespace) -> int:

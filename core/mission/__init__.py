@@ -22,6 +22,7 @@ In reading order:
 - `relief`: how high captures over relief are, and what they surely see
 - `methods`: the kind of picture and its methods, by the error budget
 - `plan`: a mission worked out, as arrays
+- `inside`: which captures show the source's imagery alone
 - `estimate`: what a plan takes and gives, in figures
 - `outlines`: what is drawn of a plan, cut at the antimeridian
 - `export`: a plan in files

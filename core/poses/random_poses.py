@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message
+from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
@@ -99,7 +100,11 @@ class PoseDistributions:
 
 
 def random_poses(
-    area: Box | Polygon | Polygons, count: int, distributions: PoseDistributions, seed: int
+    area: Box | Polygon | Polygons,
+    count: int,
+    distributions: PoseDistributions,
+    seed: int,
+    keep: Callable[[Poses], Flags] | None = None,
 ) -> Points:
     """Random poses inside an area.
 
@@ -112,13 +117,17 @@ def random_poses(
         At least 1.
     seed : int
         At least 0.
+    keep : callable or None
+        Which of some poses (n,) are taken; others are drawn in place of the rest. See `mission.inside`.
 
     Raises
     ------
     InvalidInput
         A count or seed out of range; a distribution of which less than one number in a thousand can be used; a polygon
-        that takes less than a thousandth of the box around it.
+        that takes less than a thousandth of the box around it; poses of which hardly any is taken.
     """
+    if keep is not None:
+        return _kept(area, count, distributions, seed, keep)
     if not 1 <= count <= MAX_POSES:
         raise InvalidInput("{0:,} poses: must be from 1 to {1:,}", count, MAX_POSES)
     if seed < 0:
@@ -135,6 +144,39 @@ def random_poses(
         for name, bits in zip(ANGLES, streams[2:])
     }
     return Points(tuple(zip(lat.tolist(), lon.tolist(), agl.tolist())), **angles)
+
+
+def _kept(
+    area: Box | Polygon | Polygons,
+    count: int,
+    distributions: PoseDistributions,
+    seed: int,
+    keep: Callable[[Poses], Flags],
+) -> Points:
+    """First ``count`` poses that are kept, of ever more that are drawn: the same ones for any number of them."""
+    drawn = count
+    while True:
+        points = random_poses(area, drawn, distributions, seed)
+        at = np.flatnonzero(keep(_poses_of(points)))[:count].tolist()
+        if len(at) == count:
+            break
+        if drawn == MAX_POSES or (drawn >= _TRIES and len(at) < _LEAST_SHARE * drawn):
+            raise InvalidInput(
+                "{0:,} of {1:,} poses lie within the imagery with all that they see",
+                len(at),
+                drawn,
+                remedy="choose an area that lies farther inside, lower heights, or less tilt",
+            )
+        drawn = min(
+            max(2 * drawn, math.ceil(1.1 * drawn * count / max(len(at), 1))), 8 * drawn + 100, MAX_POSES
+        )
+    angles = {f"{name}s_deg": tuple(points.own_deg(name)[one] for one in at) for name in ANGLES}
+    return Points(tuple(points.poses[one] for one in at), **angles)
+
+
+def _poses_of(points: Points) -> Poses:
+    lat, lon, agl = np.array(points.poses, np.float64).T
+    return Poses(lat, lon, agl, *(np.array(points.own_deg(name), np.float64) for name in ANGLES))
 
 
 def _numbers(name: str, distribution: Distribution, bits: np.random.PCG64, count: int) -> Floats:

@@ -215,6 +215,11 @@
         <translation>&amp;Ver imágenes</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>&amp;Within the selected imagery</source>
+        <translation>&amp;Dentro de las imágenes seleccionadas</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>&amp;Yaw from field</source>
         <translation>&amp;Guiñada del campo</translation>
@@ -1296,6 +1301,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Dibujar otro polígono; lo que se solape con él se une a él</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/patterns.py"/>
+        <source>Draw only poses whose camera, that of the panel, sees no ground without imagery: images that show some, as at the edge of a raster, fail</source>
+        <translation>Sortea solo poses cuya cámara, la del panel, no ve terreno sin imágenes: las imágenes que lo muestran, como en el borde de un ráster, fallan</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/menu.py"/>
         <location filename="../../terrainav_plugin/plugin.py"/>
         <source>Draw pol&amp;ygon</source>
@@ -2286,6 +2296,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>Leave it ticked only where the provider's terms allow storing</source>
         <translation>Déjelo marcado solo si las condiciones del proveedor permiten almacenarlas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Leave out queries beyond the imagery</source>
+        <translation>Omitir consultas fuera de las imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Leave out queries that see beyond the imagery, their own or the reference's, and would fail.</source>
+        <translation>Omite las consultas que ven más allá de las imágenes, las suyas o las de la referencia, y que fallarían.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -3334,6 +3354,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Queries in no part</source>
         <translation>Consultas en ninguna parte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries of each imagery left out, which see beyond the imagery: {n}</source>
+        <translation>Consultas omitidas de cada imagen, que ven más allá de las imágenes: {n}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -8370,6 +8395,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>elija una fuente de teselas</translation>
     </message>
     <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>choose an area that lies farther inside, lower heights, or less tilt</source>
+        <translation>elija una zona más al interior, alturas menores o menos inclinación</translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/frames.py"/>
         <location filename="../../core/mission/layout/rotated.py"/>
         <source>choose an area that the source shows</source>
@@ -8380,6 +8410,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/cameras.py"/>
         <source>choose another</source>
         <translation>elija otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>choose another area, or lower flights</source>
+        <translation>elija otra zona o vuelos más bajos</translation>
     </message>
     <message>
         <location filename="../../core/mission/no_fly.py"/>
@@ -9568,6 +9603,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>indique uno en metros{0}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>give points</source>
+        <translation>indique puntos</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/clock.py"/>
         <source>give seconds after 1970, or remove the column of times</source>
         <translation>indique segundos desde 1970 o quite la columna de tiempos</translation>
@@ -10206,6 +10246,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/rows.py"/>
         <source>images with under 0.001 px of map in them: the camera looks past the map or the Earth</source>
         <translation>imágenes con menos de 0,001 px de mapa: la cámara mira más allá del mapa o de la Tierra</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>images within the imagery: of an area over relief or in wind they are not told apart</source>
+        <translation>imágenes dentro de las disponibles: las de una zona con relieve o con viento no se distinguen</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/litchi.py"/>
@@ -11261,6 +11306,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/cameras.py"/>
         <source>none</source>
         <translation>ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/inside.py"/>
+        <source>none of the {0:,} images lies within the imagery</source>
+        <translation>ninguna de las {0:,} imágenes queda dentro de las disponibles</translation>
     </message>
     <message>
         <location filename="../../core/mission/flight/pilot.py"/>
@@ -13267,6 +13317,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/estimate.py"/>
         <source>{0:,} of {1:,} heights around the area ({2}), from the next source</source>
         <translation>{0:,} de {1:,} alturas en torno al área ({2}), de la fuente siguiente</translation>
+    </message>
+    <message>
+        <location filename="../../core/poses/random_poses.py"/>
+        <source>{0:,} of {1:,} poses lie within the imagery with all that they see</source>
+        <translation>{0:,} de {1:,} poses quedan dentro de las imágenes con todo lo que ven</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>

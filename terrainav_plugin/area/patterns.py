@@ -30,9 +30,11 @@ from .layers import Found, Reading, of_lines, of_outlines
 from .menu import Way
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from qgis.gui import QgisInterface
 
-    from ...core.geodesy.camera import Camera
+    from ...core.geodesy.camera import Camera, Poses
     from ..form.state import FormState
 
 #: Heights and counts that random poses start with.
@@ -224,7 +226,7 @@ class RandomDialog(QDialog):
         self.setObjectName("random_dialog")
         self.setWindowTitle(tr("Random poses in the area"))
         self._area = area
-        self._seed = state.seed
+        self._state, self._seed = state, state.seed
         form = QFormLayout(self)
         words = named(plain_label(), "words")
         words.setWordWrap(True)
@@ -247,6 +249,12 @@ class RandomDialog(QDialog):
             box.setValue(value)
         form.addRow(tr("&Height above ground, from and to"), row(self.low, self.high))
         form.addRow(tr("&Tilt up to"), self.tilt)
+        tip = tr(
+            "Draw only poses whose camera, that of the panel, sees no ground without imagery: images that show some, "
+            "as at the edge of a raster, fail"
+        )
+        self.inside = tick("inside", tr("&Within the selected imagery"), tip)
+        form.addRow(self.inside)
         form.addRow(ok_and_cancel(self))
 
     def reading(self, _project: QgsProject) -> Reading:
@@ -261,7 +269,21 @@ class RandomDialog(QDialog):
             uniform(0.0, self.tilt.value()),
             Distribution("fixed", 0.0),
         )
-        return lambda _task: _found(random_poses(area, count, poses, seed))
+        keep = _whole_images(self._state) if self.inside.isChecked() else None
+        return lambda _task: _found(random_poses(area, count, poses, seed, keep))
+
+
+def _whole_images(state: FormState) -> Callable[[Poses], Any]:
+    """What tells which poses see the imagery of the panel alone; raises FormError where that is not complete."""
+    from ...core.geodesy.ellipsoid import WGS84
+    from ...core.mission.inside import poses_inside
+    from ..form.mission_form import mission
+    from ..sources import grid_finder
+
+    asked = mission(state)
+    find_grid, camera, image_px = grid_finder(asked), asked.camera, asked.pixels.image_px
+    ground = WGS84.raised(asked.flight.ground_height_m)
+    return lambda poses: poses_inside(find_grid(), camera, poses, image_px, ground)
 
 
 def _found(points: Any) -> Found:

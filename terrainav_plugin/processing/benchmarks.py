@@ -212,6 +212,12 @@ class MakeBenchmark(WithImagery):
                 "out over one reference; none: no parts."
             ),
         )
+        self.add(
+            QgsProcessingParameterBoolean("INSIDE", tr("Leave out queries beyond the imagery"), False),
+            tr(
+                "Leave out queries that see beyond the imagery, their own or the reference's, and would fail."
+            ),
+        )
         add_shares(self)
         add_gap(self, tr("With cross-area only: minimum distance between the ground of two parts."))
 
@@ -441,6 +447,7 @@ def _settings_of(run: Run) -> BenchmarkSettings:
         split=run.choice("SPLIT"),
         shares=shares_of(run),
         gap_m=run.number("GAP"),
+        inside=run.flag("INSIDE"),
     )
 
 
@@ -503,6 +510,9 @@ def _tell_plan(worked_out: BenchmarkPlan, watch: Watch) -> None:
                 imagery=imagery,
             )
         )
+    if worked_out.left_out:
+        left_out = tr("Queries of each imagery left out, which see beyond the imagery: {n}")
+        watch.say(left_out.format(n=number_text(worked_out.left_out)))
 
 
 def _progress(worked_out: BenchmarkPlan, watch: Watch) -> Callable[[Progress], object]:

@@ -6,13 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from qgis.core import QgsFeature, QgsGeometry, QgsProject, QgsVectorLayer
+from osgeo import gdal
+from qgis.core import QgsCoordinateReferenceSystem, QgsFeature, QgsGeometry, QgsProject, QgsVectorLayer
 from qgis.PyQt.QtWidgets import QDialog, QDialogButtonBox
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Points, Polygon
 from terrainav.core.poses.patterns import corridor, facade, orbit, structure
 from terrainav.core.poses.settings import Corridor, Orbit, Scan
 from terrainav.terrainav_plugin.form.area import entered_area
+from terrainav.terrainav_plugin.form.camera import camera_of
 
 LINE = [(7.4, 46.9), (7.41, 46.9), (7.41, 46.905)]
 RING = [(7.4, 46.9), (7.401, 46.9), (7.401, 46.901), (7.4, 46.901), (7.4, 46.9)]
@@ -114,6 +116,31 @@ def test_random_poses_are_inside_the_area(desk, layers, screenshot):
     assert ((lat > 46.90) & (lat < 46.91) & (lon > 7.40) & (lon < 7.42)).all()
     assert ((agl >= 80.0) & (agl <= 150.0)).all()
     assert 0.0 <= min(found.tilts_deg) < max(found.tilts_deg) <= 15.0
+
+
+def test_random_poses_within_the_imagery_see_no_ground_beyond_it(desk, layers, tmp_path):
+    path = tmp_path / "ortho.tif"
+    # 11 m a pixel of latitude: 1.1 x 1.5 km.
+    dataset = gdal.GetDriverByName("GTiff").Create(str(path), 200, 100, 1)
+    dataset.SetGeoTransform((7.40, 1e-4, 0.0, 46.91, 0.0, -1e-4))
+    dataset.SetProjection(QgsCoordinateReferenceSystem("EPSG:4326").toWkt())
+    dataset.FlushCache()
+    desk.enter_box("46.91", "7.40", "46.90", "7.42")
+    desk.form.set_state(replace(desk.session.state(), source=str(path)))
+    dialog = dialog_of(desk, "random")
+    dialog.count.setValue(30)
+    dialog.inside.setChecked(True)
+    found = entered_after(desk, dialog)
+    assert len(found.poses) == 30
+    camera = camera_of(desk.session.state())
+    reach_m = np.hypot(*camera.half_tangents) * np.array(found.poses)[:, 2]
+    lat, lon, _ = np.array(found.poses).T
+    # The circle around each image, less what its corners leave out of it at the worst turn.
+    least_m = np.min(camera.half_tangents) * np.array(found.poses)[:, 2]
+    north_m = 111_170.0 * np.minimum(46.91 - lat, lat - 46.90)
+    east_m = 111_170.0 * np.cos(np.radians(46.9)) * np.minimum(7.42 - lon, lon - 7.40)
+    assert (np.minimum(north_m, east_m) > least_m).all()
+    assert (np.minimum(north_m, east_m) < 4.0 * reach_m).any()
 
 
 def test_what_is_missing_is_said(desk, layers):

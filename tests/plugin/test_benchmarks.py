@@ -26,7 +26,7 @@ from terrainav.core.benchmark.planning import SPLITS, BenchmarkSettings, plan_be
 from terrainav.core.benchmark.running import METHODS
 from terrainav.core.dataset.folder import PARTS
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin import packages
@@ -125,6 +125,25 @@ def test_rasters_of_the_project_are_queries_and_reference(made, mission_file, tm
     about = json.loads((tmp_path / "out" / "benchmark.json").read_text())
     assert about["imageries"] == [f"NAIP-2014-7={path}"]
     assert about["reference"] == f"NAIP-2014-7={path}"
+
+
+def test_queries_beyond_a_raster_are_left_out_where_that_is_asked_for(made, mission_file, tmp_path):
+    path = made / Benchmark.read(made).mosaic.file
+    layer = QgsRasterLayer(str(path), "ortho", "gdal")
+    QgsProject.instance().addMapLayer(layer)
+    mission = Mission.load(mission_file)
+    north, west, south, east = (mission.area.bounds.edges_deg[at] for at in (3, 0, 1, 2))
+    corner = Points(
+        ((north, west, 60.0), ((north + south) / 2.0, (west + east) / 2.0, 60.0), (north + 0.1, east, 60.0))
+    )
+    mission.with_(area=corner).save(tmp_path / "corner.json")
+    asked = {"MISSION": str(tmp_path / "corner.json"), "SPLIT": "none", "FOLDER": str(tmp_path / "out")}
+    asked.update(QUERY_LAYERS=[layer.id()], REFERENCE_LAYER=layer.id(), DRY_RUN=True)
+    feedback = Feedback()
+    found = run("makebenchmark", feedback, **asked, INSIDE=True)
+    left_out = [line for line in feedback.lines if "left out, which see beyond the imagery" in line]
+    assert len(left_out) == 1
+    assert int(left_out[0].rpartition(" ")[2]) == 3 - found["QUERY_COUNT"] >= 1
 
 
 def test_imagery_without_a_name_is_called_as_its_source(mission_file, tmp_path):

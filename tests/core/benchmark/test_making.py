@@ -19,11 +19,11 @@ from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark, tiles_folder
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 
-from tests.core.benchmark.conftest import EPSG, NORTH, PLACED, WEST, made, mission
+from tests.core.benchmark.conftest import EPSG, HEIGHT, NORTH, PLACED, WEST, WIDTH, made, mission, places
 from tests.support import rasters
 
 TO_UTM = Transformer.from_crs(4326, EPSG, always_xy=True)
@@ -253,6 +253,30 @@ def test_many_queries_in_the_gap_bring_a_hint_whose_figures_hold(tmp_path):
     for at, words in enumerate(tried):
         other = made(tmp_path / str(at), replace(settings, **changes[words])).benchmark
         assert other.queries_of_parts["gap"] == hinted[words] < lost
+
+
+def test_queries_beyond_the_imagery_are_left_out_where_that_is_asked_for(tmp_path, dates, settings):
+    # Of 75 m of ground at any yaw: half of them reach beyond a raster's edge.
+    around = [*places(8), *places(8, seed=5, rim_m=-10.0), *places(8, seed=6, rim_m=20.0)]
+    points = Points(tuple((lat, lon, 60.0) for lat, lon in around), tuple(range(0, 240, 10)))
+    asked = replace(settings, queries=settings.queries.with_(area=points), split="none")
+    grids = {str(one): open_source(one.source).grid for one in (*asked.imageries, asked.reference)}
+    inside = replace(asked, inside=True)
+    worked_out = plan_benchmark(inside, grids)
+    assert 0 < worked_out.left_out < 16
+    found = made(tmp_path / "inside", inside)
+    assert not found.total.failed
+    counts = {name: found.benchmark.queries.imagery.count(name) for name in dates}
+    assert set(counts.values()) == {24 - worked_out.left_out}
+    for row in table(tmp_path / "inside" / "queries.csv"):
+        east, north = ground_of(row, np.array([0.0, 79.0, 79.0, 0.0]), np.array([0.0, 0.0, 59.0, 59.0]))
+        assert WEST < east.min() < east.max() < WEST + WIDTH
+        assert NORTH - HEIGHT < north.min() < north.max() < NORTH
+    # Settings of before are those that leave none out.
+    assert "inside" not in asked.to_dict()
+    assert inside.to_dict()["inside"] is True
+    assert made(tmp_path / "inside", inside, resume=True).benchmark is not None
+    assert len(made(tmp_path / "all", asked).total.failed) > 0
 
 
 def test_same_area_has_one_gallery_for_all_parts(benchmark):

@@ -7,8 +7,14 @@ import sys
 
 import numpy as np
 import pytest
-from terrainav.core.mission.area import Polygon
+from terrainav.core.geodesy.camera import Camera
+from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.flight.wind import Wind
+from terrainav.core.mission.inside import of_captures, poses_inside
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import read_poses
 from terrainav.core.poses.gpx import read_gpx
 from terrainav.core.poses.logs import read_dataflash, read_ulog
@@ -231,3 +237,49 @@ def _table_in_milliseconds(case: Case) -> None:
     case.follow("give seconds after 1970", lambda: read_poses(times(1.0).splitlines()))
     untimed = [line.rpartition(",")[0] for line in times(1e-3).splitlines()]
     case.follow("remove the column of times", lambda: read_poses(untimed))
+
+
+@remedy(
+    "poses/random_poses.py",
+    "{} of {} poses lie within the imagery with all that they see; choose an area that lies farther inside, lower "
+    "heights, or less tilt",
+)
+def _beyond_the_imagery(case: Case) -> None:
+    extent = ((0.5, 0.5), (0.501, 0.5), (0.501, 0.501), (0.5, 0.501))
+    grid = PixelGrid(extent=extent)
+
+    def drawn(lon: float, agl_m: float, tilt_deg: float) -> None:
+        box = Box(-0.15, lon, -0.2, lon + 0.05)
+        poses = PoseDistributions(Distribution("fixed", agl_m), tilt=Distribution("fixed", tilt_deg))
+        random_poses(box, 3, poses, 1, lambda some: poses_inside(grid, Camera(60.0), some, 640))
+
+    case.refused(lambda: drawn(-0.01, 90_000.0, 0.0))
+    case.follow("lower heights", lambda: drawn(0.1, 9_000.0, 0.0))
+    case.follow("choose an area that lies farther inside", lambda: drawn(0.15, 12_000.0, 0.0))
+    case.follow("less tilt", lambda: drawn(0.15, 12_000.0, 5.0))
+
+
+def _of_one(mission: Mission, kept: bool) -> Mission:
+    worked_out = plan(mission, PixelGrid())
+    return of_captures(mission, worked_out, np.full(len(worked_out), kept))
+
+
+@remedy(
+    "mission/inside.py",
+    "none of the {} images lies within the imagery; choose another area, or lower flights",
+)
+def _none_inside(case: Case) -> None:
+    mission = Mission(Box(35.16, -89.9, 35.159, -89.899), 60.0)
+    case.refused(lambda: _of_one(mission, False))
+    for advice in ("choose another area", "lower flights"):
+        case.follow(advice, lambda: _of_one(mission, True))
+
+
+@remedy(
+    "mission/inside.py",
+    "images within the imagery: of an area over relief or in wind they are not told apart; give points",
+)
+def _an_area_in_wind(case: Case) -> None:
+    mission = Mission(Box(35.16, -89.9, 35.159, -89.899), 60.0, wind=Wind(3.0), accept_error=True)
+    case.refused(lambda: _of_one(mission, True))
+    case.follow("give points", lambda: _of_one(mission.with_(area=Points(((35.16, -89.9, 60.0),))), True))

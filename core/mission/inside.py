@@ -1,0 +1,136 @@
+"""Captures whose whole footprint lies on the imagery of a source."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InvalidInput
+from ..geodesy.camera import Camera, Poses
+from ..geodesy.ellipsoid import WGS84, Ellipsoid
+from ..geodesy.footprint import Corners, exact
+from ..geodesy.mercator import PixelGrid, wrap_lon_deg
+from .area import Points
+from .layout.coverage import twice_area
+from .mission import Mission
+from .plan import Plan
+
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+#: Pixels beyond an image, and beyond its ground, that resampling may look at.
+_MARGIN_PX = 4.0
+#: Places along each side of an image.
+_ALONG = np.linspace(-1.0, 1.0, 17)
+#: Poses that are looked at in one go, for the memory of their rims.
+_AT_ONCE = 20_000
+
+
+def on_imagery(grid: PixelGrid, seen: Corners) -> Flags:
+    """Which rims of images (n, k) lie on a source's imagery, as far as its extent tells."""
+    whole: Flags = seen.hit.all(axis=1)
+    lat, lon = seen.lat_deg, seen.lon_deg
+    with np.errstate(invalid="ignore"):
+        u, v = grid.plane.forward(lat, lon if grid.own is None else wrap_lon_deg(lon))
+        if grid.extent is None:
+            whole &= (np.isfinite(u) & (v >= 0.0) & (v <= 1.0)).all(axis=1)
+            return whole
+    corners = np.array(grid.extent, np.float64)
+    corners = corners if twice_area(corners) > 0.0 else corners[::-1]
+    if grid.own is None:
+        # Longitudes are continuous along a rim; the extent may be whole turns of the world away.
+        u = u - np.rint(u[:, :1] - corners[:, 0].mean())
+    along = np.roll(corners, -1, axis=0) - corners
+    room = _MARGIN_PX / grid.world_px(grid.native_zoom)
+    for (corner_u, corner_v), (side_u, side_v) in zip(corners, along):
+        length = max(float(np.hypot(side_u, side_v)), 1e-300)
+        with np.errstate(invalid="ignore"):
+            # Distance inward of the side; of no finite place it is none.
+            inward = (side_u * (v - corner_v) - side_v * (u - corner_u)) / length
+            whole &= (inward >= room).all(axis=1)
+    return whole
+
+
+def poses_inside(
+    grid: PixelGrid, camera: Camera, poses: Poses, image_px: int, ground: Ellipsoid = WGS84
+) -> Flags:
+    """Which poses (n,) see ground on a source's imagery alone, over level ground.
+
+    Parameters
+    ----------
+    image_px : int
+        Pixels along the longer side of the images.
+    """
+    rim = _rim(camera, image_px)
+    found = [
+        on_imagery(grid, exact(camera, poses.take(slice(at, at + _AT_ONCE)), rim, ground))
+        for at in range(0, len(poses.lat_deg), _AT_ONCE)
+    ]
+    return np.concatenate([np.zeros(0, np.bool_), *found])
+
+
+def captures_inside(plan: Plan, grid: PixelGrid) -> Flags:
+    """Which captures (n,) of a plan see ground on the imagery of a grid alone, that of the plan or another one."""
+    camera = plan.mission.camera
+    image_px = int(max(plan.width_px.max(), plan.height_px.max()))
+    if plan.relief is None:
+        return poses_inside(grid, camera, plan.poses, image_px, plan.ground)
+    rim, poses = _rim(camera, image_px), plan.poses
+    found = []
+    for at in range(0, len(plan), _AT_ONCE):
+        some = slice(at, at + _AT_ONCE)
+        own = poses.take(some)
+        seen, _ = plan.relief.seen(own._replace(lon_deg=wrap_lon_deg(own.lon_deg)), plan.height_m[some], rim)
+        found.append(on_imagery(grid, seen))
+    return np.concatenate(found)
+
+
+def of_captures(mission: Mission, plan: Plan, kept: Flags) -> Mission:
+    """Mission of some of the captures of its plan, as points with the attitudes that they have there.
+
+    Raises
+    ------
+    InvalidInput
+        No capture is left, or those of an area that wind moves or that follow relief.
+    """
+    if not kept.any():
+        raise InvalidInput(
+            "none of the {0:,} images lies within the imagery",
+            len(kept),
+            remedy="choose another area, or lower flights",
+        )
+    if isinstance(mission.area, Points):
+        points, at = mission.area, plan.column[kept].tolist()
+        return mission.with_(
+            area=replace(
+                points,
+                poses=tuple(points.poses[one] for one in at),
+                **{
+                    name: tuple(getattr(points, name)[one] for one in at)
+                    for name in ("yaws_deg", "tilts_deg", "rolls_deg", "times_s")
+                    if getattr(points, name)
+                },
+            )
+        )
+    if plan.relief is not None or mission.wind is not None:
+        raise InvalidInput(
+            "images within the imagery: of an area over relief or in wind they are not told apart",
+            remedy="give points",
+        )
+    poses = plan.poses.take(np.flatnonzero(kept))
+    places = zip(poses.lat_deg.tolist(), wrap_lon_deg(poses.lon_deg).tolist(), poses.agl_m.tolist())
+    attitude = (tuple(angle.tolist()) for angle in poses.attitude)
+    return mission.with_(area=Points(tuple(places), *attitude))
+
+
+def _rim(camera: Camera, image_px: int) -> tuple[tuple[float, float], ...]:
+    """Image points around an image, and around the pixels beyond it that resampling looks at."""
+    wide = camera.aspect_ratio >= 1.0
+    longer, shorter = image_px, image_px / max(camera.aspect_ratio, 1.0 / camera.aspect_ratio)
+    width, height = (longer, shorter) if wide else (shorter, longer)
+    x, y = 1.0 + 2.0 * _MARGIN_PX / width, 1.0 + 2.0 * _MARGIN_PX / height
+    sides = [*((one, side) for side in (-1.0, 1.0) for one in _ALONG)]
+    return tuple((x * one, y * side) for one, side in sides) + tuple(
+        (x * side, y * one) for one, side in sides
+    )
