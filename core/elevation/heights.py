@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import weakref
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import resolve_name
+from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -45,6 +47,8 @@ _ENCODED: dict[str, Callable[[NDArray[Any]], Floats]] = {
 #: Highest zoom of templates that do not say theirs.
 _DEFAULT_MAX_ZOOM = 15
 _SHIPPED_FILE = "elevation.json"
+#: What people write between sources, each of which is a text of its own.
+_BETWEEN = re.compile("[,;]")
 
 
 @dataclass(frozen=True)
@@ -284,6 +288,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
         return TiledHeights(
             source, _ENCODED[encoding], datum or Datum("", _unit_m(options.unit)), options.offset_m
         )
+    _refuse_several(text)
     return _of_raster(text, named_source(text, asked), datum, options)
 
 
@@ -295,8 +300,42 @@ def with_whole_path(text: str) -> str:
     return f"{encoding}:{whole_path(inner)}" if colon and encoding in _ENCODED else whole_path(text)
 
 
+def _refuse_several(text: str) -> None:
+    """Refuse several sources in one text, unless that is what a file is called."""
+    parts = [part.strip() for part in _BETWEEN.split(text) if part.strip()]
+    if len(parts) > 1 and not Path(text).exists() and all(map(_is_source, parts)):
+        raise InvalidInput(
+            "heights {0}: names {1} sources in one",
+            text,
+            len(parts),
+            field="elevation",
+            remedy="give them one by one, in QGIS with ; between them",
+        )
+
+
+def _is_source(text: str) -> bool:
+    """Whether a text may name heights by itself."""
+    known = _number(text) is not None or text.lower() == "world" or text in _shipped()
+    return known or bool(Path(text).suffix) or text.partition(":")[0] in _ENCODED
+
+
+def _has_values(named: NamedSource, text: str) -> bool:
+    """Whether a source has bands of values; one that nobody knows is refused in the words of heights."""
+    try:
+        return named.has_bands or not named.title
+    except InvalidInput as wrong:
+        if ":" in text:
+            raise
+        raise InvalidInput(
+            "heights {0}: there is no such source",
+            text,
+            field="elevation",
+            remedy="name a raster file of heights, terrarium, world or a height in metres",
+        ) from wrong
+
+
 def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: HeightOptions) -> Layer:
-    if not named.has_bands and named.title:
+    if not _has_values(named, text):
         raise InvalidInput(
             "heights {0}: is a source of images",
             text,

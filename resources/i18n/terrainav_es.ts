@@ -1336,6 +1336,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
         <source>Resume</source>
         <translation>Reanudar</translation>
     </message>
@@ -1379,7 +1380,7 @@
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>{name}: there will be no mosaic: {reason}. Its images are captured all the same.</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}: no habrá mosaico: {reason}. Sus imágenes se capturan de todos modos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
@@ -1434,6 +1435,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>Forget (files are kept)</source>
+        <translation>Olvidar (se conservan los archivos)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
         <source>No test shot.</source>
         <translation>Sin toma de prueba.</translation>
     </message>
@@ -1441,6 +1447,26 @@
         <location filename="../../terrainav_plugin/capture/queue.py"/>
         <source>Nothing captured: {reason}</source>
         <translation>No se ha capturado nada: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>stopped</source>
+        <translation>detenida</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: cannot be resumed: {reason}</source>
+        <translation>{name}: no se puede reanudar: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: its capture did not end.</source>
+        <translation>{name}: su captura no terminó.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: its capture did not end: {there} of {total} images.</source>
+        <translation>{name}: su captura no terminó: {there} de {total} imágenes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
@@ -1567,6 +1593,26 @@
         <location filename="../../terrainav_plugin/capture/task.py"/>
         <source>Capturing {name}</source>
         <translation>Capturando {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>Looking for captures that have not ended</source>
+        <translation>Buscando capturas que no han terminado</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>Planning</source>
+        <translation>Planificando</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>The capture could not be noted: {error}</source>
+        <translation>No se pudo anotar la captura: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>{path}: a note of a capture cannot be read ({error})</source>
+        <translation>{path}: no se puede leer la nota de una captura ({error})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/credentials.py"/>
@@ -3471,6 +3517,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Fill its holes from</source>
+        <translation>Rellenar sus huecos con</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
         <source>Heights of the ground</source>
         <translation>Alturas del terreno</translation>
     </message>
@@ -3483,6 +3534,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
         <source>Raster files (*)</source>
         <translation>Archivos ráster (*)</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Several with ; between them: each fills the holes of those before it.</source>
+        <translation>Varias separadas por ;: cada una rellena los huecos de las anteriores.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/elevation.py"/>
@@ -4994,7 +5050,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>{layer}: {problem}</source>
-        <translation type="unfinished"></translation>
+        <translation>{layer}: {problem}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -8188,6 +8244,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>give them one by one, in QGIS with ; between them</source>
+        <translation>indíquelas una por una, en QGIS separadas por ;</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>height {0:g} m: must be from {1:g} to {2:g}</source>
         <translation>altura {0:g} m: debe estar entre {1:g} y {2:g}</translation>
     </message>
@@ -8203,8 +8264,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0}: names {1} sources in one</source>
+        <translation>alturas {0}: nombra {1} fuentes en una</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0}: there is no such source</source>
+        <translation>alturas {0}: no existe tal fuente</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>name a raster file of heights, terrarium or world, or write terrarium: or terrain-rgb: before the address of tiles whose colours are heights</source>
         <translation>nombre un archivo ráster de alturas, terrarium o world, o escriba terrarium: o terrain-rgb: delante de la dirección de teselas cuyos colores son alturas</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>name a raster file of heights, terrarium, world or a height in metres</source>
+        <translation>nombre un archivo ráster de alturas, terrarium, world o una altura en metros</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -10101,7 +10177,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area.py"/>
         <source>{0}: polygon {1:,}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: polígono {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -12666,7 +12742,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/plan.py"/>
         <source>no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/plan.py"/>
@@ -13044,7 +13120,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/poses/patterns.py"/>
         <source>outlines</source>
-        <translation type="unfinished"></translation>
+        <translation>contornos</translation>
     </message>
     <message>
         <location filename="../../core/poses/patterns.py"/>

@@ -101,6 +101,28 @@ def _pictures(case: Case) -> None:
 
 @remedy(
     "elevation/heights.py",
+    "heights {}: names {} sources in one; give them one by one, in QGIS with ; between them",
+)
+def _several(case: Case) -> None:
+    path = str(written(case, "heights.tif"))
+    case.refused(lambda: open_relief([f"{path}, world"]))
+    case.follow("give them one by one, in QGIS with ; between them", lambda: open_relief([path, "world"]))
+
+
+@remedy(
+    "elevation/heights.py",
+    "heights {}: there is no such source; name a raster file of heights, terrarium, world or a height in metres",
+)
+def _unknown(case: Case) -> None:
+    case.refused(lambda: open_relief(["wrold"]))
+    path = str(written(case, "heights.tif"))
+    case.follow("name a raster file of heights", lambda: open_relief([path]))
+    for name, text in (("terrarium", "terrarium"), ("world", "world"), ("or a height in metres", "120")):
+        case.follow(name, partial(open_relief, [text]))
+
+
+@remedy(
+    "elevation/heights.py",
     "{}: height {} m at latitude {}, longitude {}: must be from {} to {}, and not {}, which stands for no data "
     "elsewhere; say so in the file where the value stands for no data, for example with gdal_edit.py -a_nodata",
 )
