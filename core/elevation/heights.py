@@ -309,7 +309,7 @@ def _refuse_several(text: str) -> None:
             text,
             len(parts),
             field="elevation",
-            remedy="give them one by one, in QGIS with ; between them",
+            remedy="give them one by one, in QGIS with a semicolon between them",
         )
 
 
@@ -327,7 +327,7 @@ def _has_values(named: NamedSource, text: str) -> bool:
         if ":" in text:
             raise
         raise InvalidInput(
-            "heights {0}: there is no such source",
+            "heights {0!r} is unknown",
             text,
             field="elevation",
             remedy="name a raster file of heights, terrarium, world or a height in metres",

@@ -8244,13 +8244,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
-        <source>give them one by one, in QGIS with ; between them</source>
-        <translation>indíquelas una por una, en QGIS separadas por ;</translation>
+        <source>give them one by one, in QGIS with a semicolon between them</source>
+        <translation>indíquelas una por una, en QGIS separadas por punto y coma</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
         <source>height {0:g} m: must be from {1:g} to {2:g}</source>
         <translation>altura {0:g} m: debe estar entre {1:g} y {2:g}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0!r} is unknown</source>
+        <translation>las alturas {0!r} no se conocen</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -8266,11 +8271,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/heights.py"/>
         <source>heights {0}: names {1} sources in one</source>
         <translation>alturas {0}: nombra {1} fuentes en una</translation>
-    </message>
-    <message>
-        <location filename="../../core/elevation/heights.py"/>
-        <source>heights {0}: there is no such source</source>
-        <translation>alturas {0}: no existe tal fuente</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>

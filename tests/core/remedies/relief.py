@@ -101,17 +101,19 @@ def _pictures(case: Case) -> None:
 
 @remedy(
     "elevation/heights.py",
-    "heights {}: names {} sources in one; give them one by one, in QGIS with ; between them",
+    "heights {}: names {} sources in one; give them one by one, in QGIS with a semicolon between them",
 )
 def _several(case: Case) -> None:
     path = str(written(case, "heights.tif"))
     case.refused(lambda: open_relief([f"{path}, world"]))
-    case.follow("give them one by one, in QGIS with ; between them", lambda: open_relief([path, "world"]))
+    case.follow(
+        "give them one by one, in QGIS with a semicolon between them", lambda: open_relief([path, "world"])
+    )
 
 
 @remedy(
     "elevation/heights.py",
-    "heights {}: there is no such source; name a raster file of heights, terrarium, world or a height in metres",
+    "heights {} is unknown; name a raster file of heights, terrarium, world or a height in metres",
 )
 def _unknown(case: Case) -> None:
     case.refused(lambda: open_relief(["wrold"]))
