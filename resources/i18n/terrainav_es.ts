@@ -1532,6 +1532,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Archivo…</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Fill its holes from</source>
+        <translation>Rellenar sus huecos con</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
         <source>Fills in field of view (degrees), aspect ratio and the image's longer side (px)</source>
         <translation>Rellena campo de visión (grados), relación de aspecto y lado mayor de la imagen (px)</translation>
@@ -1681,6 +1686,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>For DJI Pilot 2, QGroundControl, Litchi or Google Earth; as GPX, GeoPackage, GeoJSON or a table</source>
         <translation>Para DJI Pilot 2, QGroundControl, Litchi o Google Earth; como GPX, GeoPackage, GeoJSON o tabla</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>Forget (files are kept)</source>
+        <translation>Olvidar (se conservan los archivos)</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/datasets.py"/>
@@ -2366,6 +2376,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/scores.py"/>
         <source>Longitude of the answer</source>
         <translation>Longitud de la respuesta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>Looking for captures that have not ended</source>
+        <translation>Buscando capturas que no han terminado</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewing.py"/>
@@ -3170,6 +3185,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Imágenes planificadas</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>Planning</source>
+        <translation>Planificando</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/plan.py"/>
         <source>Plans a mission without fetching imagery: the position, ground and time of each image, and the time and data that the capture needs.</source>
         <translation>Calcula una misión sin pedir imágenes: dónde se toma cada imagen, qué terreno muestra, en qué momento del vuelo, y qué exige el conjunto.</translation>
@@ -3605,6 +3625,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
         <source>Resume</source>
         <translation>Reanudar</translation>
     </message>
@@ -3778,6 +3799,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Settings in the mission file that the panel cannot show</source>
         <translation>Ajustes del archivo de la misión que el panel no puede mostrar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/elevation.py"/>
+        <source>Several with ; between them: each fills the holes of those before it.</source>
+        <translation>Varias separadas por ;: cada una rellena los huecos de las anteriores.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
@@ -4265,6 +4291,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/area/patterns.py"/>
         <source>The camera stands to the left of the lines, in their direction; otherwise to their right</source>
         <translation>La cámara está a la izquierda de las líneas, en su sentido; si no, a su derecha</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>The capture could not be noted: {error}</source>
+        <translation>No se pudo anotar la captura: {error}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/address_dialog.py"/>
@@ -5872,6 +5903,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>borde sur</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>stopped</source>
+        <translation>detenida</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>straight down</source>
         <translation>en vertical</translation>
@@ -6478,7 +6514,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>{layer}: {problem}</source>
-        <translation type="unfinished"></translation>
+        <translation>{layer}: {problem}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
@@ -6583,9 +6619,24 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{name}, ≤ {px} px, {metres} sobre el terreno</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: cannot be resumed: {reason}</source>
+        <translation>{name}: no se puede reanudar: {reason}</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/capture/run.py"/>
         <source>{name}: failed images</source>
         <translation>{name}: imágenes fallidas</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: its capture did not end.</source>
+        <translation>{name}: su captura no terminó.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/queue.py"/>
+        <source>{name}: its capture did not end: {there} of {total} images.</source>
+        <translation>{name}: su captura no terminó: {there} de {total} imágenes.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -6615,7 +6666,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../terrainav_plugin/capture/endings.py"/>
         <source>{name}: there will be no mosaic: {reason}. Its images are captured all the same.</source>
-        <translation type="unfinished"></translation>
+        <translation>{name}: no habrá mosaico: {reason}. Sus imágenes se capturan de todos modos.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/camera.py"/>
@@ -6686,6 +6737,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/splitting.py"/>
         <source>{part}: {images} images ({share} %).</source>
         <translation>{part}: {images} imágenes ({share} %).</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/capture/unfinished.py"/>
+        <source>{path}: a note of a capture cannot be read ({error})</source>
+        <translation>{path}: no se puede leer la nota de una captura ({error})</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
@@ -9673,6 +9729,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>indique su unidad u omítalos{0}</translation>
     </message>
     <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>give them one by one, in QGIS with a semicolon between them</source>
+        <translation>indíquelas una por una, en QGIS separadas por punto y coma</translation>
+    </message>
+    <message>
         <location filename="../../core/benchmark/folder.py"/>
         <source>go on{0}</source>
         <translation>continúelo{0}</translation>
@@ -9868,6 +9929,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0!r} is unknown</source>
+        <translation>las alturas {0!r} no se conocen</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>heights {0!r}: are several sources in one</source>
         <translation>alturas {0!r}: son varias fuentes en una</translation>
     </message>
@@ -9885,6 +9951,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/heights.py"/>
         <source>heights {0}: is a source of images</source>
         <translation>alturas {0}: es una fuente de imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>heights {0}: names {1} sources in one</source>
+        <translation>alturas {0}: nombra {1} fuentes en una</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -11081,6 +11152,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>name a raster file of heights, terrarium, world or a height in metres</source>
+        <translation>nombre un archivo ráster de alturas, terrarium, world o una altura en metros</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>name a raster file of heights, terrarium, world or a number of metres</source>
         <translation>nombre un archivo ráster de alturas, terrarium, world o un número de metros</translation>
     </message>
@@ -11290,7 +11366,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/plan.py"/>
         <source>no-fly areas</source>
-        <translation type="unfinished"></translation>
+        <translation>zonas de exclusión</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -11465,7 +11541,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/poses/patterns.py"/>
         <source>outlines</source>
-        <translation type="unfinished"></translation>
+        <translation>contornos</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -14266,7 +14342,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/mission/area.py"/>
         <source>{0}: polygon {1:,}</source>
-        <translation type="unfinished"></translation>
+        <translation>{0}: polígono {1:,}</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>

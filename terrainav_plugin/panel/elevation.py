@@ -32,7 +32,8 @@ class HeightsLine(WordsLine):
 
     def __init__(self, name: str, tip: str) -> None:
         super().__init__()
-        named(self, name, tip)
+        more = tr("Several with ; between them: each fills the holes of those before it.")
+        named(self, name, f"{tip} {more}")
         self.button = named(QToolButton(), f"{name}_choose", tr("Choose a source of heights"))
         self.button.setText("…")
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
@@ -61,6 +62,20 @@ class HeightsLine(WordsLine):
         self._menu.addSeparator()
         self._menu.addAction(tr("File…"), self._choose_file)
         self._menu.addAction(tr("Level ground"), self.clear)
+        if self.words():
+            self._menu.addSeparator()
+            self._offer_more(self._menu.addMenu(tr("Fill its holes from")))
+
+    def _offer_more(self, menu: QMenu) -> None:
+        """Offer sources that fill the holes of those that are entered."""
+        menu.setObjectName(f"{self.objectName()}_more")
+        for title, source in self._offered():
+            if source not in self.words():
+                menu.addAction(
+                    shown_plain(title).replace("&", "&&"),
+                    lambda source=source: self.enter((*self.words(), source)),
+                )
+        menu.addAction(tr("File…"), self._choose_file)
 
     @staticmethod
     def _offered() -> list[tuple[str, str]]:

@@ -12,7 +12,7 @@ from osgeo import gdal
 from qgis.core import Qgis, QgsProject, QgsRasterLayer
 from qgis.PyQt.QtCore import QEvent, QPointF, Qt
 from qgis.PyQt.QtGui import QMouseEvent
-from qgis.PyQt.QtWidgets import QCheckBox, QToolButton
+from qgis.PyQt.QtWidgets import QCheckBox, QLineEdit, QMenu, QToolButton
 from terrainav.core.errors import SourceError
 from terrainav.core.fields import field_named
 from terrainav.core.imagery.opening import open_source
@@ -289,6 +289,34 @@ def test_a_test_shot_lies_where_its_pixels_see_the_relief(desk, dem, tmp_path):
     assert opaque.mean() > 0.95
     off = np.abs(at[:2] - told[:2, inside])[:, opaque].max(axis=0)
     assert np.percentile(off, 95) <= 1.5
+
+
+def test_menu_adds_a_source_that_fills_holes(desk, dem, screenshot):
+    set_up(desk)
+    choose(desk, "Ridge")
+    line = desk.form.relief.findChild(QLineEdit, "elevation")
+    assert "Several with ; between them: each fills the holes of those before it." in line.toolTip()
+    button = desk.form.relief.findChild(QToolButton, "elevation_choose")
+    menu = button.menu()
+    menu.aboutToShow.emit()
+    more = menu.findChild(QMenu, "elevation_more")
+    assert more.title() == "Fill its holes from"
+    titles = [action.text() for action in more.actions()]
+    # Not the source itself.
+    assert titles == ["Terrain Tiles (Terrarium, public)", "Synthetic landscape (offline)", "File…"]
+    screenshot("fill-holes-menu", menu)
+    next(action for action in more.actions() if action.text().startswith("Synthetic")).trigger()
+    assert desk.session.state().elevation == (dem.source(), "world")
+    assert line.text().endswith("; Synthetic landscape (offline)")
+
+
+def test_comma_between_sources_of_heights_is_said_at_the_field(desk, dem):
+    set_up(desk)
+    draw(desk, UTM, 60.0)
+    desk.form.relief.unfold()
+    desk.form.relief.findChild(QLineEdit, "elevation").setText(f"{dem.source()}, world")
+    desk.wait(lambda: "names 2 sources in one" in desk.message("elevation"))
+    assert "with a semicolon between them" in desk.message("elevation")
 
 
 def test_mosaic_over_the_landscape_of_imagery_in_another_crs(desk, tmp_path):
