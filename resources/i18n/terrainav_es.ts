@@ -578,6 +578,11 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>A number, or degrees, minutes and seconds such as 47 01 30. Coordinates pasted here, or typed and left, fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
+        <translation>Un número, o grados, minutos y segundos como 47 01 30. Las coordenadas que se pegan aquí, o se escriben y se deja el campo, rellenan todos los campos: north_west_south_east_agl, lat_lon_agl, o líneas de lat lon agl [yaw]. Un borde escrito convierte un polígono o puntos en un recuadro.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
         <location filename="../../terrainav_plugin/preview/layers.py"/>
         <source>Area</source>
         <translation>Área</translation>
@@ -586,11 +591,6 @@
         <location filename="../../terrainav_plugin/area/entries.py"/>
         <source>Change the area on the map: drag inside it to move it; drag the edges and corners of a box, or the corners of a polygon. Dragging a polygon's edge adds a corner, a right click on a corner or Delete removes it; a right click elsewhere cuts holes and adds polygons. Arrow keys move the area by a pixel of the screen, with Shift by ten; Esc ends it.</source>
         <translation>Cambiar el área en el mapa: arrastre dentro de ella para moverla; arrastre los lados y las esquinas de un recuadro, o los vértices de un polígono. Al arrastrar el lado de un polígono se añade un vértice; un clic derecho sobre un vértice, o Supr, lo quita; un clic derecho en otra parte recorta huecos y añade polígonos. Las flechas mueven el área un píxel de la pantalla, con Mayús diez; Esc termina.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
-        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/entries.py"/>
@@ -2575,6 +2575,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>coordinates “{text}”: minutes and seconds must be below 60, and each latitude stand before its longitude</source>
+        <translation>coordenadas «{text}»: los minutos y segundos deben ser menores que 60, y cada latitud debe preceder a su longitud</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
         <source>each with its {last}</source>
         <translation>cada uno con su {last}</translation>
     </message>
@@ -2768,6 +2773,14 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/panel/sections.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
+        <source>GSD</source>
+        <translation>GSD</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>GSD: must be above 0</source>
         <translation>GSD: debe ser mayor que 0</translation>
     </message>
@@ -2778,13 +2791,43 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>azimuth</source>
+        <translation>acimut</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>coordinates are taken when the field is left</source>
+        <translation>las coordenadas se toman al dejar el campo</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>eastern edge</source>
         <translation>borde oriental</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>field of view</source>
+        <translation>campo de visión</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>focal length</source>
+        <translation>distancia focal</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>height above ground {height} {unit}: must be above 0</source>
         <translation>altura sobre el terreno {height} {unit}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>image height</source>
+        <translation>altura de la imagen</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>image width</source>
+        <translation>anchura de la imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2795,6 +2838,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>northern edge</source>
         <translation>borde norte</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>sensor height</source>
+        <translation>altura del sensor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>sensor width</source>
+        <translation>anchura del sensor</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
@@ -2813,8 +2866,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: is too large</source>
+        <translation>{what} «{text}»: es demasiado grande</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: must be 0 or more</source>
+        <translation>{what} «{text}»: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>{what} “{text}”: must be a number</source>
         <translation>{what} «{text}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: must be a whole number</source>
+        <translation>{what} «{text}»: debe ser un número entero</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/help.py"/>
@@ -2839,6 +2907,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <source>Resize images</source>
         <translation>Redimensionar</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
+        <source>a layer that is not in the project</source>
+        <translation>una capa que no está en el proyecto</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
@@ -3591,13 +3664,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
-        <location filename="../../terrainav_plugin/panel/sections.py"/>
-        <location filename="../../terrainav_plugin/results/viewer.py"/>
-        <source>GSD</source>
-        <translation>GSD</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/panel/figures.py"/>
         <source>GSD {finest} at the highest point, {coarsest} at the lowest</source>
         <translation>GSD de {finest} en lo más alto y de {coarsest} en lo más bajo</translation>
     </message>
@@ -3717,6 +3783,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>the source's GSD is {source}: images show no finer detail</source>
         <translation>la GSD de la fuente es de {source}: las imágenes no muestran más detalle</translation>
     </message>
@@ -4176,6 +4243,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/planning.py"/>
         <source>Unexpected error: {error}</source>
         <translation>Error inesperado: {error}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>Working out the plan…</source>
+        <translation>Calculando el plan…</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/planning.py"/>
@@ -6857,6 +6929,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>{count} sq mi</source>
         <translation>{count} mi²</translation>
     </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be a number</source>
+        <translation>«{text}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be a whole number</source>
+        <translation>«{text}»: debe ser un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be above {least} and at most {most}, or empty</source>
+        <translation>«{text}»: debe ser mayor que {least} y a lo sumo {most}, o quedar vacío</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be from {least} to {most}</source>
+        <translation>«{text}»: debe estar entre {least} y {most}</translation>
+    </message>
 </context>
 <context>
     <name>TerrAInav core</name>
@@ -7971,6 +8063,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/split.py"/>
+        <source>choose other blocks or shares, a dataset of more ground, or split shuffled</source>
+        <translation>elija otros bloques o proporciones, un conjunto de datos con más terreno, o divida con shuffled</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
         <source>folder {0}: has no image that is there and not rejected, so there is nothing to split</source>
         <translation>carpeta {0}: no tiene ninguna imagen presente y no rechazada, así que no hay nada que dividir</translation>
     </message>
@@ -8159,11 +8256,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/entry.py"/>
         <source>say which{0}</source>
         <translation>indique cuál{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/elevation/datum.py"/>
-        <source>vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system</source>
-        <translation>dátum vertical {0!r}: debe ser {1}, {2}, {3} o el código de un sistema vertical</translation>
     </message>
     <message>
         <location filename="../../core/elevation/datum.py"/>
@@ -8562,6 +8654,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/mercator.py"/>
         <source>zooms {0} to {1}, native {2}: need 0 &lt;= minimum &lt;= native &lt;= maximum &lt;= {3}</source>
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/vertical.py"/>
+        <source>vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system</source>
+        <translation>dátum vertical {0!r}: debe ser {1}, {2}, {3} o el código de un sistema vertical</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/ways.py"/>
@@ -9983,8 +10080,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>box from latitude {0} down to {1}: has no height; its north must lie above its south</source>
+        <translation>recuadro desde la latitud {0} hasta {1}: no tiene altura; su norte debe quedar por encima de su sur</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: south lies above north</source>
         <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>box from longitude {0} to {1}: has no width; its west and its east must differ</source>
+        <translation>recuadro desde la longitud {0} hasta {1}: no tiene anchura; su oeste y su este deben ser distintos</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>

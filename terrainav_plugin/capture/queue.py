@@ -219,7 +219,7 @@ class Runs(QObject):
             # Unloaded while it was asked for the terms.
             run.close()
             return
-        self._endings.remember(run)
+        self._endings.begin(run)
         run.failed_changed.connect(self._endings.show_failed)
         run.ended.connect(self._ended)
         # What was made of the same folder before is told by the new run.
