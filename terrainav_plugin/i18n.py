@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 _FOLDER = RESOURCES / "i18n"
 #: Contexts of the translation files: texts of the plugin, and of the core.
 _PLUGIN, _CORE = "TerrAInav", "TerrAInav core"
+#: A layer of the project as missions name it: QGIS's identifier is no name that a user knows.
+_LAYER = re.compile(r"qgis:layer/(?P<id>[\w-]+)")
 #: Options in advice of the core that the panel has an entry for under the declared title.
 _ENTERED = (
     "error_budget",
@@ -182,7 +184,17 @@ def _shown(value: object) -> object:
         return option_label(value.name) or str(value)
     if isinstance(value, Message):
         return "" if _names_no_entry(value) else translate(value)
-    return translate(value) if isinstance(value, TerrAInavError) else value
+    if isinstance(value, TerrAInavError):
+        return translate(value)
+    return _LAYER.sub(_layer_title, value) if isinstance(value, str) else value
+
+
+def _layer_title(found: re.Match[str]) -> str:
+    """Title of a layer that a source is named by, in place of QGIS's identifier."""
+    from qgis.core import QgsProject
+
+    layer = QgsProject.instance().mapLayer(found["id"])
+    return tr("a layer that is not in the project") if layer is None else f"“{layer.name()}”"
 
 
 def _names_no_entry(message: Message) -> bool:

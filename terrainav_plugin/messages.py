@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 from qgis.core import Qgis, QgsMessageLog
 from qgis.gui import QgisInterface, QgsMessageBarItem
@@ -79,6 +80,10 @@ class Messages(QObject):
         self._shown: list[QgsMessageBarItem] = []
         #: Refusal that is shown, if any: the next one takes its place.
         self._refusal: QgsMessageBarItem | None = None
+        #: What is said while something is waited for.
+        self._waiting: QgsMessageBarItem | None = None
+        #: Items by what they are about.
+        self._topics: dict[str, list[QgsMessageBarItem]] = {}
         # The bar says when an item goes. What an item calls as it is destroyed may be gone already itself.
         iface.messageBar().widgetRemoved.connect(self._forget)
 
@@ -131,6 +136,29 @@ class Messages(QObject):
         else:
             self.warning(text)
 
+    def wait(self, text: str) -> None:
+        """Say what is waited for, until `stop_waiting`."""
+        self.stop_waiting()
+        self._waiting = self._show(text, Qgis.MessageLevel.Info, lasts=True)
+
+    def stop_waiting(self) -> None:
+        """Take back what was waited for."""
+        if self._waiting is not None:
+            self._iface.messageBar().popWidget(self._waiting)
+
+    @contextmanager
+    def about(self, topic: str) -> Iterator[None]:
+        """Note what the messages shown inside are about, for `withdraw`."""
+        before = len(self._shown)
+        yield
+        self._topics.setdefault(topic, []).extend(self._shown[before:])
+
+    def withdraw(self, topic: str) -> None:
+        """Take back what is still shown about something: it no longer holds."""
+        for item in self._topics.pop(topic, []):
+            if item in self._shown:
+                self._iface.messageBar().popWidget(item)
+
     def close(self) -> None:
         """Take back what is still shown, for good."""
         self._iface.messageBar().widgetRemoved.disconnect(self._forget)
@@ -146,10 +174,11 @@ class Messages(QObject):
         details: str = "",
         logged: str = "",
         other: tuple[str, Callable[[], None]] | None = None,
+        lasts: bool = False,
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
-        item = QgsMessageBarItem(TITLE, escaped(text), level, _SECONDS.get(level, 0))
+        item = QgsMessageBarItem(TITLE, escaped(text), level, 0 if lasts else _SECONDS.get(level, 0))
         fitting = _Fitting(item)
         for offered in filter(None, (action, other)):
             fitting.buttons.addWidget(self._button(item, *offered))
@@ -179,6 +208,11 @@ class Messages(QObject):
             self._shown.remove(item)
         if item is self._refusal:
             self._refusal = None
+        if item is self._waiting:
+            self._waiting = None
+        for items in self._topics.values():
+            if item in items:
+                items.remove(item)
 
 
 class _Fitting(QObject):

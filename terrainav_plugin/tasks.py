@@ -15,10 +15,11 @@ import threading
 import traceback
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from typing import Any, Generic, TypeVar
 
 from qgis.core import QgsApplication, QgsCoordinateReferenceSystem, QgsTask
-from qgis.PyQt.QtCore import QObject, Qt, QThread, QTimer, pyqtSignal, pyqtSlot
+from qgis.PyQt.QtCore import QCoreApplication, QObject, Qt, QThread, QTimer, pyqtSignal, pyqtSlot
 
 from ..core.errors import Cancelled, Message, TerrAInavError
 from .compat import TASK_FLAGS
@@ -91,7 +92,22 @@ class Task(QgsTask):
 
     def finished(self, result: bool) -> None:  # noqa: ARG002  QGIS passes it
         """Tell; on the main thread."""
+        # QGIS adds its own words right after this, which would lie on top of those of the plugin.
+        QTimer.singleShot(0, partial(withdraw_notice, self.description()))
         self.ended.emit(self)
+
+
+def withdraw_notice(description: str) -> None:
+    """Take back QGIS's "Task complete" about a task, also a cancelled one: before 3.26 no flag keeps it away."""
+    from qgis.utils import iface
+
+    if iface is None:
+        return
+    titles = {QCoreApplication.translate("QgisApp", title) for title in ("Task complete", "Task failed")}
+    bar = iface.messageBar()
+    for item in bar.items():
+        if item.title() in titles and item.text() == description:
+            bar.popWidget(item)
 
 
 class LatestWorker(QObject):

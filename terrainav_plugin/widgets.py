@@ -47,6 +47,7 @@ from qgis.PyQt.QtWidgets import (
     QStyleOptionFrame,
     QTabBar,
     QToolButton,
+    QToolTip,
     QVBoxLayout,
     QWidget,
 )
@@ -59,6 +60,8 @@ WRONG_COLOUR = "#D55E00"
 #: Share of that colour behind the text of a spin box.
 _TINT = 0.3
 _WRONG = "terrainavWrong"
+#: Entries that have room beside them for what is wrong.
+_BESIDE = "terrainavBeside"
 #: Numbers of no more decimals are shown as they are, as they may have been typed; of others these many digits.
 _TYPED_DECIMALS, _READ_DIGITS = 6, 5
 STYLE_SHEET = f"""
@@ -67,6 +70,7 @@ QLineEdit[{_WRONG}="true"], QComboBox[{_WRONG}="true"] {{
     border-radius: 3px;
 }}
 QLabel[terrainavMark="true"] {{ color: {WRONG_COLOUR}; }}
+QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 """
 #: What people let an entry add up or multiply.
 _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
@@ -288,9 +292,19 @@ def ok_and_cancel(dialog: QDialog) -> QDialogButtonBox:
     """Buttons that accept and reject a dialog."""
     standard = QDialogButtonBox.StandardButton
     made = QDialogButtonBox(standard.Ok | standard.Cancel)
-    made.accepted.connect(dialog.accept)
+    made.accepted.connect(lambda: first_problem(dialog) or dialog.accept())
     made.rejected.connect(dialog.reject)
     return made
+
+
+def first_problem(form: QWidget) -> str:
+    """Return what is wrong with the first entry of a number that counts, and go there; empty where all are right."""
+    for box in form.findChildren(NumberBox):
+        if box.isEnabled() and not box.isHidden() and box.problem():
+            box.setFocus()
+            box.say_problem()
+            return box.problem()
+    return ""
 
 
 class Chooser(QComboBox):
@@ -355,6 +369,7 @@ class NumberBox(QgsDoubleSpinBox):
         self._looked_at: tuple[str, str | None] = ("", None)
         self._is_typed_into = True
         self.lineEdit().textChanged.connect(self._judge)
+        self.editingFinished.connect(self.say_problem)
 
     def let_be_left_out(self, below: float) -> None:
         """Have a value below all that is right stand for no number, and be shown as such."""
@@ -389,6 +404,11 @@ class NumberBox(QgsDoubleSpinBox):
         else:
             right = tr("“{text}”: must be from {least} to {most}")
         return right.format(text=text, least=least, most=most)
+
+    def say_problem(self) -> None:
+        """Say what is wrong where no form has room for it beside the entry."""
+        if self.problem() and not self.property(_BESIDE):
+            QToolTip.showText(self.mapToGlobal(QPoint(0, self.height())), self.problem(), self)
 
     def validate(self, text: str, *position: int) -> tuple[Any, ...]:
         """Let everything be typed."""
@@ -486,6 +506,8 @@ class NumberBox(QgsDoubleSpinBox):
         if unread != self._judged:
             self._judged = unread
             self.judged.emit()
+            if not self.property(_BESIDE):
+                _mark(self, unread is not None)
 
 
 class WholeBox(NumberBox):
@@ -584,6 +606,7 @@ class FieldMarks:
         label.setWordWrap(True)
         label.hide()
         self._fields[name] = (widget, label)
+        widget.setProperty(_BESIDE, "true")
         return label
 
     def show(self, messages: dict[str, str]) -> None:

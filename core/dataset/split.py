@@ -370,7 +370,9 @@ def by_blocks(
             base - gap_m,
             gap_m,
             asked,
-            remedy="choose a smaller gap, other blocks or shares, a dataset of more ground, or split shuffled",
+            remedy="choose a smaller gap, other blocks or shares, a dataset of more ground, or split shuffled"
+            if gap_m > 0.0
+            else "choose other blocks or shares, a dataset of more ground, or split shuffled",
         )
     _, side, part, count = best
     return [PARTS[one] if one >= 0 else GAP for one in part.tolist()], side, count

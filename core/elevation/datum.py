@@ -12,14 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OptionName
+from ..geodesy.vertical import vertical_code, vertical_crs
 
 if TYPE_CHECKING:
     from pyproj import CRS
 
 Floats = NDArray[np.float64]
-#: Names of what heights count from, beside codes; the ellipsoid, WGS 84's, needs no grid.
-ELLIPSOID = "ellipsoid"
-_CODES = {"egm96": "EPSG:5773", "egm2008": "EPSG:3855"}
 #: Metres of units that heights come in, by the names that files and people give them.
 UNITS_M = {
     **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),
@@ -54,9 +52,10 @@ class Datum:
         InvalidInput
             Neither.
         """
-        if text.lower() == ELLIPSOID:
+        code = vertical_code(text)
+        if not code:
             return cls("", unit_m)
-        found = cls(_CODES.get(text.lower(), text.upper()), unit_m)
+        found = cls(code, unit_m)
         found.check()
         return found
 
@@ -125,26 +124,7 @@ class Datum:
 
     @cached_property
     def _vertical(self) -> CRS:
-        from pyproj import CRS
-        from pyproj.exceptions import CRSError
-
-        try:
-            found = CRS.from_user_input(self.code)
-        except CRSError as wrong:
-            raise self._unknown() from wrong
-        if not found.is_vertical:
-            raise self._unknown()
-        return found
-
-    def _unknown(self) -> InvalidInput:
-        return InvalidInput(
-            "vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system",
-            self.code,
-            ELLIPSOID,
-            "EGM96",
-            "EGM2008",
-            field="vertical_datum",
-        )
+        return vertical_crs(self.code)
 
     def check(self) -> None:
         """Refuse what PROJ cannot transform here; raises InvalidInput with the grid that it lacks."""

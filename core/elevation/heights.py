@@ -10,7 +10,6 @@ from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from importlib.util import resolve_name
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np

@@ -152,7 +152,8 @@ def _export_dataset(
 
     if kind == "huggingface":
         paths = tuple(write_huggingface(folder, target, map_type, progress))
-    else:
-        write = {"parquet": write_parquet, "croissant": write_croissant, "stac": write_stac}
-        paths = tuple(write[kind](folder, target, map_type))
+        # The card, tables and images: the folder was empty before.
+        return Exported(sum(one.is_file() for one in Path(target).rglob("*")), paths)
+    write = {"parquet": write_parquet, "croissant": write_croissant, "stac": write_stac}
+    paths = tuple(write[kind](folder, target, map_type))
     return Exported(len(paths), paths)

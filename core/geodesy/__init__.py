@@ -9,6 +9,7 @@ In reading order:
 - `planes`: those of projected CRSs, and what they do to the ground
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place
+- `vertical`: what heights count from, by name and code
 - `local`: metres east, north and up of a place
 - `sun`: where the sun stands
 - `ways`: shortest ways around polygons of a plane

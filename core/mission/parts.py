@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, Message, OptionName
 from ..fields import Part, declared, field_named
+from ..geodesy.vertical import check_vertical
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
 from ..map_types import ROADMAP, SATELLITE, TERRAIN
 from .imageries import NamedImagery, named_imageries
@@ -598,6 +599,7 @@ class Terrain(Part):
         help="what heights count from: ellipsoid, EGM96, EGM2008, or the code of a vertical system such as EPSG:5773; "
         "left out, what the source states, and the ellipsoid where it states nothing",
         advanced=True,
+        check=check_vertical,
         schema={"pattern": "^[^\\s]*$"},
     )
     height_unit: str = declared(

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from ..elevation.heights import HeightOptions, with_whole_path
 from ..elevation.relief import Relief, open_relief
+from ..errors import TerrAInavError
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
@@ -13,6 +14,8 @@ from ..mission.relief import Heights
 
 #: Name of the embedded landscape.
 _LANDSCAPE = "world"
+#: Fields of a terrain that errors of its sources may be about.
+_HEIGHT_FIELDS = ("vertical_datum", "height_unit", "height_offset_m", "holes")
 
 
 def heights_of(mission: Mission, options: SourceOptions | None = None) -> Heights | None:
@@ -54,8 +57,20 @@ def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:
         return None
     wanted = HeightOptions(terrain.vertical_datum, terrain.height_unit, terrain.height_offset_m, asked)
     interpolates = terrain.holes == INTERPOLATE
-    ground = open_relief(terrain.elevation, wanted, interpolates=interpolates)
+    ground = _opened("elevation", terrain.elevation, wanted, interpolates)
     if not terrain.surface:
         return Heights(ground, ground)
-    seen = open_relief(terrain.surface, wanted)
+    seen = _opened("surface", terrain.surface, wanted)
     return Heights(ground, Relief((*seen.layers, *ground.layers), interpolates))
+
+
+def _opened(
+    field: str, sources: tuple[str, ...], wanted: HeightOptions, interpolates: bool = False
+) -> Relief:
+    """Open sources of heights; errors that name no other field of the terrain name this one."""
+    try:
+        return open_relief(sources, wanted, interpolates=interpolates)
+    except TerrAInavError as wrong:
+        if wrong.field not in _HEIGHT_FIELDS:
+            wrong.field = field
+        raise

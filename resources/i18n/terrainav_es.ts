@@ -375,6 +375,11 @@
         <translation>Una carpeta nueva, o una que contiene esta misión, para continuarla.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/area/entries.py"/>
+        <source>A number, or degrees, minutes and seconds such as 47 01 30. Coordinates pasted here, or typed and left, fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
+        <translation>Un número, o grados, minutos y segundos como 47 01 30. Las coordenadas que se pegan aquí, o se escriben y se deja el campo, rellenan todos los campos: north_west_south_east_agl, lat_lon_agl, o líneas de lat lon agl [yaw]. Un borde escrito convierte un polígono o puntos en un recuadro.</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/panel/choices.py"/>
         <source>A service with several layers: choose it, then a layer. The layer is saved with your own sources.</source>
         <translation>Un servicio con varias capas: elíjalo y después elija una capa, que se guarda con sus propias fuentes.</translation>
@@ -1087,11 +1092,6 @@
         <translation>Sistema de referencia de coordenadas de las imágenes</translation>
     </message>
     <message>
-        <location filename="../../terrainav_plugin/area/entries.py"/>
-        <source>Coordinates pasted here fill all fields: north_west_south_east_agl, lat_lon_agl, or lines of lat lon agl [yaw]. An edge typed makes a polygon or points a box.</source>
-        <translation>Las coordenadas pegadas aquí rellenan todos los campos: norte_oeste_sur_este_agl, lat_lon_agl o líneas de lat lon agl [guiñada]. Al teclear un borde, un polígono o unos puntos pasan a ser un recuadro.</translation>
-    </message>
-    <message>
         <location filename="../../terrainav_plugin/area/dialogs.py"/>
         <source>Corners become turns with a radius of {radius} m.</source>
         <translation>Los vértices se convierten en virajes de {radius} m de radio.</translation>
@@ -1763,6 +1763,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Ruta GPX</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
         <location filename="../../terrainav_plugin/panel/sections.py"/>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -4934,6 +4935,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Sin mosaico: {reason}. «Ver imágenes» las muestra una a una.</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/panel/planning.py"/>
+        <source>Working out the plan…</source>
+        <translation>Calculando el plan…</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/dataset_window/clean_tab.py"/>
         <source>Write both charts of every map type as PNG; needs the Python package matplotlib</source>
         <translation>Escribir los dos gráficos de cada tipo de mapa en PNG; necesita el paquete de Python matplotlib</translation>
@@ -5033,6 +5039,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/area/corners.py"/>
         <source>a hole must lie inside the area</source>
         <translation>un hueco debe estar dentro del área</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
+        <source>a layer that is not in the project</source>
+        <translation>una capa que no está en el proyecto</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/corners.py"/>
@@ -5172,6 +5183,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>automática</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>azimuth</source>
+        <translation>acimut</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>benchmark,localization,geolocalization,retrieval,query,reference,dataset,navigation,gnss</source>
         <translation>banco de pruebas,benchmark,localización,geolocalización,recuperación,consulta,referencia,conjunto de datos,navegación,gnss</translation>
@@ -5197,9 +5213,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>cm</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>coordinates are taken when the field is left</source>
+        <translation>las coordenadas se toman al dejar el campo</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>coordinates “{text}”: a comma may stand between numbers or before decimals; write points before decimals, or spaces between numbers</source>
         <translation>coordenadas «{text}»: una coma puede separar números o preceder a los decimales; escriba puntos ante los decimales, o espacios entre los números</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/area.py"/>
+        <source>coordinates “{text}”: minutes and seconds must be below 60, and each latitude stand before its longitude</source>
+        <translation>coordenadas «{text}»: los minutos y segundos deben ser menores que 60, y cada latitud debe preceder a su longitud</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -5312,6 +5338,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>obtención: detenida</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>field of view</source>
+        <translation>campo de visión</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>fields of tilts and of gimbal pitches given: needs one of the two</source>
         <translation>campos de inclinaciones y de cabeceos del gimbal a la vez: se necesita uno de los dos</translation>
@@ -5320,6 +5351,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/form/headings.py"/>
         <source>first to last capture</source>
         <translation>de la primera captura a la última</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>focal length</source>
+        <translation>distancia focal</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -5400,9 +5436,19 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>punto de partida</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>image height</source>
+        <translation>altura de la imagen</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>image size {text!r}: must be width height channels, such as 256 256 3</source>
         <translation>tamaño de imagen {text!r}: debe ser anchura altura canales, como 256 256 3</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>image width</source>
+        <translation>anchura de la imagen</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/remote/images.py"/>
@@ -5822,6 +5868,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>segundos</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>sensor height</source>
+        <translation>altura del sensor</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>sensor width</source>
+        <translation>anchura del sensor</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/area/control.py"/>
         <source>set take-off point</source>
         <translation>fijar el punto de despegue</translation>
@@ -5985,6 +6041,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
+        <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>the source's GSD is {source}: images show no finer detail</source>
         <translation>la GSD de la fuente es de {source}: las imágenes no muestran más detalle</translation>
     </message>
@@ -6890,8 +6947,23 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: is too large</source>
+        <translation>{what} «{text}»: es demasiado grande</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: must be 0 or more</source>
+        <translation>{what} «{text}»: debe ser 0 o más</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
         <source>{what} “{text}”: must be a number</source>
         <translation>{what} «{text}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/form/mission_form.py"/>
+        <source>{what} “{text}”: must be a whole number</source>
+        <translation>{what} «{text}»: debe ser un número entero</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
@@ -6953,6 +7025,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/panel/source_dialogs.py"/>
         <source>“{name}” is taken; choose another name</source>
         <translation>«{name}» ya está en uso; elija otro nombre</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be a number</source>
+        <translation>«{text}»: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be a whole number</source>
+        <translation>«{text}»: debe ser un número entero</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be above {least} and at most {most}, or empty</source>
+        <translation>«{text}»: debe ser mayor que {least} y a lo sumo {most}, o quedar vacío</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/widgets.py"/>
+        <source>“{text}”: must be from {least} to {most}</source>
+        <translation>«{text}»: debe estar entre {least} y {most}</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/panel/figures.py"/>
@@ -8163,8 +8255,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>box from latitude {0} down to {1}: has no height; its north must lie above its south</source>
+        <translation>recuadro desde la latitud {0} hasta {1}: no tiene altura; su norte debe quedar por encima de su sur</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: south lies above north</source>
         <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>box from longitude {0} to {1}: has no width; its west and its east must differ</source>
+        <translation>recuadro desde la longitud {0} hasta {1}: no tiene anchura; su oeste y su este deben ser distintos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/policy.py"/>
@@ -8526,6 +8628,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/poses/logs.py"/>
         <source>choose one of them{0}</source>
         <translation>elija uno de ellos{0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/split.py"/>
+        <source>choose other blocks or shares, a dataset of more ground, or split shuffled</source>
+        <translation>elija otros bloques o proporciones, un conjunto de datos con más terreno, o divida con shuffled</translation>
     </message>
     <message>
         <location filename="../../core/mission/export/survey.py"/>
@@ -13073,7 +13180,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>dátum vertical</translation>
     </message>
     <message>
-        <location filename="../../core/elevation/datum.py"/>
+        <location filename="../../core/geodesy/vertical.py"/>
         <source>vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system</source>
         <translation>dátum vertical {0!r}: debe ser {1}, {2}, {3} o el código de un sistema vertical</translation>
     </message>

@@ -67,10 +67,6 @@ class Endings(QObject):
         """End for good."""
         self._begun_in.clear()
 
-    def remember(self, run: Run) -> None:
-        """Note which project a run belongs to."""
-        self._begun_in[run] = self._open_project.number
-
     def show_failed(self, run: Run, layer: QgsVectorLayer | None) -> None:
         """Show what has failed so far."""
         if self._is_open(run) and not run.test_shot:
@@ -87,8 +83,17 @@ class Endings(QObject):
             )
         )
 
+    def begin(self, run: Run) -> None:
+        """Note which project a run belongs to; what was said of an earlier one of its folder no longer holds."""
+        self._messages.withdraw(str(run.folder))
+        self._begun_in[run] = self._open_project.number
+
     def tell(self, run: Run) -> None:
         """Show what a run has made, and say how it ended."""
+        with self._messages.about(str(run.folder)):
+            self._tell(run)
+
+    def _tell(self, run: Run) -> None:
         is_open = self._is_open(run)
         self._begun_in.pop(run, None)
         if run.test_shot:

@@ -267,7 +267,7 @@ class Runs(QObject):
             # Unloaded while it was asked for the terms.
             run.close()
             return
-        self._endings.remember(run)
+        self._endings.begin(run)
         run.failed_changed.connect(self._endings.show_failed)
         run.mosaic_refused.connect(self._endings.warn_of_mosaic)
         run.ended.connect(self._ended)

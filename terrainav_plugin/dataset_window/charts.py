@@ -291,6 +291,8 @@ class Chart(QWidget):
         painter.drawLine(start, end)
         painter.setBrush(text)
         painter.drawEllipse(start if self.ACROSS else end, _HANDLE_PX, _HANDLE_PX)
+        # The frame of what has the keyboard is drawn after this, and not filled.
+        painter.setBrush(Qt.BrushStyle.NoBrush)
         label = tr("{bits} bits").format(bits=f"{self.threshold:.{DECIMALS}f}")
         metrics = self.fontMetrics()
         wide = metrics.horizontalAdvance(label)

@@ -10,7 +10,6 @@ from qgis.PyQt.QtGui import QColor, QIcon, QPainter, QPaintEvent, QPixmap
 from qgis.PyQt.QtWidgets import (
     QCheckBox,
     QComboBox,
-    QDoubleSpinBox,
     QFormLayout,
     QGridLayout,
     QHBoxLayout,
@@ -28,7 +27,7 @@ from ..dataset.picture import Picture, read_picture
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr
 from ..plain import shown_plain
-from ..widgets import growing_form, named, push_button, wrapped_label
+from ..widgets import growing_form, named, push_button, spin, wrapped_label
 from .charts import DECIMALS, HIGHEST, KEPT, LOWEST, REJECTED, Bars, Histogram
 from .entropies import Entropies, Example
 from .tab import no_folder
@@ -254,15 +253,10 @@ class CleanTab(QWidget):
         self.map_type.activated.connect(
             lambda index: self.map_type_chosen.emit(self.map_type.itemData(index))
         )
-        self.threshold = named(
-            QDoubleSpinBox(),
-            "threshold",
-            tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum"),
-        )
-        self.threshold.setRange(LOWEST, HIGHEST)
-        self.threshold.setDecimals(DECIMALS)
+        tip = tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum")
+        self.threshold = spin("threshold", LOWEST, HIGHEST, DECIMALS, tr(" bits"), tip)
+        self.threshold.setStepType(self.threshold.StepType.DefaultStepType)
         self.threshold.setSingleStep(_STEP_BITS)
-        self.threshold.setSuffix(tr(" bits"))
         self.threshold.setValue(DEFAULT_ENTROPY)
         self.threshold.valueChanged.connect(self._threshold_set)
         self.suggest = push_button(

@@ -13,6 +13,7 @@ from ..i18n import number_text, tr
 from ..widgets import (
     NumberBox,
     combo,
+    first_problem,
     growing_form,
     push_button,
     spin,
@@ -125,7 +126,10 @@ class SplitTab(Tab):
         self.enable()
 
     def _split(self) -> None:
-        if self.folder is not None:
+        problem = first_problem(self)
+        if problem:
+            self.show_result(problem)
+        elif self.folder is not None:
             shares, options = self.options()
             self._work.start(SplitTask(self.folder, shares, options), self._done, self._refused)
 

@@ -26,7 +26,7 @@ from ..paths import icon
 from ..widgets import push_button, tool_button, wrapped_label
 from .choices import CameraChoice, SourceChoice
 from .figures import Figures
-from .form import DockForm
+from .form import DockForm, set_tab_order
 from .runs import RunList
 
 _SHARE_KEY = "TerrAInav/estimates_share"
@@ -159,6 +159,8 @@ class Dock(QgsDockWidget):
         layout.addLayout(top)
         layout.addWidget(self.parts, 1)
         layout.addLayout(buttons)
+        # All at once: an order within the entries alone leads from their last back to their first.
+        set_tab_order(layout)
         return contents
 
 

@@ -95,6 +95,10 @@ class Figures(QScrollArea):
         )
         self.details.setToolTip(readout.why)
 
+    def show_outdated(self) -> None:
+        """Grey what is shown: it is of what was entered before."""
+        self.widget().setEnabled(False)
+
     def show_text(self, text: str) -> None:
         """Show a text in place of figures."""
         self._show(estimates=html.escape(text))
@@ -127,6 +131,7 @@ class Figures(QScrollArea):
         ):
             label.setText(text)
             label.setVisible(bool(text))
+        self.widget().setEnabled(True)
         self.fold.setVisible(bool(details))
         self.details.setVisible(bool(details) and self.fold.isChecked())
         self.updateGeometry()

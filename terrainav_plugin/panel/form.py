@@ -9,7 +9,15 @@ from typing import Any
 from qgis.core import QgsSettings
 from qgis.gui import QgsCollapsibleGroupBoxBasic
 from qgis.PyQt.QtCore import QObject, QSignalBlocker, Qt, pyqtSignal
-from qgis.PyQt.QtWidgets import QGridLayout, QLayout, QLayoutItem, QVBoxLayout, QWidget
+from qgis.PyQt.QtWidgets import (
+    QGridLayout,
+    QLayout,
+    QLayoutItem,
+    QScrollArea,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
 
 from ...core.mission.presets import Preset
 from ..area.editing import AreaEditing
@@ -77,7 +85,6 @@ class DockForm(QWidget):
         self._show(FormState())
         self.area_editing = AreaEditing(self.area, self.state, self.set_state, self)
         self._connect()
-        set_tab_order(layout)
 
     # --- the entries as a value
 
@@ -307,6 +314,17 @@ def _in_order(layout: QLayout) -> Iterator[QWidget]:
             inner = widget.layout()
         if inner is not None:
             yield from _in_order(inner)
+        for part in _parts(widget):
+            if part.layout() is not None:
+                yield from _in_order(part.layout())
+
+
+def _parts(widget: QWidget | None) -> list[QWidget]:
+    """Widgets that are held without a layout: those of a splitter, and what is scrolled."""
+    if isinstance(widget, QSplitter):
+        held = [widget.widget(number) for number in range(widget.count())]
+        return [part for one in held for part in (_parts(one) or [one])]
+    return [widget.widget()] if isinstance(widget, QScrollArea) else []
 
 
 def _items(layout: QLayout) -> list[QLayoutItem]:

@@ -52,6 +52,7 @@ class Planning(QObject):
         self._dock, self._form, self._planner = dock, dock.form, planner
         self._messages, self._may_time = messages, timed
         self.latest: Planned | None = None
+        self._asked: Mission | None = None
         self._timed: tuple[Mission, str] | None = None
         self._when_planned: Callable[[Planned], None] | None = None
         self._refusal = ""
@@ -82,10 +83,17 @@ class Planning(QObject):
         if self.latest is not None and not anew and self.is_entered(self.latest.mission):
             act(self.latest)
             return
+        is_waiting = self._when_planned is not None and self._asked is not None
         self._when_planned = act
         self._refusal = refusal
+        if is_waiting and self._planner.busy and self.is_entered(self._asked):
+            # Pressed again: what is under way is not begun anew.
+            return
+        # Before it is worked out, which may take a while.
+        self._messages.withdraw_refusal()
+        self._messages.wait(tr("Working out the plan…"))
         if not self.plan(at_once=True):
-            self._when_planned = None
+            self._stop_waiting()
             self.refuse(refusal)
 
     def plan(self, at_once: bool = False) -> bool:
@@ -105,6 +113,9 @@ class Planning(QObject):
             self._dock.show_problem(unseen) if unseen or state.has_box else self._dock.show_nothing()
             return False
         self._form.show_messages({})
+        self._asked = mission
+        if self.latest is None or self.latest.mission != mission:
+            self._dock.figures.show_outdated()
         timed = not self._cost_of(mission) and self._may_time() and self._when_planned is None
         self._planner.request(mission, at_once, timed)
         return True
@@ -123,18 +134,23 @@ class Planning(QObject):
 
     def _form_changed(self) -> None:
         if self._when_planned is not None:
-            self._when_planned = None
+            self._stop_waiting()
             self._messages.info(
                 tr("The entries changed while the plan was being computed: press the button again.")
             )
         self.plan()
+
+    def _stop_waiting(self) -> None:
+        self._when_planned = None
+        self._messages.stop_waiting()
 
     def _show_planned(self, planned: Planned) -> None:
         self.latest = planned
         self._show_figures(planned)
         self._form.pixels.show_zooms(planned.plan, self._form.state().agl_unit)
         self.planned.emit(planned)
-        act, self._when_planned = self._when_planned, None
+        act = self._when_planned
+        self._stop_waiting()
         if act is not None:
             act(planned)
 
@@ -156,7 +172,8 @@ class Planning(QObject):
 
     def _show_refused(self, error: Exception) -> None:
         self.latest = None
-        waiting, self._when_planned = self._when_planned, None
+        waiting = self._when_planned
+        self._stop_waiting()
         if isinstance(error, FormError):
             self._form.show_messages(error.messages)
             self._dock.show_problem(self._form.marks.out_of_sight(error.messages))

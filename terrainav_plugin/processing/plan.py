@@ -154,7 +154,7 @@ class Plan(Algorithm):
             ("CAPTURES", captures, kinds.Point, capture_fields()),
             ("FLIGHT", flight_lines_of, kinds.MultiLineString, flight_fields()),
         ):
-            if run.parameters.get(name) is None:
+            if not run.is_given(name):
                 continue
             # That of the pictures' pixels, in which their edges are exact.
             held_crs(worked_out.grid.plane.crs)

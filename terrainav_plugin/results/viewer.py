@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 from qgis.core import QgsApplication
 from qgis.gui import QgsDockWidget
 from qgis.PyQt.QtCore import QEvent, QPoint, QPointF, QRect, QSize, Qt, pyqtSignal
@@ -36,6 +37,8 @@ _LEAST_PX = 160
 _USUAL_PX = (400, 300)
 #: Of the legend's colours, and of the circle about the pixel under the mouse.
 _LEGEND_PX, _RING_PX = 10, 5.0
+#: A source whose pixels are coarser than the image's by no more than this share is as fine as that.
+_COARSER = 1.02
 #: Metadata that the rows above tell already, or that concern programs only.
 _TOLD = {
     "AREA_OR_POINT",
@@ -428,7 +431,7 @@ def details(seen: Seen) -> Iterator[tuple[str, str]]:
             tr("Size"),
             tr("{width} × {height} px").format(width=seen.picture.width_px, height=seen.picture.height_px),
         )
-    yield tr("GSD"), _gsd(metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
+    yield tr("GSD"), _gsd(seen)
     facade_share = _float(row.get("facade_share", ""))
     if facade_share > 0.0:
         yield (
@@ -478,9 +481,39 @@ def _time(pose: dict[str, Any]) -> str:
     return text if text != "NULL" else ""
 
 
-def _gsd(text: str) -> str:
-    value = _float(text)
-    return "" if math.isnan(value) else gsd_text(value, METRES)
+def _gsd(seen: Seen) -> str:
+    """Ground of a pixel of the file; with a hint where the source's own pixels show less detail than that."""
+    detail_m = _float(seen.picture.metadata.get("EFFECTIVE_GSD_M_PER_PX", ""))
+    if math.isnan(detail_m):
+        return ""
+    own_m = _own_gsd_m(seen) or detail_m
+    text = gsd_text(own_m, METRES)
+    if detail_m <= _COARSER * own_m:
+        return text
+    hint = tr("the source's GSD is {source}: images show no finer detail")
+    return f"{text} ({hint.format(source=gsd_text(detail_m, METRES))})"
+
+
+def _own_gsd_m(seen: Seen) -> float | None:
+    """Metres of ground in a pixel of the file, straight down; None where its footprint and file do not say."""
+    from ...core.geodesy.camera import Camera
+    from ...core.geodesy.mercator import PixelGrid
+
+    pose, metadata, wide_px = seen.shot.pose, seen.picture.metadata, seen.picture.width_px
+    if not wide_px or seen.row.get("crs"):
+        return None
+    if metadata.get("FRAME") == "camera":
+        fov_deg, ratio = _float(metadata.get("FOV_DEG", "")), _float(metadata.get("ASPECT_RATIO", ""))
+        if math.isnan(fov_deg + ratio):
+            return None
+        return float(Camera(fov_deg, ratio).ground_size_m(float(pose["agl_m"]))[0]) / wide_px
+    place = (seen.row.get("Lat", ""), seen.row.get("Lon", ""), pose.get("zoom"))
+    lat, lon, zoom = (_float(str(value)) for value in place)
+    planned_px = _float(str(pose.get("width_px", wide_px)))
+    if math.isnan(lat + lon + zoom + planned_px):
+        return None
+    pixel_m = PixelGrid().ground_m_per_px(np.asarray(lat), np.asarray(lon), int(zoom))
+    return float(pixel_m) * planned_px / wide_px
 
 
 def _pixels(row: dict[str, str]) -> str:

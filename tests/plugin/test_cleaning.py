@@ -194,6 +194,12 @@ def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, scr
     rejected = counted(dataset, "satellite", panel.threshold.value()).rejected
     assert f"<b>{rejected}</b> rejected" in panel.counts.text()
     assert bars.threshold == panel.threshold.value()
+    # What has the keyboard is framed, and not filled: the paper stays as light as it was.
+    QApplication.setActiveWindow(histogram.window())
+    histogram.setFocus()
+    desk.wait(histogram.hasFocus)
+    at = histogram.frame().rect.topRight().toPoint() + QPoint(-4, 4)
+    assert histogram.grab().toImage().pixelColor(at).lightness() > 200
     # Beyond the plot it stays in range.
     QTest.mouseClick(histogram, LEFT, PLAIN, QPoint(histogram.width() - 1, y))
     assert panel.threshold.value() == 8.0

@@ -206,6 +206,14 @@ def test_a_provider_that_is_taken_away_is_gone(plugin):
 # --- plan
 
 
+@pytest.mark.parametrize("empty", ["", None])
+def test_an_empty_output_is_not_asked_for(tmp_path, empty):
+    names = ("FOOTPRINTS", "CAPTURES", "FLIGHT", "MISSION_FILE", "EXPORT")
+    results = run("plan", EXTENT=EXTENT, AGL=200, **dict.fromkeys(names, empty))
+    assert not set(names) & set(results)
+    assert results["IMAGES"] == len(planned(Mission(BOX, 200.0)))
+
+
 def test_plan_gives_what_the_core_plans(tmp_path):
     mission = Mission(
         BOX, 200.0, overlap_along=0.2, overlap_across=0.1, facing="north", start="2024-06-21T10:30:00Z"

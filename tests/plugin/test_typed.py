@@ -306,6 +306,27 @@ def test_whole_numbers_of_dialogs_are_not_changed_in_silence():
     assert (box.problem(), box.value(), box.text()) == ("", 3, "3")
 
 
+@pytest.mark.parametrize(
+    ("field", "entries", "words"),
+    [
+        ("elevation", {"elevation": ("abc",)}, "abc"),
+        ("surface", {"elevation": ("12",), "surface": ("nowhere.tif",)}, "nowhere.tif"),
+        (
+            "vertical_datum",
+            {"vertical_datum": "anything"},
+            "vertical datum 'anything': must be ellipsoid, EGM96",
+        ),
+        ("vertical_datum", {"vertical_datum": "EPSG:32616"}, "or the code of a vertical system"),
+    ],
+)
+def test_heights_that_are_none_are_marked_beside_their_entry(desk, field, entries, words):
+    desk.enter_small_mission()
+    desk.form.set_state(replace(desk.session.state(), **entries))
+    desk.wait(lambda: words in desk.message(field))
+    assert [label.text() for _, label in desk.form.marks.fields() if label.text()] == [desk.message(field)]
+    assert not desk.form.relief.isCollapsed()
+
+
 # --- all fields
 
 

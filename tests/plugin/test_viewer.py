@@ -16,6 +16,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtGui import QDesktopServices, QImage
 from qgis.PyQt.QtTest import QTest
+from terrainav.terrainav_plugin.units import METRES, gsd_text
 
 from tests.support.tileserver import TileServer
 
@@ -111,6 +112,25 @@ def test_click_shows_the_image_and_what_is_known_of_it(desk, captured, viewing, 
     look_at(desk, plan, index)
     assert viewing.seen.picture.image is None
     assert "Missing" in viewing.viewer.details.text()
+
+
+@pytest.mark.parametrize("tilt_deg", [0.0, 20.0])
+def test_the_gsd_is_that_of_the_panel_and_says_where_the_source_is_coarser(desk, captured, viewing, tilt_deg):
+    def upsample():
+        box = {"north": "35.1310", "west": "-89.8700", "south": "35.1309", "east": "-89.8699"}
+        more = {"resolution": "auto", "upsample": True, "agl": 7.0, "tilt_deg": tilt_deg}
+        if not tilt_deg:
+            # Of map frames only resizing makes finer pixels than the finest zoom.
+            more.update(resize=True, resize_width_px=1280, resize_height_px=960)
+        desk.form.set_state(replace(desk.session.state(), **box, **more))
+
+    plan = captured(upsample)
+    delivered, source = plan.delivered_gsd_m_per_px, plan.source_gsd_m_per_px
+    assert source > 1.5 * delivered
+    look_at(desk, plan, 0)
+    text = viewing.viewer.details.text()
+    assert f"{gsd_text(delivered, METRES)} (" in text
+    assert f"the source's GSD is {gsd_text(source, METRES)}" in text.replace("&#x27;", "'")
 
 
 def test_next_and_previous_follow_the_flight(desk, captured, viewing):

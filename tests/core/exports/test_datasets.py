@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
+import os
 from datetime import datetime
 from pathlib import Path
 
@@ -263,5 +264,10 @@ def test_a_stopped_export_is_told_how_far_it_is_and_leaves_nothing(dataset, tmp_
     assert 0.0 < told[-1] < 1.0
     assert not (tmp_path / "hf").exists()
     told.clear()
-    export_as(dataset, tmp_path / "hf", "huggingface", progress=lambda share: told.append(share) is None)
+    done = export_as(
+        dataset, tmp_path / "hf", "huggingface", progress=lambda share: told.append(share) is None
+    )
     assert told[-1] == 1.0
+    # All that it wrote, images too.
+    assert done.written == sum(len(files) for _, _, files in os.walk(tmp_path / "hf"))
+    assert done.written > len(done.paths)

@@ -508,11 +508,26 @@ def _empty_part(case: Case) -> None:
     folder = captured(case)
     case.refused(lambda: split(folder, how="blocks", gap_m=400.0))
     case.follow("choose a smaller gap", lambda: split(folder, how="blocks", gap_m=0.0))
-    case.refused(lambda: split(folder, how="blocks", block_m=5000.0))
-    case.follow("other blocks", lambda: split(folder, how="blocks", block_m=200.0))
-    case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0))
+    case.refused(lambda: split(folder, how="blocks", block_m=5000.0, gap_m=1.0))
+    case.follow("other blocks", lambda: split(folder, how="blocks", block_m=200.0, gap_m=1.0))
+    case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0, gap_m=1.0))
     more = captured(case, MISSION.with_(area=Box(35.18, -89.92, 35.15, -89.88), agl_m=480.0), "more")
     case.follow("a dataset of more ground", lambda: split(more, how="blocks", gap_m=400.0))
+    case.follow("split shuffled", lambda: split(folder, how="shuffled"))
+
+
+@remedy(
+    "dataset/split.py",
+    "split by {}: {} images up to {} m wide with a gap of {} m leave one of {} without images; choose other "
+    "blocks or shares, a dataset of more ground, or split shuffled",
+)
+def _empty_part_without_a_gap(case: Case) -> None:
+    folder = captured(case)
+    case.refused(lambda: split(folder, how="blocks", block_m=5000.0))
+    case.follow("choose other blocks", lambda: split(folder, how="blocks", block_m=200.0))
+    case.follow("shares", lambda: split(folder, (1.0, 0.0, 0.0), how="blocks", block_m=5000.0))
+    more = captured(case, MISSION.with_(area=Box(35.24, -89.98, 35.15, -89.88), agl_m=1500.0), "more")
+    case.follow("a dataset of more ground", lambda: split(more, how="blocks", block_m=5000.0))
     case.follow("split shuffled", lambda: split(folder, how="shuffled"))
 
 

@@ -1,0 +1,144 @@
+"""What the panel answers while it works and afterwards: at once, of what is entered now, in names that people know."""
+
+from __future__ import annotations
+
+import threading
+
+import pytest
+from qgis.core import QgsApplication, QgsProject, QgsRasterLayer, QgsSettings
+from qgis.PyQt.QtCore import Qt
+from qgis.PyQt.QtTest import QTest
+from qgis.PyQt.QtWidgets import QApplication
+from terrainav.core.errors import InvalidInput, Message
+from terrainav.terrainav_plugin import planner
+from terrainav.terrainav_plugin.i18n import translate
+from terrainav.terrainav_plugin.tasks import Task
+
+from tests.support.tileserver import TileServer
+
+
+@pytest.fixture
+def held(monkeypatch):
+    """Holds each plan until it is let go."""
+    go_on, plan = threading.Event(), planner._plan
+
+    def slow(*arguments):
+        go_on.wait(60)
+        return plan(*arguments)
+
+    monkeypatch.setattr(planner, "_plan", slow)
+    yield go_on
+    go_on.set()
+
+
+def test_estimates_are_grey_while_they_are_those_of_what_was_entered_before(desk, held):
+    held.set()
+    desk.enter_small_mission()
+    shown, estimates = desk.dock.estimates.text(), desk.dock.estimates
+    assert estimates.isEnabled()
+    held.clear()
+    desk.form.agl.setValue(300.0)
+    assert estimates.text() == shown
+    assert not estimates.isEnabled()
+    # What was entered before is planned already.
+    held.set()
+    desk.wait_planned()
+    assert estimates.text() != shown
+    assert estimates.isEnabled()
+
+
+def test_capture_answers_at_once_and_is_not_begun_anew(desk, held, monkeypatch):
+    held.set()
+    desk.enter_coarse_mission()
+    held.clear()
+    asked, request = [], desk.session.planner.request
+    monkeypatch.setattr(
+        desk.session.planner, "request", lambda *given: (asked.append(given), request(*given))
+    )
+    for _ in range(2):
+        desk.click(desk.dock.capture)
+        assert desk.messages().count("Working out the plan…") == 1
+    assert len(asked) == 1
+    held.set()
+    desk.wait(lambda: bool(desk.session.runs.runs))
+    assert "Working out the plan…" not in desk.messages()
+    desk.wait_for_run()
+    assert len(desk.session.runs.runs) == 1
+
+
+def test_a_failure_that_is_mended_is_no_longer_said(desk):
+    with TileServer() as server:
+        desk.enter_coarse_mission()
+        desk.use_template(server.url_template)
+        plan = desk.wait_planned().plan
+        server.fail(
+            "404", (plan.zoom, int(plan.windows.left_px[0]) // 256, int(plan.windows.top_px[0]) // 256)
+        )
+        desk.click(desk.dock.capture)
+        desk.wait(lambda: bool(desk.session.runs.runs))
+        desk.wait_for_run()
+        assert any("could not be captured" in text for text in desk.messages())
+        server.heal()
+        desk.session.runs.capture_failed(desk.session.runs.runs[-1])
+        desk.wait_for_run()
+        assert not any("could not be captured" in text for text in desk.messages())
+        assert any("images captured" in text or "image captured" in text for text in desk.messages())
+
+
+@pytest.mark.parametrize("cancelled", [False, True])
+def test_no_notice_of_qgis_covers_what_the_plugin_says_of_a_task(desk, iface, cancelled):
+    class Work(Task):
+        def work(self):
+            started.set()
+            go_on.wait(60)
+
+    QgsSettings().setValue("minTaskLengthForSystemNotification", 0, QgsSettings.Section.App)
+    started, go_on, ended = threading.Event(), threading.Event(), []
+    task = Work("Capturing a-mission")
+
+    def tell(task):
+        ended.append(task)
+        desk.session.messages.warning("2 of 4 images could not be captured")
+
+    try:
+        task.begin(tell)
+        desk.wait(started.is_set)
+        QTest.qWait(1100)
+        if cancelled:
+            task.cancel()
+        go_on.set()
+        desk.wait(lambda: bool(ended))
+        QTest.qWait(50)
+        assert desk.messages() == ["2 of 4 images could not be captured"]
+    finally:
+        go_on.set()
+        QgsSettings().remove("minTaskLengthForSystemNotification", QgsSettings.Section.App)
+        desk.wait_for_tasks()
+    assert QgsApplication.taskManager().count() == 0
+
+
+def test_layers_are_named_by_their_titles(desk):
+    layer = QgsRasterLayer("type=xyz&url=http://127.0.0.1:9/{z}/{x}/{y}.png", "Aerial 2024", "wms")
+    QgsProject.instance().addMapLayer(layer)
+    name = f"qgis:layer/{layer.id()}"
+    for error in (InvalidInput("source {0}: cannot be read", name), Message("source {0!r} is slow", name)):
+        assert layer.id() not in translate(error)
+        assert "“Aerial 2024”" in translate(error)
+    assert "a layer that is not in the project" in translate(Message("source {0}", "qgis:layer/gone_1"))
+
+
+def test_tab_reaches_the_buttons_and_comes_back(desk):
+    dock = desk.dock
+    QApplication.setActiveWindow(dock.window())
+    buttons = [dock.preview, dock.test_shot, dock.capture, dock.export_plan]
+    dock.missions.setFocus()
+    visited = [dock.missions]
+    for _ in range(300):
+        QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Tab)
+        widget = QApplication.focusWidget()
+        if widget is None or not dock.isAncestorOf(widget) or widget is dock.missions:
+            break
+        visited.append(widget)
+    places = [visited.index(button) for button in buttons]
+    assert places == sorted(places)
+    assert places[0] > visited.index(desk.form.source)
