@@ -28,8 +28,9 @@ BANDS = {
     "facades": Bands(("face",), "uint8", (0,)),
 }
 _FACE = 255
-#: Share of a pixel on the ground to which depths and places are rounded: digits behind it are noise of sines.
-_SHARE_OF_PIXEL = 2.0**-13
+#: What depths and places are rounded to, as a share of a pixel on the ground, and normals: digits behind are noise of
+#: sines.
+_SHARE_OF_PIXEL, _OF_NORMALS = 2.0**-13, 2.0**-21
 
 
 def products(
@@ -63,7 +64,7 @@ def products(
         elif name == "points":
             values = np.stack([wrap_lon_deg(seen.lon_deg), seen.lat_deg, seen.height_m], axis=-1)
         else:
-            values = seen.normals
+            values = _rounded(seen.normals, _OF_NORMALS)
         yield name, np.dstack([values, there]).astype(BANDS[name].dtype)
 
 

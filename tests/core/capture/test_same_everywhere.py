@@ -38,7 +38,7 @@ OFF_BY = {
     "facades": (0.0,),
 }
 #: Share of their values that may be others by that.
-RARE_IN_PRODUCTS = 1e-3
+RARE_IN_PRODUCTS = 3e-4
 
 
 def captured(folder: Path, *arguments: str, without: str = "") -> Path:
