@@ -11,6 +11,7 @@ import re
 import stat
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl
 
@@ -58,7 +59,17 @@ def providers_of(layer: QgsMapLayer) -> list[CatalogueEntry]:
     inner = getattr(layer, "childLayers", list)()
     found = {one.name: one for child in inner for one in providers_of(child)}
     found.update((one.name, one) for text in _texts(layer) for one in providers_in(text))
+    names = _names(layer)
+    stamps = tuple((one.mtime, one.size) if one else None for one in map(_regular, names))
+    found.update((one.name, one) for one in _described(names, stamps))
     return list(found.values())
+
+
+@lru_cache(maxsize=64)
+def _described(names: tuple[str, ...], _stamps: tuple[object, ...]) -> tuple[CatalogueEntry, ...]:
+    """Providers that descriptions lead to; kept while the files are what they were, as a VRT may name thousands."""
+    texts = _Descriptions().texts(names)
+    return tuple({one.name: one for text in texts for one in providers_in(text)}.values())
 
 
 def _share(policy: Policy, count: int) -> Policy:
@@ -77,9 +88,22 @@ def _texts(layer: QgsMapLayer) -> Iterator[str]:
     if layer.providerType() == "wms" and provider is not None:
         # A service's capabilities name the addresses that are asked for pictures.
         yield provider.htmlMetadata()
+
+
+def _names(layer: QgsMapLayer) -> tuple[str, ...]:
+    """What in a raster layer's data source may be a description, or the name of a file of one."""
+    if not isinstance(layer, QgsRasterLayer):
+        return ()
+    source = layer.source()
     decoded = QgsProviderRegistry.instance().decodeUri(layer.providerType(), source).get("path", "")
     names = [source, decoded, *(value for _, value in parse_qsl(source))]
-    yield from _Descriptions().texts(name for name in names if isinstance(name, str))
+    return tuple(name for name in dict.fromkeys(names) if isinstance(name, str))
+
+
+def _regular(name: str) -> gdal.StatBuf | None:
+    """What is known of a file of this machine; None for any other name, and for pipes, which would be waited for."""
+    found = None if FETCHED.search(name) or "\0" in name else gdal.VSIStatL(name)
+    return found if found is not None and stat.S_ISREG(found.mode) else None
 
 
 class _Descriptions:
@@ -110,11 +134,7 @@ class _Descriptions:
 
     def _text(self, name: str) -> str:
         """Text of a file of this machine; empty where it is none, or is a picture."""
-        if name in self._seen or len(self._seen) >= _MOST_FILES or FETCHED.search(name) or "\0" in name:
-            return ""
-        found = gdal.VSIStatL(name)
-        # A pipe would be waited for.
-        if found is None or not stat.S_ISREG(found.mode):
+        if name in self._seen or len(self._seen) >= _MOST_FILES or _regular(name) is None:
             return ""
         self._seen.add(name)
         head = _read(name, _HEAD_BYTES).lstrip(b"\xef\xbb\xbf \t\r\n")

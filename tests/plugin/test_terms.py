@@ -93,6 +93,10 @@ def test_terms_hold_for_descriptions_in_files(tmp_path):
         if layer.isValid():
             assert limits_of(layer) == [("no", 250)], source[:80]
     gdal.Unlink("/vsimem/osm.xml")
+    # A file that is another one by now is looked at again.
+    path = tmp_path / "upper.xml"
+    path.write_text(WMS.format(url="https://tiles.example/${z}/${x}/${y}.png"))
+    assert limits_of(QgsRasterLayer(str(path), "other", "gdal")) == []
 
 
 def test_files_of_pictures_have_no_terms_whatever_they_are_called(tmp_path):
