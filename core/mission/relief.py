@@ -313,7 +313,9 @@ class ReliefBelow:
         """Relief about positions (n,), and so many metres around them."""
         distance_m = self.mission.terrain.clearance_distance_m
         around = _widened(lat_deg, lon_deg, room_m + distance_m)
-        if all(_is_finest_of(surface, *around) for surface in (self._ground, self._surface)):
+        # Unpickled, it has no ground of its own.
+        known = hasattr(self, "_ground")
+        if known and all(_is_finest_of(surface, *around) for surface in (self._ground, self._surface)):
             return self._overflown
         ground = surface = self.heights.ground.surface(*around)
         if self.heights.surface is not self.heights.ground:

@@ -268,18 +268,20 @@ def _simple_items(item: dict[str, Any]) -> list[dict[str, Any]]:
 def _cut(places: list[Place], cuts_m: list[float]) -> Iterator[Place]:
     """Places with corners cut by so much before and behind each."""
     plane = LocalPlane(places[0][1], places[0][2])
-    lat, lon, height = (np.array(column) for column in list(zip(*places))[1:])
+    lat, lon, height = np.array([place[1:] for place in places]).T
     at = np.stack([*plane.forward(lat, continuous(lon, plane.lon_deg)), height], axis=1)
     leg = np.diff(at, axis=0)
     way = leg / np.maximum(np.linalg.norm(leg, axis=1), _SAME_M)[:, np.newaxis]
-    for number, (place, cut_m) in enumerate(zip(places, cuts_m)):
+    cut = np.flatnonzero(cuts_m)
+    off = np.stack([-way[cut - 1], way[cut]], axis=1) * np.array(cuts_m)[cut, np.newaxis, np.newaxis]
+    corners = (at[cut, np.newaxis] + off).reshape(-1, 3)
+    ends = zip(*(values.tolist() for values in (*plane.inverse(*corners.T[:2]), corners[:, 2])))
+    for place, cut_m in zip(places, cuts_m):
         if not cut_m:
             yield place
             continue
-        corner = at[number] + cut_m * np.stack([-way[number - 1], way[number]])
-        corner_lat, corner_lon = plane.inverse(corner[:, 0], corner[:, 1])
-        for values in zip(corner_lat.tolist(), corner_lon.tolist(), corner[:, 2].tolist()):
-            yield (place[0], *values)
+        yield (place[0], *next(ends))
+        yield (place[0], *next(ends))
 
 
 def _in_the_air(way: Way) -> Way:
