@@ -256,7 +256,7 @@ def test_infinite_and_missing_values_are_holes(tmp_path):
     ("text", "said"),
     [
         ("osm", "is a source of images"),
-        ("nowhere", "'nowhere' is unknown"),
+        ("nowhere", "'nowhere': no such source is known"),
         ("missing.tif", "there is no such file"),
         ("99999", "height 99999 m: must be from -12000 to 9500"),
         (

@@ -462,6 +462,17 @@ def _key_of_service(case: Case) -> None:
         case.follow("set the environment variable TERRAINAV_KEY", lambda: opened(name, named_by_user=True))
 
 
+@remedy("imagery/raster/source.py", "{}: needs an API key: set the environment variable {}")
+def _key_of_raster(case: Case) -> None:
+    case.monkeypatch.delenv("TERRAINAV_KEY", raising=False)
+    with RangeServer() as server:
+        server.files["/r.tif"] = raster(case).read_bytes(), '"one"'
+        name = f"{server.url}/r.tif?sig={{key}}"
+        case.refused(lambda: opened(name))
+        case.monkeypatch.setenv("TERRAINAV_KEY", "s3cret")
+        case.follow("set the environment variable TERRAINAV_KEY", lambda: opened(name, named_by_user=True))
+
+
 @remedy("imagery/services/capabilities.py", "source {}:{}: needs OWSLib: pip install owslib")
 def _no_owslib(case: Case) -> None:
     with one_layer() as server:
