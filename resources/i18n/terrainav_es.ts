@@ -7074,6 +7074,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: {1} de {2!r} es {3:g}; debe estar entre {4:g} y {5:g}</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/loading.py"/>
+        <source>dtype {0!r}: must be one of {1}</source>
+        <translation>dtype {0!r}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/loading.py"/>
+        <source>part {0!r}: the benchmark in {1} has no pairs of it</source>
+        <translation>parte {0!r}: el banco de pruebas en {1} no tiene pares de ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/loading.py"/>
+        <source>shuffle {0!r}: must be True, False or 'auto'</source>
+        <translation>shuffle {0!r}: debe ser True, False o 'auto'</translation>
+    </message>
+    <message>
         <location filename="../../core/benchmark/making.py"/>
         <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
