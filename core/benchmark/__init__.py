@@ -7,6 +7,7 @@ In reading order:
 - `planning`: a benchmark worked out before anything is fetched
 - `truth`: where queries were taken, and which tiles show their ground
 - `making`: the run that captures the reference and the queries
+- `loading`: pairs of queries and tiles for training
 - `answers`: what a method is asked and what it answers
 - `running`: the run of a method over the queries
 - `correlation`, `features`: baselines that need no weights

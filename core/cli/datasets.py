@@ -215,10 +215,10 @@ def _loader(
             )
         of_keras = keras_loader.KerasDataset(arguments.folder, size, **choice)
         return of_keras.samples, (of_keras[index] for index in range(len(of_keras)))
-    from ..dataset.loading import Batches
+    from ..dataset.loading import Batches, Samples
 
-    of_numpy = Batches(arguments.folder, size, workers=workers, **choice)
-    return of_numpy.samples, of_numpy
+    samples = Samples(arguments.folder, **choice)
+    return samples, Batches(samples, size, workers=workers)
 
 
 def _augmentation(arguments: argparse.Namespace) -> Augmentation | str | None:

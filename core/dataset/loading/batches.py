@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cached_property
 from hashlib import blake2b
 from pathlib import Path
-from typing import Any, TypeVar, Union
+from typing import Any, Protocol, TypeVar, Union, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,7 +138,7 @@ class Samples:
         turnable = _check_targets(targets, augment)
         if not isinstance(dataset, Dataset):
             dataset = read_dataset(dataset, layout)
-        self.part, self.img_size, self.seed = part, _sized(img_size), seed
+        self.part, self.img_size, self.seed = part, None if img_size is None else sized(img_size), seed
         self.shuffle = part == TRAIN if isinstance(shuffle, str) else shuffle
         usual = Augmentation() if part == TRAIN and turnable else None
         self.augment = usual if isinstance(augment, str) else augment
@@ -179,6 +179,11 @@ class Samples:
 
     def __len__(self) -> int:
         return len(self._rows)
+
+    @property
+    def folder(self) -> Address:
+        """Where the images are."""
+        return self.images.folder
 
     def path(self, index: int) -> Path:
         """File of an image; raises InvalidInput where images are no files of a folder of this machine."""
@@ -292,6 +297,39 @@ class Samples:
         return images, self.values[np.asarray(indices, np.int64)]
 
 
+@runtime_checkable
+class Ordered(Protocol):
+    """What batches are made of: `Samples`, or pairs of images such as `benchmark.loading.Pairs`."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of all, one each."""
+
+    @property
+    def folder(self) -> Address:
+        """Where the images are."""
+
+    def __len__(self) -> int: ...
+
+    def order(self, epoch: int = 0) -> NDArray[np.int64]:
+        """Numbers (n,) in the order of an epoch."""
+
+    def batch(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
+        """Images, or a tuple of such, and labels."""
+
+    def take(self, indices: Indices, epoch: int = 0, /) -> tuple[Any, NDArray[np.float32]]:
+        """The same of any numbers."""
+
+
+def samples_of(dataset: Dataset | Address | Ordered, choice: Mapping[str, Any]) -> Ordered:
+    """Samples of a dataset by a choice, or those that are given."""
+    if not isinstance(dataset, Ordered):
+        return Samples(dataset, **choice)
+    if choice:
+        raise InvalidInput("{0}: is chosen where the pairs are made", ", ".join(choice))
+    return dataset
+
+
 class Batches:
     """Batches of images and labels as numpy arrays, each iteration those of the epoch that was set last.
 
@@ -315,7 +353,7 @@ class Batches:
 
     def __init__(
         self,
-        dataset: Dataset | Address,
+        dataset: Dataset | Address | Ordered,
         batch_size: int = 8,
         *,
         workers: int = 0,
@@ -323,7 +361,7 @@ class Batches:
     ) -> None:
         if workers < 0:
             raise InvalidInput("workers {0}: must be 0 or more", workers)
-        self.samples = Samples(dataset, **choice)
+        self.samples = samples_of(dataset, choice)
         self.epoch = 0
         self._chunks = chunks(len(self.samples), batch_size)
         self._position = Position(self.samples, batch_size, len(self._chunks))
@@ -350,7 +388,7 @@ class Batches:
     def __len__(self) -> int:
         return len(self._chunks)
 
-    def __iter__(self) -> Iterator[tuple[NDArray[Any], NDArray[np.float32]]]:
+    def __iter__(self) -> Iterator[tuple[Any, NDArray[np.float32]]]:
         """Yield images (b, height, width, channels) and labels (b, 2)."""
         epoch, order = self.epoch, self.samples.order(self.epoch)
         self._position.begin(epoch)
@@ -361,8 +399,8 @@ class Batches:
 
     def _ahead(
         self, epoch: int, order: NDArray[np.int64], rest: Sequence[slice]
-    ) -> Iterator[tuple[NDArray[Any], NDArray[np.float32]]]:
-        waiting: deque[Future[tuple[NDArray[Any], NDArray[np.float32]]]] = deque()
+    ) -> Iterator[tuple[Any, NDArray[np.float32]]]:
+        waiting: deque[Future[tuple[Any, NDArray[np.float32]]]] = deque()
         with _pool(self._workers, waiting) as pool:
             for chunk in rest:
                 waiting.append(pool.submit(self.samples.batch, order[chunk], epoch))
@@ -375,7 +413,7 @@ class Batches:
 class Position:
     """Where in an epoch an iteration is: how many batches have been taken, not how many have been made ahead."""
 
-    def __init__(self, samples: Samples, batch_size: int, batches: int) -> None:
+    def __init__(self, samples: Ordered, batch_size: int, batches: int) -> None:
         self._samples, self._batch_size, self._batches = samples, batch_size, batches
         self._epoch = self._taken = self._loaded = 0
         #: Number of the batch that the iteration began with.
@@ -510,10 +548,8 @@ def _check_as_stored(img_size: tuple[int, int, int] | None, augment: Augmentatio
         raise InvalidInput("augment: images are not augmented as they are stored")
 
 
-def _sized(img_size: Sequence[int] | int | None) -> tuple[int, int, int] | None:
+def sized(img_size: Sequence[int] | int) -> tuple[int, int, int]:
     """Width, height and channels; raises InvalidInput for what is not such."""
-    if img_size is None:
-        return None
     if isinstance(img_size, int):
         raise InvalidInput("image size {0}: must be a width, a height and 1 or 3 channels", img_size)
     size = tuple(img_size)

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ...stores import Address
 from ..dataset import Dataset
-from . import Samples
-from .batches import chunks, optional_module
+from .batches import Ordered, chunks, optional_module, samples_of
 
 
 class _KerasSamples:
@@ -50,7 +49,7 @@ class _KerasSamples:
 
     def __init__(
         self,
-        dataset: Dataset | Address,
+        dataset: Dataset | Address | Ordered,
         batch_size: int = 8,
         *,
         workers: int = 1,
@@ -61,7 +60,7 @@ class _KerasSamples:
         super().__init__(
             workers=workers, use_multiprocessing=use_multiprocessing, max_queue_size=max_queue_size
         )  # type: ignore[call-arg]
-        self.samples = Samples(dataset, **choice)
+        self.samples = samples_of(dataset, choice)
         self._chunks = chunks(len(self.samples), batch_size)
         self._channels_first = _keras().config.image_data_format() == "channels_first"
         self.set_epoch(0)
@@ -83,10 +82,14 @@ class _KerasSamples:
     def __len__(self) -> int:
         return len(self._chunks)
 
-    def __getitem__(self, index: int) -> tuple[NDArray[Any], NDArray[np.float32]]:
+    def __getitem__(self, index: int) -> tuple[Any, NDArray[np.float32]]:
         epoch, order = self._epoch_and_order
         images, labels = self.samples.batch(order[self._chunks[index]], epoch)
-        return (np.moveaxis(images, 3, 1) if self._channels_first else images), labels
+        if not self._channels_first:
+            return images, labels
+        if isinstance(images, tuple):
+            return tuple(np.moveaxis(one, 3, 1) for one in images), labels
+        return np.moveaxis(images, 3, 1), labels
 
 
 def _keras() -> Any:

@@ -8,12 +8,12 @@ from multiprocessing import get_all_start_methods
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InvalidInput
 from ...stores import Address, is_address
 from ..dataset import Dataset
-from . import Samples
-from .batches import Position, chunks, optional_module
+from .batches import Ordered, Position, chunks, optional_module, samples_of
 
 
 class _Order:
@@ -66,9 +66,9 @@ class _TorchSamples:
                 ...
     """
 
-    def __init__(self, dataset: Dataset | Address, **choice: Any) -> None:
+    def __init__(self, dataset: Dataset | Address | Ordered, **choice: Any) -> None:
         torch = _torch()
-        self.samples = Samples(dataset, **choice)
+        self.samples = samples_of(dataset, choice)
         # In memory that workers share: those that stay from one epoch to the next are told of it, too.
         self._epoch = torch.zeros(1, dtype=torch.int64).share_memory_()
 
@@ -89,10 +89,11 @@ class _TorchSamples:
             pixels, values = self.samples.batch(index, self.epoch)
         else:
             pixels, values = self.samples.take([index], self.epoch)
-        torch = _torch()
-        images = torch.from_numpy(np.ascontiguousarray(pixels.transpose(0, 3, 1, 2)))
-        labels = torch.from_numpy(values)
-        return (images, labels) if isinstance(index, list) else (images[0], labels[0])
+        labels = _torch().from_numpy(values)
+        images = tuple(map(_tensor, pixels)) if isinstance(pixels, tuple) else _tensor(pixels)
+        if isinstance(index, list):
+            return images, labels
+        return tuple(one[0] for one in images) if isinstance(images, tuple) else images[0], labels[0]
 
     def batches(
         self, batch_size: int = 8, workers: int = 0, *, drop_last: bool = False, **options: Any
@@ -121,11 +122,16 @@ class _TorchSamples:
         # Each worker is a process: those beyond the batches would have nothing to do.
         workers = min(workers, len(order))
         options = {"persistent_workers": workers > 0, **options}
-        if workers and is_address(self.samples.images.folder):
+        if workers and is_address(self.samples.folder):
             # What asks a store has threads, in whose midst a fork may leave a lock that nobody opens any more.
             method = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
             options.setdefault("multiprocessing_context", method)
         return _loader_class()(self, batch_size=None, sampler=order, num_workers=workers, **options)
+
+
+def _tensor(pixels: NDArray[Any]) -> Any:
+    """Tensor (b, channels, height, width) of pixels (b, height, width, channels)."""
+    return _torch().from_numpy(np.ascontiguousarray(pixels.transpose(0, 3, 1, 2)))
 
 
 def _torch() -> Any:

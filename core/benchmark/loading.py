@@ -1,0 +1,131 @@
+"""Pairs of queries and tiles for training, as `dataset.loading` has images and labels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..dataset.dataset import open_image
+from ..dataset.folder import TRAIN
+from ..dataset.loading.batches import ALL, BYTES, FLOATS, Indices, sized
+from ..dataset.loading.streaming import random_numbers
+from ..errors import InvalidInput
+from ..stores import Address
+from .folder import POSITIVE, Benchmark
+
+Images = tuple[NDArray[Any], NDArray[Any]]
+
+
+class Pairs:
+    """Queries and tiles that show the same ground, each pair by its number, in the order of ``positives.csv``.
+
+    `Batches`, `TorchDataset` and `KerasDataset` take an instance in the place of a dataset; images are a query's and a
+    tile's then, and labels ``iou`` and ``positive``.
+
+    Parameters
+    ----------
+    benchmark : Benchmark or path
+    part : {"train", "validation", "test", "all"}
+        Of the queries; tiles are those that they are looked for in.
+    with_semi : bool
+        Whether tiles that are nearly right are taken as well.
+    img_size, tile_size : tuple (width, height, channels)
+        What queries, and tiles, are resized to; tiles to what queries are where there is no other.
+    seed : int
+        Of the order.
+    shuffle : bool or "auto"
+        ``auto`` shuffles the training part, anew for each epoch.
+    dtype : {"float32", "uint8"}
+        Of images: 0 to 1, or 0 to 255.
+
+    Attributes
+    ----------
+    query, reference : array (n,) of int64
+        Rows of the benchmark's queries and tiles.
+    names : tuple of str
+    values : array (n, 2) of float32
+        Intersection over union, and 1 for a positive, 0 for a semi-positive.
+    columns : ("iou", "positive")
+
+    Raises
+    ------
+    InvalidInput
+        No such part or no pairs in it, or a value that is not right.
+    """
+
+    columns = ("iou", "positive")
+
+    def __init__(
+        self,
+        benchmark: Benchmark | Address,
+        *,
+        part: str = TRAIN,
+        with_semi: bool = True,
+        img_size: Sequence[int] = (224, 224, 3),
+        tile_size: Sequence[int] | None = None,
+        seed: int = 2024,
+        shuffle: bool | str = "auto",
+        dtype: str = FLOATS,
+    ) -> None:
+        if dtype not in (FLOATS, BYTES):
+            raise InvalidInput("dtype {0!r}: must be one of {1}", dtype, f"{FLOATS}, {BYTES}")
+        if shuffle not in (True, False, "auto"):
+            raise InvalidInput("shuffle {0!r}: must be True, False or 'auto'", shuffle)
+        self.benchmark = benchmark if isinstance(benchmark, Benchmark) else Benchmark.read(Path(benchmark))
+        self.sizes = sized(img_size), sized(img_size if tile_size is None else tile_size)
+        self.seed, self.shuffle = seed, part == TRAIN if isinstance(shuffle, str) else shuffle
+        self.dtype, self.folder = np.dtype(dtype), self.benchmark.folder
+        truth, one = self.benchmark.truth, "" if part == ALL else part
+        query = np.array([self.benchmark.query_at[name] for name in truth.query], np.int64)
+        reference = np.array([self.benchmark.reference_at[name] for name in truth.reference], np.int64)
+        positive = np.array([kind == POSITIVE for kind in truth.kind], np.bool_)
+        taken = np.isin(query, self.benchmark.chosen(one)) & np.isin(reference, self.benchmark.gallery(one))
+        rows = np.flatnonzero(taken & (positive | with_semi))
+        if not len(rows):
+            raise InvalidInput("part {0!r}: the benchmark in {1} has no pairs of it", part, self.folder)
+        self.query, self.reference = query[rows], reference[rows]
+        self.values = np.stack([truth.iou[rows], positive[rows]], axis=1).astype(np.float32)
+        self.names = tuple(f"{truth.query[row]} {truth.reference[row]}" for row in rows.tolist())
+
+    def __len__(self) -> int:
+        return len(self.query)
+
+    def order(self, epoch: int = 0) -> NDArray[np.int64]:
+        """Numbers (n,) of the pairs in the order of an epoch: the same for the same seed and table on every machine."""
+        if not self.shuffle:
+            return np.arange(len(self))
+        return np.argsort(random_numbers(f"{self.seed}:{epoch}", len(self)), kind="stable")
+
+    def batch(self, indices: Indices, _epoch: int = 0) -> tuple[Images, NDArray[np.float32]]:
+        """Queries and tiles (b, height, width, channels) of some pairs, and their labels (b, 2).
+
+        Raises
+        ------
+        InvalidInput
+            An image that cannot be read, which is named.
+        """
+        at = np.asarray(indices, np.int64)
+        queries, references = self.benchmark.queries, self.benchmark.references
+        found = (
+            self._pixels([files[row] for row in rows[at].tolist()], size)
+            for files, rows, size in zip(
+                (queries.file, references.file), (self.query, self.reference), self.sizes
+            )
+        )
+        return (next(found), next(found)), self.values[at]
+
+    take = batch
+
+    def _pixels(self, files: Sequence[str], size: tuple[int, int, int]) -> NDArray[Any]:
+        width, height, channels = size
+        found = np.empty((len(files), height, width, channels), self.dtype)
+        for one, file in zip(found, files):
+            image = open_image(self.folder / file, size, as_shown=True)
+            one[...] = np.asarray(image).reshape(one.shape)
+        if self.dtype != np.uint8:
+            np.divide(found, np.float32(255.0), out=found)
+        return found
