@@ -3,6 +3,7 @@
     python benchmarks/relief.py                       # times, over hills and over the embedded world's houses
     python benchmarks/relief.py --dsm dsm.tif         # over a surface of your own, too
     python benchmarks/relief.py --scenes 10000        # rays of random scenes beside a march through space, in PROJ
+    python benchmarks/relief.py --cliffs 10000        # images of random scenes with cliffs, in six systems
     python benchmarks/relief.py --pictures docs/images  # makes the page's pictures; with --dsm both
 
 A march goes along each ray in steps of half a cell until it is below the surface, and halves the last one ten times: it
@@ -179,6 +180,25 @@ def scenes(count: int) -> None:
     )
 
 
+def cliffs(count: int) -> None:
+    """Print how many rays of images over random cliffs are lost, pass by ground, or are beyond the bound."""
+    sys.path.insert(0, str(ROOT))
+    from tests.core.geodesy import cliffs
+
+    totals, worst = np.zeros(4, np.int64), 0.0
+    for seed in range(count):
+        found = cliffs.random_scene(seed)
+        totals += found[:4]
+        worst = max(worst, found.worst_share)
+        if any(found[1:4]):
+            print(f"scene {seed}: {found}", flush=True)
+    rays, lost, passed, beyond = totals
+    print(
+        f"{count} scenes in {len(cliffs.SYSTEMS)} systems, {count * cliffs.PIXELS} pixels, {rays} rays looked at: "
+        f"{lost} lost, {passed} passed by ground, {beyond} beyond the bound; worst {worst:.2f} of it"
+    )
+
+
 def shot(
     source: str, elevation: tuple[str, ...], agl: float, tilt: float, yaw: float, at: tuple[float, float]
 ):
@@ -258,7 +278,11 @@ def main() -> None:
     parser.add_argument("--dsm", help="a surface in a projected CRS")
     parser.add_argument("--pictures", type=Path, help="folder to make the page's images in")
     parser.add_argument("--scenes", type=int, help="random scenes to look at")
+    parser.add_argument("--cliffs", type=int, help="random scenes with cliffs to look at")
     asked = parser.parse_args()
+    if asked.cliffs:
+        cliffs(asked.cliffs)
+        return
     if asked.scenes:
         scenes(asked.scenes)
         return

@@ -35,7 +35,7 @@ _MOST_STEPS = 1 << 14
 _STEPS_AT_ONCE = 8
 #: Level of blocks that single rays begin with: they are near the ground already.
 _FIRST_LEVEL = 2
-#: What rounding leaves rays below a surface that they meet: deeper ones have come in from beneath, beyond its edge.
+#: What rounding leaves rays below a surface where they come to it: deeper ones come from beneath, beyond its edge.
 _TOUCHING_M = 1e-6
 #: Single rays that are followed together, and metres beyond which their ways are no longer told by so few powers.
 _RAYS_AT_ONCE, _FARTHEST_POINT_M = 1 << 16, 50_000.0
@@ -619,11 +619,13 @@ class Surface:
         found = Hits(*(np.full(n, np.nan) for _ in range(3)))
         rows, columns = self.cells
         index, t, end, c = np.arange(n), np.asarray(after, np.float64), farthest, coefficients
+        # Rays that have come through the cell before above its ground.
+        over = np.zeros(n, bool)
         for count in range(_MOST_STEPS):
             if count % _STEPS_AT_ONCE == _STEPS_AT_ONCE - 1:
                 t, there = self.clear(start, c, t, end, None, 0)
                 left = np.flatnonzero(there)
-                index, t, end = _only(left, index, t, end)
+                index, t, end, over = _only(left, index, t, end, over)
                 start, c = _of_rays(start, left), c.take(left, axis=2)
                 fresh = True
             else:
@@ -650,19 +652,23 @@ class Surface:
             u, v, u_next, v_next = (
                 np.minimum(np.maximum(at, 0.0), 1.0) for at in (x - j, y - i, x_next - j, y_next - i)
             )
-            share = _first_share(self.corners_m.take(cell, axis=0), u, v, h, u_next, v_next, h_next)
+            corners = self.corners_m.take(cell, axis=0)
+            share = _first_share(corners, over, u, v, h, u_next, v_next, h_next)
             hit = np.flatnonzero(inside & (share <= 1.0))
             part, ray = share.take(hit), index.take(hit)
             for whole, one, one_next in zip(found, (t, x, y), (t_next, x_next, y_next)):
                 begin = one.take(hit)
                 whole[ray] = begin + part * (one_next.take(hit) - begin)
-            # Neither met nor, from the start, beneath.
+            over = inside & np.isfinite(corners[:, 3])
+            # Neither met nor come in from beneath.
             keep = np.flatnonzero(
                 ((share > 1.0) | ~inside) & (t_next < end) & ~self._leaves(x, y, per_x, per_y)
             )
             j += across * np.sign(per_x).astype(np.int64)
             i += ~across * np.sign(per_y).astype(np.int64)
-            index, t, end, x, y, h, j, i = _only(keep, index, t_next, end, x_next, y_next, h_next, j, i)
+            index, t, end, over, x, y, h, j, i = _only(
+                keep, index, t_next, end, over, x_next, y_next, h_next, j, i
+            )
             start, c = _of_rays(start, keep), c.take(keep, axis=2)
         # Rounding leads rays that meet the surface's outermost edge beyond it.
         for values, most in ((found.column, columns), (found.row, rows)):
@@ -671,11 +677,19 @@ class Surface:
 
 
 def _first_share(
-    corners: Floats, x: Floats, y: Floats, h: Floats, x_next: Floats, y_next: Floats, h_next: Floats
+    corners: Floats,
+    over: Bools,
+    x: Floats,
+    y: Floats,
+    h: Floats,
+    x_next: Floats,
+    y_next: Floats,
+    h_next: Floats,
 ) -> Floats:
     """Share of chords through cells after which they are below the surface, (n,).
 
-    Infinite where they stay above, NaN where they are below from the start.
+    Infinite where they stay above. Those that are below from the start meet it there if they come from over ground: a
+    step ends beyond a cell's edge by its rounding, which beside a cliff is deep. The others come in from beneath: NaN.
     """
     a, b, c, d = corners.T
     dx, dy = x_next - x, y_next - y
@@ -691,7 +705,7 @@ def _first_share(
         )
         share = np.where(share >= 0.0, share, np.inf)
         # Where a cell has no ground nothing is below it.
-        return np.where(above < -_TOUCHING_M, np.nan, np.where(above <= 0.0, 0.0, share))
+        return np.where((above < -_TOUCHING_M) & ~over, np.nan, np.where(above <= 0.0, 0.0, share))
 
 
 def _only(which: NDArray[Any], *arrays: NDArray[Any]) -> list[Any]:

@@ -51,7 +51,7 @@ from .layout.rotated import (
     rotated_rectangles,
     share_on,
 )
-from .layout.rows import Layout
+from .layout.rows import Layout, sees_below
 from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
 from .parts import ELLIPSOID
@@ -423,13 +423,21 @@ class Plan:
     def coverage(self) -> Coverage | None:
         """What the windows show of the area outside no-fly areas; None for points.
 
-        Of turned rows it is what the rectangles show that are turned with them.
+        Of turned rows it is what the rectangles show that are turned with them. Cameras that do not see what is below
+        them show the lower ground of relief elsewhere: points of it are looked for in their images.
         """
         if isinstance(self.mission.area, Points):
             return None
         if self.passes:
-            return rotated_coverage(self.mission, self.passes, self._rectangles)
-        return coverage(self.mission.area, self.windows, self.grid, self.zoom, self.mission.no_fly)
+            found = rotated_coverage(self.mission, self.passes, self._rectangles)
+        else:
+            found = coverage(self.mission.area, self.windows, self.grid, self.zoom, self.mission.no_fly)
+        if self.relief is None or self.flown is None or sees_below(self.mission):
+            return found
+        missed = self.relief.missed_share(self.poses, self.flown.height_m, self.corners)
+        if not missed:
+            return found
+        return replace(found, complete=False, uncovered_m2=max(found.uncovered_m2, missed * found.area_m2))
 
     @cached_property
     def imagery(self) -> Imagery:

@@ -19,10 +19,11 @@ from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import LocalPlane
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
-from .area import ANGLES, Points, Polygon, Polygons
+from .area import ANGLES, Box, Points, Polygon, Polygons, parts_of
 from .area import inside as inside_area
 from .flight.motion import legs
-from .layout.rows import Layout, point_angles_deg
+from .layout.coverage import rings_of
+from .layout.rows import Layout, point_angles_deg, sees_below
 from .mission import Mission
 from .parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 
@@ -522,17 +523,17 @@ class ReliefBelow:
 
     def least_seen_agl_m(self, lat_deg: Floats) -> Floats:
         """Height over the highest of what captures of rows at latitudes (n,) see, wherever in the area they are."""
-        at_lat, least, _ = self._seen_by_latitude
+        at_lat, least, *_ = self._seen_by_latitude
         return np.interp(lat_deg, at_lat, least)
 
     def most_seen_agl_m(self, lat_deg: Floats) -> Floats:
         """The same of the greatest; of images that look very far the least, as little is in those from both."""
-        at_lat, least, most = self._seen_by_latitude
+        at_lat, least, most, _ = self._seen_by_latitude
         return np.interp(lat_deg, at_lat, most if self._reach < _LOOKED_AT else least)
 
     @cached_property
-    def _seen_by_latitude(self) -> tuple[Floats, Floats, Floats]:
-        """Latitudes, and the least and the greatest height over the highest of what captures there see."""
+    def _seen_by_latitude(self) -> tuple[Floats, Floats, Floats, float]:
+        """Latitudes, the least and the greatest height over the highest of what captures there see, and `deepest_m`."""
         mission, surface = self.mission, self._surface
         lat, lon = self._stand
         south, north = float(lat.min()), float(lat.max())
@@ -570,7 +571,16 @@ class ReliefBelow:
         if not np.isfinite(least).all():
             raise no_ground(south, west)
         # Never less than so much, below which flights are refused.
-        return centres, *(np.maximum(over, _LEAST_SHARE * mission.flight.agl_m) for over in (least, most))
+        least, most = (np.maximum(over, _LEAST_SHARE * mission.flight.agl_m) for over in (least, most))
+        if sees_below(mission):
+            return centres, least, most, float(most.max())
+        bottoms = _lowest_around(surface, self.radius_m)(at_lat, at_lon)
+        return centres, least, most, float(np.nanmax(high - bottoms))
+
+    @property
+    def deepest_m(self) -> float:
+        """Greatest height of a capture over the lowest of what it sees, where images do not show what is below them."""
+        return self._seen_by_latitude[3]
 
     def flown(self, layout: Layout) -> Flown:
         """Heights of captures; refused where they cannot be kept."""
@@ -638,14 +648,9 @@ class ReliefBelow:
         Told from `_LOOKED_FOR` points spread over the area.
         """
         lat, lon, height = self._spread()
-        point, camera = _near(lat, lon, poses, corners)
-        # From a camera to points that lie higher than the ellipsoid by so much along their own normals.
+        point, camera, vectors = self._holding(poses, height_m, corners, (lat, lon, height))
         dlon = lon[point] - poses.lon_deg[camera]
-        vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
-        vectors += height[point, np.newaxis] * _normals_enu(poses.lat_deg[camera], lat[point], dlon)
-        attitude = (np.broadcast_to(angle, height_m.shape)[camera] for angle in poses.attitude)
-        image_xy, in_front = self.mission.camera.image_xy(vectors[:, np.newaxis], *attitude)
-        held = np.flatnonzero((in_front & (np.abs(image_xy) <= 1.0).all(axis=-1))[:, 0])
+        held = np.arange(len(point))
         # The one that looks down on a point most steeply sees it, as a rule.
         steep = np.hypot(vectors[held, 0], vectors[held, 1]) / -vectors[held, 2]
         held = held[np.lexsort((steep, point[held]))]
@@ -665,6 +670,37 @@ class ReliefBelow:
         held_at_all[point[held]] = True
         return float((held_at_all & ~seen).sum() / max(len(lat), 1))
 
+    def missed_share(self, poses: Poses, height_m: Floats, corners: Corners) -> float:
+        """Share of the area's ground, but for no-fly areas, that no image holds, be it hidden in them or not.
+
+        Told from `_LOOKED_FOR` points spread over the area, and as many along its edge.
+        """
+        area = self.mission.area
+        if isinstance(area, Points):
+            return 0.0
+        spread, edge = self._spread(), self._with_heights(*_along_edge(area))
+        lat, lon, height = (np.concatenate(parts) for parts in zip(spread, edge))
+        missed = np.ones(len(lat), bool)
+        missed[self._holding(poses, height_m, corners, (lat, lon, height))[0]] = False
+        for polygon in self.mission.no_fly:
+            missed &= ~inside_area(polygon, lat, lon)
+        return float(missed.sum()) / max(len(lat), 1)
+
+    def _holding(
+        self, poses: Poses, height_m: Floats, corners: Corners, points: tuple[Floats, Floats, Floats]
+    ) -> tuple[Numbers, Numbers, Floats]:
+        """Points of the surface and the captures whose images hold them, by index, and the ways there (n, 3)."""
+        lat, lon, height = points
+        point, camera = _near(lat, lon, poses, corners)
+        # From a camera to points that lie higher than the ellipsoid by so much along their own normals.
+        dlon = lon[point] - poses.lon_deg[camera]
+        vectors = sight_lines(poses.lat_deg[camera], height_m[camera], lat[point], dlon)
+        vectors += height[point, np.newaxis] * _normals_enu(poses.lat_deg[camera], lat[point], dlon)
+        attitude = (np.broadcast_to(angle, height_m.shape)[camera] for angle in poses.attitude)
+        image_xy, in_front = self.mission.camera.image_xy(vectors[:, np.newaxis], *attitude)
+        held = (in_front & (np.abs(image_xy) <= 1.0).all(axis=-1))[:, 0]
+        return point[held], camera[held], vectors[held]
+
     def _spread(self) -> tuple[Floats, Floats, Floats]:
         """Latitudes, longitudes and heights of points spread over the area, where there is a surface."""
         area = self.mission.area
@@ -680,6 +716,10 @@ class ReliefBelow:
         if isinstance(area, (Polygon, Polygons)):
             inside = inside_area(area, lat, lon)
             lon, lat = lon[inside], lat[inside]
+        return self._with_heights(lat, lon)
+
+    def _with_heights(self, lat: Floats, lon: Floats) -> tuple[Floats, Floats, Floats]:
+        """Those of some places where there is a surface, and its heights."""
         height = self._surface.heights(*self._surface.position(lat, lon))
         known = np.isfinite(height)
         return lat[known], lon[known], height[known]
@@ -790,6 +830,19 @@ def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
         np.concatenate([north, north, south, south]),
         np.concatenate([lon - wide, lon + wide, lon - wide, lon + wide]),
     )
+
+
+def _along_edge(area: Box | Polygon | Polygons) -> tuple[Floats, Floats]:
+    """Latitudes and longitudes of `_LOOKED_FOR` places along the rings of an area, their corners among them."""
+    rings = [ring for part in parts_of(area) for ring in rings_of(part)]
+    share = np.linspace(0.0, 1.0, max(_LOOKED_FOR // sum(len(lon) for lon, _ in rings), 1), endpoint=False)
+    lon, lat = (
+        np.concatenate(
+            [(at[:, np.newaxis] + (np.roll(at, -1) - at)[:, np.newaxis] * share).ravel() for at in ways]
+        )
+        for ways in zip(*rings)
+    )
+    return lat, lon
 
 
 def _near(lat: Floats, lon: Floats, poses: Poses, corners: Corners) -> tuple[Numbers, Numbers]:

@@ -38,7 +38,7 @@ from ..parts import FIRST, GROUND, TRACK
 from ..relief import Flown, ReliefBelow
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
-from .rows import Layout, bounds_with_margin, from_entry, lay_out, point_angles_deg, row_yaws_deg
+from .rows import Layout, bounds_with_margin, from_entry, lay_out, point_angles_deg, row_yaws_deg, sees_below
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -144,8 +144,9 @@ def framed(
     def in_plane(room: Mapping[str, float]) -> tuple[Layout, tuple[Pass, ...], tuple[int, ...]]:
         # Turned rows are all alike, as tight as the highest ground needs.
         least = _over_highest(mission, relief)
+        lower = _deepest_share(least, relief)
         return lay_out_polygons(
-            least, lambda part: lay_out_rotated(part, ground_of(mission), grid.own, **room)
+            least, lambda part: lay_out_rotated(part, ground_of(mission), grid.own, lower=lower, **room)
         )
 
     zoom_of = partial(_zoom, mission, framing, relief)
@@ -254,6 +255,13 @@ def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
         box = bounds_with_margin(mission, mission.area)
     least = relief.least_seen_agl_m(np.linspace(box.south_deg, box.north_deg, _SOME))
     return mission.with_(agl_m=float(least.min()))
+
+
+def _deepest_share(least: Mission, relief: ReliefBelow | None) -> float:
+    """How many times as high as over the highest a mission is over the lowest ground that cameras look aside at."""
+    if relief is None or sees_below(least):
+        return 1.0
+    return max(relief.deepest_m / least.flight.agl_m, 1.0)
 
 
 def _rounded_edges(framing: Framing, poses: Poses, pixel: float, reference: int) -> FrameEdges:

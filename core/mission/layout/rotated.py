@@ -148,11 +148,13 @@ def lay_out_rotated(
     own: ProjectedPlane | None = None,
     room_m: float = 0.0,
     narrowed_m: float = 0.0,
+    lower: float = 1.0,
 ) -> tuple[Layout, tuple[Pass, ...]]:
     """Places of the captures of a mission whose rows lie in a plane.
 
     That is one about the area, or the plane of the source's own CRS, where rows run along grid east. The area is taken
-    to be ``room_m`` larger on all sides, and what images have in common to be ``narrowed_m`` smaller.
+    to be ``room_m`` larger on all sides, and what images have in common to be ``narrowed_m`` smaller. Some ground may
+    lie ``lower`` times as far below the cameras: what these see aside is farther away there, and the area larger.
 
     Raises
     ------
@@ -195,7 +197,7 @@ def lay_out_rotated(
     for angle in angles:
         plane = LocalPlane(*middle, angle) if own is None else own.turned(*_middle_on(own, area), angle)
         flown, rows = (sum(len(part.row) for part in parts), sum(int(part.row.max()) + 1 for part in parts))
-        part, sides, back = _laid_out(mission, area, plane, ground, flown, (room_m, narrowed_m))
+        part, sides, back = _laid_out(mission, area, plane, ground, flown, (room_m, narrowed_m), lower)
         parts.append(part._replace(row=part.row + rows))
         passes.append(Pass(plane, sides, flown, back, rows))
     if len(parts) == 1:
@@ -235,6 +237,7 @@ def _laid_out(
     ground: Ellipsoid,
     flown: int,
     rooms_m: tuple[float, float],
+    lower: float,
 ) -> tuple[Layout, Sides, Sides | None]:
     """One pass, after so many captures, and the rectangles that images of its rows have in common, by their way."""
     extent, out, back = _shape(area, plane, _EXTENT_M), False, None
@@ -256,7 +259,9 @@ def _laid_out(
     # Without overlap the images' ground sums to the area's at least, but for what the plane enlarges.
     refuse_too_many(flown + _SURELY * area.area_m2() / float(width * height), mission.output.max_images)
     shape = _shape(area, plane, _BEND_SHARE * float(min(width, height)))
-    margin = shape.bend_m + _MEETING_M + room_m + _margin_on(mission, area, plane)
+    left_m, bottom_m, right_m, top_m = (float(side[0]) for side in sides)
+    aside_m = max(left_m, bottom_m, -right_m, -top_m, 0.0)
+    margin = shape.bend_m + _MEETING_M + room_m + (lower - 1.0) * aside_m + _margin_on(mission, area, plane)
 
     y = np.concatenate([ring[1] for ring in shape.rings])
     need = float(y.max() - y.min()) + 2.0 * margin

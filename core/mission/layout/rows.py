@@ -98,6 +98,11 @@ class Below(Protocol):
         """Of captures within `within_m` of places (n,), at least; NaN where there is no ground."""
         ...
 
+    @property
+    def deepest_m(self) -> float:
+        """Greatest height of a capture over the lowest of what it sees."""
+        ...
+
 
 def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None = None) -> Layout:
     """Places of a mission's captures.
@@ -145,6 +150,15 @@ def lay_out(mission: Mission, frames: Frames, pixel: float, relief: Below | None
 
     if mission.flight.layout == "paper":
         return _paper(mission, area, row_frames)
+    if relief is not None and not sees_below(mission):
+        deep = np.float64(relief.deepest_m)
+        return _cover(
+            mission,
+            area,
+            row_frames,
+            pixel,
+            deepest=lambda lat_deg: frames(lat_deg, np.broadcast_to(deep, lat_deg.shape)),
+        )
     if relief is None or aside:
         return _cover(mission, area, row_frames, pixel)
     return _cover(mission, area, row_frames, pixel, _Along(mission, frames, relief, _MEETING_PX * pixel))
@@ -233,13 +247,38 @@ def _wrapped(angle_deg: float) -> float:
 # --- rows along parallels
 
 
+def sees_below(mission: Mission) -> bool:
+    """Whether images show the ground right below the camera: of those that do not what they show of lower ground moves.
+
+    In the others it grows on all sides.
+    """
+    attitude = mission.attitude
+    below, in_front = mission.camera.image_xy(
+        np.array([[0.0, 0.0, -1.0]]), 0.0, attitude.tilt_deg, attitude.roll_deg
+    )
+    return bool(in_front[0] and (np.abs(below[0]) <= 1.0).all())
+
+
 def _cover(
-    mission: Mission, area: Box | Polygon, frames: RowFrames, pixel: float, along: _Along | None = None
+    mission: Mission,
+    area: Box | Polygon,
+    frames: RowFrames,
+    pixel: float,
+    along: _Along | None = None,
+    deepest: RowFrames | None = None,
 ) -> Layout:
+    """Rows whose frames cover an area, and whose frames over the lowest ground, ``deepest``, reach its edges, too.
+
+    Those over the ground between lie between both.
+    """
     box = bounds_with_margin(mission, area)
+    if deepest is not None:
+        box = _reaching(box, frames, deepest)
     rows_v, edges = _row_centres(mission, box, frames, pixel, refuse_early=along is None)
     rounding = _ROUNDING_PX * pixel
-    top_v, bottom_v, beside_deg = _with_margin(mission, edges.top_v - rounding, edges.bottom_v + rounding)
+    lower = edges if deepest is None else deepest(v_to_lat(rows_v))
+    either = _either(edges, lower)
+    top_v, bottom_v, beside_deg = _with_margin(mission, either.top_v - rounding, either.bottom_v + rounding)
     if along is None and len(rows_v) > _MANY_ROWS:
         # Following a polygon through many rows takes a while: images show the whole of it at least.
         one_m2 = WGS84.zone_area_m2_per_deg(v_to_lat(edges.bottom_v), v_to_lat(edges.top_v))
@@ -250,18 +289,19 @@ def _cover(
         spans = spans + beside_deg[:, np.newaxis] * np.array([-1.0, 1.0])
     used = ~np.isnan(spans[:, 0])
     lat, spans = v_to_lat(rows_v[used]), spans[used]
-    edges = FrameEdges(*(edge[used] for edge in edges))
+    edges, lower, either = (FrameEdges(*(edge[used] for edge in some)) for some in (edges, lower, either))
 
     width, _ = edges.size
     step = width * (1.0 - mission.flight.overlap_along) - _MEETING_PX * pixel
     refuse_no_step(step, mission.flight.overlap_along, mission)
-    west_u, east_u = lon_to_u(spans[:, 0]) - rounding, lon_to_u(spans[:, 1]) + rounding
+    west_u = lon_to_u(spans[:, 0]) - rounding - np.maximum(lower.west_u - edges.west_u, 0.0)
+    east_u = lon_to_u(spans[:, 1]) + rounding + np.maximum(edges.east_u - lower.east_u, 0.0)
     counts = np.maximum(np.ceil((east_u - west_u - width) / step), 0.0) + 1.0
     if along is not None:
         if float(counts.sum()) > _FAR_TOO_MANY * mission.output.max_images:
             refuse_too_many(float(counts.sum()), mission.output.max_images)
         row, column, u, west, east = along.placed(lat, west_u, east_u, edges)
-        edges = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
+        either = FrameEdges(west, east, edges.top_v[row], edges.bottom_v[row])
     else:
         refuse_too_many(float(counts.sum()), mission.output.max_images)
         per_row = counts.astype(np.int64)
@@ -269,9 +309,30 @@ def _cover(
         column = np.arange(len(row), dtype=np.int64) - np.repeat(np.cumsum(per_row) - per_row, per_row)
         middle = (west_u + east_u - edges.west_u - edges.east_u) / 2.0
         u = middle[row] + (column - (per_row[row] - 1) / 2.0) * step[row]
-        edges = FrameEdges(*(edge[row] for edge in edges))
+        either = FrameEdges(*(edge[row] for edge in either))
     layout = _level(mission, column, row, lat[row], u_to_lon(u))
-    return in_order(_over(mission, area, layout, edges, rounding), mission.flight.order)
+    return in_order(_over(mission, area, layout, either, rounding), mission.flight.order)
+
+
+def _reaching(box: Box, frames: RowFrames, deepest: RowFrames) -> Box:
+    """Box so much higher that rows whose frames cover it cover what was asked for on the lowest ground, too."""
+    ends = np.array([box.north_deg, box.south_deg])
+    high, low = frames(ends), deepest(ends)
+    north = np.maximum(low.top_v - high.top_v, 0.0).max()
+    south = np.maximum(high.bottom_v - low.bottom_v, 0.0).max()
+    top, bottom = lat_to_v(ends[:1])[0] - north, lat_to_v(ends[1:])[0] + south
+    north_deg, south_deg = (float(v_to_lat(np.clip(at, 0.0, 1.0))) for at in (top, bottom))
+    return replace(box, north_deg=max(north_deg, box.north_deg), south_deg=min(south_deg, box.south_deg))
+
+
+def _either(frames: FrameEdges, others: FrameEdges) -> FrameEdges:
+    """Frames about each two of some."""
+    return FrameEdges(
+        np.minimum(frames.west_u, others.west_u),
+        np.maximum(frames.east_u, others.east_u),
+        np.minimum(frames.top_v, others.top_v),
+        np.maximum(frames.bottom_v, others.bottom_v),
+    )
 
 
 def bounds_with_margin(mission: Mission, area: Box | Polygon | Polygons) -> Box:

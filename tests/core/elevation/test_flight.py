@@ -15,7 +15,8 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.area import inside as inside_area
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind
@@ -421,6 +422,65 @@ def seen_by_one(made, index, lat, lon, height_m):
         vectors[np.newaxis], *(angle[index : index + 1] for angle in made.poses.attitude)
     )
     return found[0]
+
+
+def most_outside(made, lat, lon, height_m):
+    """How far the points (n,) lie outside all images at most, as a share of half an image's side."""
+    least = np.full(len(lat), np.inf)
+    for index in range(len(made)):
+        seen = seen_by_one(made, index, lat, lon, height_m)
+        least = np.minimum(least, np.maximum(np.abs(seen).max(axis=1) - 1.0, 0.0))
+    return float(least.max())
+
+
+@pytest.mark.parametrize(
+    ("azimuth", "tilt", "yaw", "roll"),
+    [(90.0, 45.0, 40.0, 0.0), (25.0, 40.0, 200.0, 0.0), (90.0, 0.0, 300.0, 48.0)],
+)
+@pytest.mark.parametrize("shape", ["box", "polygon", pytest.param("several", marks=pytest.mark.thorough)])
+def test_cameras_that_look_aside_show_the_lowest_ground_of_the_area_too(dem, azimuth, tilt, yaw, roll, shape):
+    """From the roofs' height the rows reach the area's edge, but streets lie farther aside."""
+    whole = box(450.0, 480.0, 520.0, 400.0)
+    west, south, east, north = whole.edges_deg
+    triangle = Polygon((((west, south), (east, south), (west, north)),))
+    west, south, east, north = box(560.0, 480.0, 600.0, 440.0).edges_deg
+    square = Polygon((((west, south), (east, south), (east, north), (west, north)),))
+    area = {"box": whole, "polygon": triangle, "several": Polygons((triangle, square))}[shape]
+    made = flown(
+        Mission(
+            area,
+            40.0,
+            Camera(60.0, 4 / 3),
+            elevation=("0",),
+            surface=(dem["town"],),
+            tilt_deg=tilt,
+            yaw_deg=yaw,
+            roll_deg=roll,
+            row_azimuth_deg=azimuth,
+            overlap_along=0.1,
+            overlap_across=0.1,
+        )
+    )
+    assert made.coverage.complete
+    x, y = (at.ravel() for at in np.meshgrid(np.arange(401.0, 640.0, 2.0), np.arange(361.0, 560.0, 2.0)))
+    lon, lat = TO_UTM.transform(WEST + x, NORTH - y, direction="INVERSE")
+    inside = inside_area(area, lat, lon)
+    assert inside.sum() > 400
+    assert most_outside(made, lat[inside], lon[inside], town(x[inside], y[inside])) < 1e-9
+
+
+def test_what_no_image_holds_is_not_covered(dem):
+    """Whatever the windows show: cameras here stand farther aside than the plan thought."""
+    area = box(450.0, 480.0, 520.0, 400.0)
+    made = flown(
+        Mission(area, 40.0, Camera(60.0, 4 / 3), elevation=("0",), surface=(dem["town"],), tilt_deg=45.0)
+    )
+    assert made.coverage.complete
+    moved = replace(
+        made, corners=made.corners, poses=made.poses._replace(lat_deg=made.lat_deg + 20.0 / 111e3)
+    )
+    assert not moved.coverage.complete
+    assert 0.0 < moved.coverage.uncovered_m2 < moved.coverage.area_m2
 
 
 def test_the_synthetic_source_is_planned_over_a_file(dem):
