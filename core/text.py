@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import html
 import json
+import math
 import re
 from collections.abc import Iterable
 from datetime import datetime
@@ -15,6 +16,7 @@ from urllib.parse import quote, quote_plus
 
 from .errors import InvalidInput
 from .limits import MAX_LINE_CHARACTERS, MAX_TEXT_CHARACTERS
+from .numbers import real_number
 from .safe_json import parse_json
 
 #: Ends what was cut short.
@@ -24,6 +26,8 @@ MASK = "***"
 #: Largest number read: more than anything that is counted.
 _LARGEST_DIGITS = 18
 _WORDS_CHARACTERS = 200
+#: Characters of a text that is no number, or no time, which are shown.
+_NUMBER_CHARACTERS = 80
 #: What begins a formula in the programs that tables are opened with.
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 #: Characters beyond those looked at in which a key that begins before them ends.
@@ -59,9 +63,22 @@ def time_s(text: str, where: str) -> float:
         whole = datetime.fromisoformat(f"{day}T{clock}{offset}").timestamp()
     except ValueError as wrong:
         raise InvalidInput(
-            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970", where, text[:80]
+            "{0} time {1!r}: must be as 2024-06-21T10:30:00Z, or seconds after 1970",
+            where,
+            text[:_NUMBER_CHARACTERS],
         ) from wrong
     return whole + float(f"0.{decimals or 0}")
+
+
+def finite_number(text: str, where: str) -> float:
+    """Finite number that a text states in plain digits; raises InvalidInput, which begins with ``where``."""
+    try:
+        value = real_number(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InvalidInput("{0} {1!r}: must be a number", where, text[:_NUMBER_CHARACTERS])
+    return value
 
 
 def whole_number(text: str) -> int | None:

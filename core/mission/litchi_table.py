@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import InvalidInput, Message
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import along_geodesics, geodesics
-from ..numbers import real_number
+from ..text import finite_number
 from ..units import LENGTHS_M
 from .area import Points
 
@@ -60,7 +60,9 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
     for at, (row, pose) in enumerate(zip(rows, poses)):
         if any(row.get(name) == _TAKE_PHOTO for name in row if name.startswith("actiontype")):
             found.append(pose)
-        spacing_m = _number(row.get("photo_distinterval", "-1"), Message("{0}, waypoint {1}:", where, at + 1))
+        spacing_m = finite_number(
+            row.get("photo_distinterval", "-1"), Message("{0}, waypoint {1}:", where, at + 1)
+        )
         if spacing_m > 0.0 and at + 1 < len(poses):
             found += _between(pose, poses[at + 1], spacing_m)
     lat, lon, agl, yaw, tilt = zip(*(found or poses))
@@ -68,14 +70,16 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
 
 
 def _pose(row: Mapping[str, str], where: str, agl_m: float | None) -> Pose:
-    lat, lon, yaw = (_number(row.get(name, ""), where) for name in ("latitude", "longitude", "heading(deg)"))
+    lat, lon, yaw = (
+        finite_number(row.get(name, ""), where) for name in ("latitude", "longitude", "heading(deg)")
+    )
     # Without a pitch of its own, the gimbal is left as it is: straight down, for images of the ground.
     pitch = -90.0
     if row.get("gimbalmode", _INTERPOLATE) == _INTERPOLATE:
-        pitch = _number(row.get("gimbalpitchangle", ""), where)
+        pitch = finite_number(row.get("gimbalpitchangle", ""), where)
     if agl_m is None:
         name, unit = next(one for one in _HEIGHTS.items() if one[0] in row)
-        agl_m = _number(row[name], where) * LENGTHS_M[unit]
+        agl_m = finite_number(row[name], where) * LENGTHS_M[unit]
         if row.get("altitudemode") != _ABOVE_GROUND:
             raise InvalidInput(
                 "{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)",
@@ -102,13 +106,3 @@ def _between(start: Pose, end: Pose, spacing_m: float) -> list[Pose]:
     lat, lon, _ = along_geodesics(first_lat, first_lon, way, along)
     agl = start[2] + along / max(float(length_m), spacing_m) * (end[2] - start[2])
     return [(*place, *start[3:]) for place in zip(lat.tolist(), wrap_lon_deg(lon).tolist(), agl.tolist())]
-
-
-def _number(text: str, where: str) -> float:
-    try:
-        value = real_number(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InvalidInput("{0} {1!r}: must be a number", where, text[:80])
-    return value

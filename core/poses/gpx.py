@@ -9,9 +9,8 @@ import numpy as np
 
 from ..errors import InvalidInput, Message, OptionName
 from ..mission.clock import implausible
-from ..numbers import real_number
 from ..safe_xml import ATTRIBUTES, UnreadableXMLError, XMLReader, elements_of
-from ..text import time_s
+from ..text import finite_number, time_s
 from .logs import missing_reader
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 
@@ -100,18 +99,8 @@ def _row(point: Mapping[str, str], where: str) -> tuple[float, float, float, flo
     """Latitude, longitude, height and time of a point; NaN for what it may lack."""
     elevation, time = point.get("ele"), point.get("time")
     return (
-        _number(point.get("lat", ""), where),
-        _number(point.get("lon", ""), where),
-        math.nan if elevation is None else _number(elevation, where),
+        finite_number(point.get("lat", ""), where),
+        finite_number(point.get("lon", ""), where),
+        math.nan if elevation is None else finite_number(elevation, where),
         math.nan if time is None else time_s(time, where),
     )
-
-
-def _number(text: str, where: str) -> float:
-    try:
-        value = real_number(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InvalidInput("{0} {1!r}: must be a number", where, text[:80])
-    return value

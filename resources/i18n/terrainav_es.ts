@@ -7198,8 +7198,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
-        <location filename="../../core/mission/litchi_table.py"/>
-        <location filename="../../core/poses/gpx.py"/>
+        <location filename="../../core/text.py"/>
         <source>{0} {1!r}: must be a number</source>
         <translation>{0} {1!r}: debe ser un número</translation>
     </message>
