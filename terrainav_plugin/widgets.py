@@ -300,7 +300,7 @@ def ok_and_cancel(dialog: QDialog) -> QDialogButtonBox:
 def first_problem(form: QWidget) -> str:
     """Return what is wrong with the first entry of a number that counts, and go there; empty where all are right."""
     for box in form.findChildren(NumberBox):
-        if box.isEnabled() and not box.isHidden() and box.problem():
+        if box.isEnabled() and box.isVisibleTo(form) and box.problem():
             box.setFocus()
             box.say_problem()
             return box.problem()
@@ -550,6 +550,8 @@ def whole_spin(name: str, least: int, most: int, tip: str) -> WholeBox:
 def _number_box(made: _Box, least: float, most: float, decimals: int) -> _Box:
     made.setDecimals(decimals)
     made.setRange(least, most)
+    # Shows a number from the start: what an empty entry shows would be taken for typed.
+    made.setValue(made.value())
     made.setShowClearButton(False)
     made.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
     return made
