@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 from ..capture.making import DEFAULT_CONNECTIONS
 from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
+from ..dataset.folder import PARTS
 from ..dataset.ground import Boxes, boxes_of
 from ..dataset.labels import middle_of
 from ..dataset.split import by_blocks, checked_shares, counted, shuffled
@@ -234,44 +236,35 @@ def _hint(
     """How many queries other settings would leave in the gap, where that is a good part of them."""
     settings = worked_out.settings
     is_query = np.array([name.startswith(f"{QUERIES_FOLDER}/") for name in names], np.bool_)
-    lost = int(np.count_nonzero(is_query & (np.array(part) == GAP)))
-    if lost <= _FEW_IN_GAP * np.count_nonzero(is_query):
+    lost, count = int(np.count_nonzero(is_query & (np.array(part) == GAP))), int(np.count_nonzero(is_query))
+    if lost <= _FEW_IN_GAP * count:
         return None
-    narrow = f"{tiles_folder(min(worked_out.tiles))}/"
-    is_narrow = is_query | np.array([name.startswith(narrow) for name in names], np.bool_)
-    all_, gap_m, (train, validation, test) = np.ones(len(names), np.bool_), float(settings.gap_m), shares
-    ways: list[tuple[Message, Flags, Shares, float]] = []
+    gap_m, (train, validation, test) = float(settings.gap_m), shares
+    ways = []
     if gap_m > 0.0:
-        ways.append((Message("with a gap of 0 m"), all_, shares, 0.0))
-    if len(worked_out.tiles) > 1:
-        only = Message("with tiles of {0:g} m alone", min(worked_out.tiles))
-        ways.append((only, is_narrow, shares, gap_m))
+        ways.append((Message("with a gap of 0 m"), shares, 0.0))
     if validation > 0.0:
-        ways.append((Message("without a validation part"), all_, (train + validation, 0.0, test), gap_m))
-    # Their own ground alone is what ever smaller tiles come to.
-    ways.append((Message("with much smaller tiles"), is_query, shares, gap_m))
+        ways.append((Message("without a validation part"), (train + validation, 0.0, test), gap_m))
     found = []
-    for words, some, own_shares, own_gap_m in ways:
-        kept = np.flatnonzero(some)
+    for words, own_shares, own_gap_m in ways:
         with contextlib.suppress(InvalidInput):
-            own, _, _ = by_blocks(
-                boxes.take(kept),
-                [names[at] for at in kept.tolist()],
-                own_shares,
-                settings.queries.imagery.seed,
-                gap_m=own_gap_m,
-            )
-            count = int(np.count_nonzero(is_query[kept] & (np.array(own) == GAP)))
-            if count < lost:
-                found.append(Message("{0:,} {1}", count, words))
-    said = lost, int(np.count_nonzero(is_query))
+            own, _, _ = by_blocks(boxes, names, own_shares, settings.queries.imagery.seed, gap_m=own_gap_m)
+            counts = Counter(np.array(own)[is_query].tolist())
+            # What leaves a part without queries is no way out.
+            serves = all(counts[name] for name, share in zip(PARTS, own_shares) if share > 0.0)
+            if counts[GAP] < lost and serves:
+                found.append(Message("{0:,} {1}", counts[GAP], words))
     if not found:
         return Message(
-            "{0:,} of {1:,} queries are in the gap between parts; over a larger area fewer are", *said
+            "{0:,} of {1:,} queries are in the gap between parts; smaller tiles or a larger area leave fewer there",
+            lost,
+            count,
         )
     return Message(
-        "{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer over a larger area",
-        *said,
+        "{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer with smaller tiles or over a "
+        "larger area",
+        lost,
+        count,
         Message.joined(", ", found),
     )
 

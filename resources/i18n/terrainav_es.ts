@@ -7300,28 +7300,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
-        <source>with much smaller tiles</source>
-        <translation>con teselas mucho menores</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/making.py"/>
-        <source>with tiles of {0:g} m alone</source>
-        <translation>solo con teselas de {0:g} m</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/making.py"/>
         <source>without a validation part</source>
         <translation>sin parte de validación</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
-        <source>{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer over a larger area</source>
-        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; serían {2}, y menos en una zona mayor</translation>
+        <source>{0:,} of {1:,} queries are in the gap between parts; it would be {2}, and fewer with smaller tiles or over a larger area</source>
+        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; serían {2}, y menos con teselas menores o en una zona mayor</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
-        <source>{0:,} of {1:,} queries are in the gap between parts; over a larger area fewer are</source>
-        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; en una zona mayor son menos</translation>
+        <source>{0:,} of {1:,} queries are in the gap between parts; smaller tiles or a larger area leave fewer there</source>
+        <translation>{0:,} de {1:,} consultas quedan en la separación entre partes; con teselas menores o en una zona mayor quedan menos</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/metrics.py"/>

@@ -68,16 +68,19 @@ def test_parts_without_queries_are_told(terrainav):
         *("--gap", "40", "--format", "png", "--data-dir", "bench"),
     )
     assert found.returncode == 0, found.stderr
-    assert found.stderr.splitlines() == [
-        "terrainav: no queries are in test; choose other shares (--shares), a smaller gap (--gap), or a larger area"
-    ]
+    assert found.stderr.removesuffix("\n") == (
+        "terrainav: no queries are in validation; choose other shares (--shares), a smaller gap (--gap), or a larger "
+        "area\n"
+        "terrainav: 11 of 15 queries are in the gap between parts; it would be 4 without a validation part, and fewer "
+        "with smaller tiles or over a larger area"
+    )
     counts = {line[:24].rstrip(): line[24:] for line in found.stdout.splitlines()}
     assert list(counts)[-5:-1] == ["train", "validation", "test", "gap"]
     assert counts["queries without a tile"].isdigit()
-    assert counts["test"].startswith("0 queries, ")
-    refused = terrainav("benchmark", "run", "bench", "--method", "middle", "--part", "test")
+    assert counts["validation"].startswith("0 queries, ")
+    refused = terrainav("benchmark", "run", "bench", "--method", "middle", "--part", "validation")
     assert refused.returncode == 2
-    assert "part 'test': the benchmark in bench has no such queries" in refused.stderr
+    assert "part 'validation': the benchmark in bench has no such queries" in refused.stderr
 
 
 def test_a_dry_run_says_what_would_be_captured_and_leaves_nothing(terrainav, tmp_path):
