@@ -25,7 +25,7 @@ export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 CORE_TESTS := tests --ignore=tests/plugin
 TEST_CORE := $(PYTHON) -m pytest $(CORE_TESTS) -m "not thorough"
-TEST_PLUGIN := $(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin
+TEST_PLUGIN := $(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin -m "not thorough"
 
 test: setup translations  ## every test: core headless, beside it plugin inside the real QGIS
 	@echo "core and plugin are tested side by side, in two parts each, which report when they end"
@@ -33,8 +33,9 @@ test: setup translations  ## every test: core headless, beside it plugin inside 
 
 test-all: test test-thorough  ## these, and many more cases of what they prove of a few
 
-test-thorough: setup
+test-thorough: setup translations
 	$(PYTHON) -m pytest $(CORE_TESTS) -m thorough
+	$(PYTHON) tools/qgis_app.py --timeout $(PLUGIN_TIMEOUT) --pytest tests/plugin -m thorough
 
 test-core: setup  ## only the tests that run without Qt and QGIS
 	$(TEST_CORE)

@@ -2,7 +2,7 @@
 # Runs the plugin's tests in another QGIS than this machine's: 3.40, which Debian 13 has, or 3.44 of its backports, each in
 # a small system of its own below the user's cache folder. Needs root and, the first time, some minutes and 2.4 GB.
 #
-#     tools/debian13.sh 3.44                              tests/plugin
+#     tools/debian13.sh 3.44                              tests/plugin, but for the thorough ones
 #     tools/debian13.sh 3.40 tests/plugin/test_dock.py    what pytest is given
 #     tools/debian13.sh 3.44 -- COMMAND …                 a command in the copy of this folder there
 set -euo pipefail
@@ -81,7 +81,7 @@ exec unshare --mount --pid --fork --kill-child bash -euo pipefail -c '
                 shift
                 exec "$@"
             fi
-            (($#)) || set -- tests/plugin
+            (($#)) || set -- tests/plugin -m "not thorough"
             exec .venv/bin/python tools/qgis_app.py --timeout "$limit" --pytest "$@"
         '\'' bash "$place" "$limit" "$@"
 ' bash "$SYSTEM" "$PLACE" "$LIMIT_S" "$@"
