@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
 
-from ..core.numbers import real_number
 from .paths import RESOURCES
 
 if TYPE_CHECKING:
@@ -137,6 +136,9 @@ def plain_number(text: str) -> float:
     ValueError
         Where there is no number.
     """
+    # QGIS loads this module at its start, and the core only when it is used.
+    from ..core.numbers import real_number
+
     plain = text.strip().replace("\u2212", "-").replace(decimal_sign(), ".")
     if "," in plain and "." not in plain:
         plain = plain.replace(",", ".")
