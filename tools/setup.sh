@@ -117,7 +117,7 @@ if [[ $WANTED == newest ]]; then
     [[ -f $newest/made && $(<$newest/made) == "$made" ]] && exit 0
     "$PYTHON" -m venv --clear $newest
     $newest/bin/python -m pip install --quiet --disable-pip-version-check --no-input --upgrade \
-        --editable ".[cluster]" numpy pillow pyproj pytest hypothesis mpmath matplotlib scipy pyulog pymavlink
+        --editable ".[cluster,raster]" numpy pillow pyproj pytest hypothesis mpmath matplotlib scipy pyulog pymavlink
     printf %s "$made" >$newest/made
     exit 0
 fi

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from osgeo import gdal
+import rasterio
 from PIL import Image
 
 from tests.support.libraries import chosen_instructions
@@ -88,6 +88,12 @@ def greys(path: Path) -> np.ndarray:
     return np.asarray(Image.open(path)).astype(int)
 
 
+def stored(path: Path) -> np.ndarray:
+    """Values (h, w, bands) of a product."""
+    with rasterio.open(path) as raster:
+        return np.moveaxis(raster.read(), 0, -1)
+
+
 def numbers(path: Path) -> list[float]:
     """Numbers of a table or a JSON file, in their order, but for what is worked out from grey values."""
     text = path.read_text(encoding="utf-8")
@@ -136,13 +142,13 @@ def is_product(name: str) -> bool:
 def test_products_are_the_same_on_other_processors_but_for_rare_last_digits(here, elsewhere):
     ours, theirs = files(here), files(elsewhere)
     names = [name for name in ours if is_product(name)]
-    assert len(names) > 100
+    assert {name.split("/")[-2] for name in names} == OFF_BY.keys()
     values = differing = beyond = 0
     for name in names:
         if ours[name].read_bytes() == theirs[name].read_bytes():
-            values += gdal.Open(str(ours[name])).ReadAsArray().size
+            values += stored(ours[name]).size
             continue
-        one, other = (np.atleast_3d(gdal.Open(str(path[name])).ReadAsArray().T) for path in (ours, theirs))
+        one, other = (stored(path[name]) for path in (ours, theirs))
         off = np.abs(one.astype(float) - other.astype(float))
         most = next(most for product, most in OFF_BY.items() if f"/{product}/" in name)
         values, differing = values + off.size, differing + int(np.count_nonzero(off > 0.0))
@@ -153,7 +159,7 @@ def test_products_are_the_same_on_other_processors_but_for_rare_last_digits(here
     assert beyond <= RARE * values
 
 
-@pytest.mark.parametrize("mission", ["relief", "products"])
+@pytest.mark.parametrize("mission", ["products", "turned"])
 def test_blocks_leave_the_same_images_as_a_run_without(here, elsewhere, mission):
     for folder in (here, elsewhere):
         alone, blocks = files(folder / mission), files(folder / f"{mission}_in_blocks")

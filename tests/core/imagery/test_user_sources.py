@@ -232,8 +232,8 @@ def test_null_stands_for_the_default_of_every_field(folder):
     data = described("https://h.example/{z}/{x}/{y}")
     needed = {name: data[name] for name in stated}
     fields = [one.name for part in (CatalogueEntry, Policy) for one in dataclasses.fields(part)]
-    # `rest_s` is of a run that shares a provider, and nobody states it.
-    for name in sorted({*fields} - {*stated, "name", "policy", "user", "rest_s"}):
+    # Nobody states `rest_s`, which is of a run that shares a provider, or `any_size`, which QGIS's connections have.
+    for name in sorted({*fields} - {*stated, "name", "policy", "user", "rest_s", "any_size"}):
         (folder / "sources.json").write_text(json.dumps({"mine": needed, "null": {**needed, name: None}}))
         assert dataclasses.replace(entry_named("null"), name="mine") == entry_named("mine"), name
     assert entry_named("null").credit("2024") == ""
