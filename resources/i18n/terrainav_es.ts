@@ -5293,11 +5293,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
-        <source>Leave out queries that see beyond the imagery, their own or the reference's, and would fail.</source>
-        <translation>Omite las consultas que ven más allá de las imágenes, las suyas o las de la referencia, y que fallarían.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Make a benchmark</source>
         <translation>Crear un banco de pruebas</translation>
     </message>
@@ -5385,6 +5380,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
         <source>Queries of {name}</source>
         <translation>Consultas de {name}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
+        <source>Queries that see beyond their own imagery or the reference's are left out: they would fail.</source>
+        <translation>Se omiten las consultas que ven más allá de sus propias imágenes o de las de la referencia: fallarían.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>

@@ -17,6 +17,8 @@ _TWO, _THREE = 2, 3
 SEPARATORS = re.compile(r"[_,;\s]+")
 #: What stands between other signs than commas, and a number with decimals, which its user writes with a comma or point.
 _RUN, _DECIMAL = re.compile(r"[^_;\s]+"), re.compile(r"([-+\u2212]?\d*)[.,](\d+)")
+#: Whole numbers of ratios as people write them.
+_DIGITS = re.compile(r"\d{1,15}")
 #: A number with decimals or without, and a comma between digits.
 _NUMBER = re.compile(r"[-+\u2212]?\d+(\.\d*)?")
 _COMMA = re.compile(r"(?<=\d),(?=\d)")
@@ -180,7 +182,7 @@ def short_degrees(text: str) -> str:
     """Text of degrees as their user writes it, with the decimals that mean something: 7 are a centimetre."""
     plain = with_point(text)
     _, _, decimals = plain.partition(".")
-    if len(decimals) > _DEGREE_DECIMALS and decimals.isdigit():
+    if len(decimals) > _DEGREE_DECIMALS and _DECIMAL.fullmatch(plain):
         plain = degrees_text(float(plain))
     return as_written(plain)
 
@@ -196,14 +198,14 @@ def short_place(text: str) -> str:
 def short_aspect(text: str) -> str:
     """Text of an aspect ratio as its user writes it, to four digits where nobody would write a fraction or more."""
     first, colon, second = text.partition(":")
-    if colon and first.isdigit() and second.isdigit():
+    if colon and _DIGITS.fullmatch(first) and _DIGITS.fullmatch(second):
         fraction = Fraction(int(first), int(second) or 1)
         written = (fraction.numerator, fraction.denominator) == (int(first), int(second))
         long = written and fraction.denominator > _LARGEST_DENOMINATOR
         return as_written(f"{float(fraction):.4g}") if long else text
     plain = with_point(text)
     _, point, decimals = plain.partition(".")
-    if point and decimals.isdigit() and len(decimals) > _RATIO_DECIMALS:
+    if point and len(decimals) > _RATIO_DECIMALS and _DECIMAL.fullmatch(plain):
         plain = f"{float(plain):.4g}"
     return as_written(plain)
 

@@ -214,9 +214,7 @@ class MakeBenchmark(WithImagery):
         )
         self.add(
             QgsProcessingParameterBoolean("INSIDE", tr("Leave out queries beyond the imagery"), False),
-            tr(
-                "Leave out queries that see beyond the imagery, their own or the reference's, and would fail."
-            ),
+            tr("Queries that see beyond their own imagery or the reference's are left out: they would fail."),
         )
         add_shares(self)
         add_gap(self, tr("With cross-area only: minimum distance between the ground of two parts."))

@@ -275,6 +275,12 @@ def test_degrees_are_short():
     assert short_degrees("35.14549152x") == "35.14549152x"
 
 
+@pytest.mark.parametrize("text", ["(35.14180", "x.123456789", "²:³", f"{'9' * 5000}:1", "1.2.345678901"])
+def test_what_is_no_number_is_shown_as_it_was_typed(text):
+    assert short_aspect(text) == text
+    assert short_degrees(text) == text
+
+
 def test_what_is_shown_short_stays_whole_until_it_is_edited(desk):
     north, ratio = "35.1454915269515", 1320 / 989
     whole = replace(

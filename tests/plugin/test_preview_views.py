@@ -661,7 +661,9 @@ def test_features_come_in_steps_and_are_shown_at_once(map_, monkeypatch):
     assert max(count for _, count in steps) <= MOST_A_STEP
     # The first step is taken when the features come, each of the others in a turn of the event loop of its own.
     assert len({turn for turn, _ in steps}) == len(steps) - 1
-    assert repainted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]
+    # A layer that is emptied before may be painted so.
+    painted = [(role, step) for role, step in repainted if step]
+    assert painted == [(role, len(steps)) for role in ("area", "centres", "flight", "footprints")]
 
 
 class Hold(QgsExpressionFunction):

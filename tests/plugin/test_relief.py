@@ -315,8 +315,8 @@ def test_comma_between_sources_of_heights_is_said_at_the_field(desk, dem):
     draw(desk, UTM, 60.0)
     desk.form.relief.unfold()
     desk.form.relief.findChild(QLineEdit, "elevation").setText(f"{dem.source()}, world")
-    desk.wait(lambda: "names 2 sources in one" in desk.message("elevation"))
-    assert "with a semicolon between them" in desk.message("elevation")
+    desk.wait(lambda: "several sources in one" in desk.message("elevation"))
+    assert "a semicolon between them in QGIS" in desk.message("elevation")
 
 
 def test_mosaic_over_the_landscape_of_imagery_in_another_crs(desk, tmp_path):
