@@ -8,20 +8,22 @@ from dataclasses import replace
 import numpy as np
 import pyproj
 import pytest
-from osgeo import gdal
-from terrainav.core.errors import InvalidInput
-from terrainav.core.geodesy.camera import Camera
-from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.export import write_plan
-from terrainav.core.mission.flight.path import TRANSIT
-from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.plan import plan
-from terrainav.core.picture.heights import heights_of
 
-from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of
-from tests.core.mission.wpml_reader import Wpml
-from tests.support import rasters
+gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their relief by GDAL's Python module")
+
+from terrainav.core.errors import InvalidInput  # noqa: E402
+from terrainav.core.geodesy.camera import Camera  # noqa: E402
+from terrainav.core.geodesy.mercator import PixelGrid  # noqa: E402
+from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
+from terrainav.core.mission.export import write_plan  # noqa: E402
+from terrainav.core.mission.flight.path import TRANSIT  # noqa: E402
+from terrainav.core.mission.mission import Mission  # noqa: E402
+from terrainav.core.mission.plan import plan  # noqa: E402
+from terrainav.core.picture.heights import heights_of  # noqa: E402
+
+from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of  # noqa: E402
+from tests.core.mission.wpml_reader import Wpml  # noqa: E402
+from tests.support import rasters  # noqa: E402
 
 WEST, NORTH, SIDE, CELL = 320_000.0, 4_298_000.0, 500, 2.0
 GRID, CAMERA = PixelGrid(max_zoom=20, native_zoom=20), Camera(78.8, 4 / 3)

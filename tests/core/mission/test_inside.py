@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from pyproj import Geod, Transformer
+
+pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
+
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera, Poses
