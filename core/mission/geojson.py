@@ -218,7 +218,8 @@ def _transformer(name: str) -> Transformer | None:
     from pyproj.exceptions import ProjError
 
     try:
-        crs = CRS.from_user_input(name)
+        # PROJ 9.5 knows this name with its authority alone.
+        crs = CRS.from_user_input("OGC:CRS84" if name.upper() == "CRS84" else name)
         if not (crs.is_geographic or crs.is_projected):
             return None
         return Transformer.from_crs(crs, _DEGREES, always_xy=True)
