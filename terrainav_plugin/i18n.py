@@ -8,7 +8,7 @@ from string import Formatter
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import QgsApplication
-from qgis.PyQt.QtCore import QCoreApplication, QLocale, QTranslator
+from qgis.PyQt.QtCore import QCoreApplication, QLocale, QThread, QTranslator
 
 from .paths import RESOURCES
 
@@ -195,6 +195,9 @@ def _layer_title(found: re.Match[str]) -> str:
     """Title of a layer that a source is named by, in place of QGIS's identifier."""
     from qgis.core import QgsProject
 
+    if QThread.currentThread() != QCoreApplication.instance().thread():
+        # The project is the main thread's.
+        return tr("a layer of the project")
     layer = QgsProject.instance().mapLayer(found["id"])
     return tr("a layer that is not in the project") if layer is None else f"“{layer.name()}”"
 

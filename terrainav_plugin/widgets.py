@@ -408,7 +408,7 @@ class NumberBox(QgsDoubleSpinBox):
     def say_problem(self) -> None:
         """Say what is wrong where no form has room for it beside the entry."""
         if self.problem() and not self.property(_BESIDE):
-            QToolTip.showText(self.mapToGlobal(QPoint(0, self.height())), self.problem(), self)
+            QToolTip.showText(self.mapToGlobal(QPoint(0, self.height())), shown_plain(self.problem()), self)
 
     def validate(self, text: str, *position: int) -> tuple[Any, ...]:
         """Let everything be typed."""
@@ -474,6 +474,9 @@ class NumberBox(QgsDoubleSpinBox):
         if self.may_be_left_out and text in ("", self.specialValueText()):
             return self.minimum()
         value = self._number(text)
+        if value is not None and self.decimals():
+            # What is not shown does not count.
+            value = round(value, self.decimals())
         if value is None or not self.minimum() <= value <= self.maximum():
             return None
         left_out = self.may_be_left_out and value == self.minimum()

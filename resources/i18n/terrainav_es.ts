@@ -2982,6 +2982,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/i18n.py"/>
+        <source>a layer of the project</source>
+        <translation>una capa del proyecto</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/i18n.py"/>
         <source>a layer that is not in the project</source>
         <translation>una capa que no está en el proyecto</translation>
     </message>

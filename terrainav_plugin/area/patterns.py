@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from qgis.core import (
@@ -281,7 +281,7 @@ def _whole_images(state: FormState) -> Callable[[Poses], Any]:
     from ..sources import grid_finder
 
     asked = mission(state)
-    find_grid, camera, image_px = grid_finder(asked), asked.camera, asked.pixels.image_px
+    find_grid, camera, image_px = cache(grid_finder(asked)), asked.camera, asked.pixels.image_px
     ground = WGS84.raised(asked.flight.ground_height_m)
     return lambda poses: poses_inside(find_grid(), camera, poses, image_px, ground)
 

@@ -77,11 +77,12 @@ class Endings(QObject):
 
     def warn_of_mosaic(self, run: Run, reason: str) -> None:
         """Say before a run captures that there will be no mosaic."""
-        self._messages.warning(
-            tr("{name}: there will be no mosaic: {reason}. Its images are captured all the same.").format(
-                name=run.name, reason=reason.rstrip(".")
+        with self._messages.about(str(run.folder)):
+            self._messages.warning(
+                tr("{name}: there will be no mosaic: {reason}. Its images are captured all the same.").format(
+                    name=run.name, reason=reason.rstrip(".")
+                )
             )
-        )
 
     def begin(self, run: Run) -> None:
         """Note which project a run belongs to; what was said of an earlier one of its folder no longer holds."""

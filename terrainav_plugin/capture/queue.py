@@ -148,11 +148,13 @@ class Runs(QObject):
                 text = tr("{name}: its capture did not end: {there} of {total} images.").format(
                     name=left.name, there=number_text(left.there), total=total
                 )
-            self._messages.warning(
-                text,
-                action=(tr("Resume"), partial(self.resume_left, left)),
-                other=(tr("Forget (files are kept)"), left.forget),
-            )
+            # Gone as soon as the folder is captured into: forgetting would then be about that capture.
+            with self._messages.about(str(left.folder)):
+                self._messages.warning(
+                    text,
+                    action=(tr("Resume"), partial(self.resume_left, left)),
+                    other=(tr("Forget (files are kept)"), left.forget),
+                )
 
     def resume_left(self, left: Left) -> None:
         """Plan a capture of an earlier session again, and put it into the queue."""

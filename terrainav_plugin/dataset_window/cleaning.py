@@ -17,6 +17,7 @@ from ..i18n import tr, translate
 from ..map.canvas import show_extent
 from ..paths import open_in_system
 from ..tasks import LatestWorker, reason_of, single_shot
+from ..widgets import first_problem
 from .clean_tab import COUNT, CleanTab, no_footprints, read_examples
 from .entropies import read_entropies
 from .marks import Marks
@@ -180,12 +181,12 @@ class Cleaning(QObject):
     # --- what the buttons do
 
     def _do(self, action: str) -> None:
-        if self._folder is not None:
+        if self._folder is not None and self._is_right():
             self._work.start(CleanTask(self._folder, action, self.panel.threshold.value()), self._cleaned)
 
     def _save_pictures(self) -> None:
         folder = self._folder
-        if folder is None:
+        if folder is None or not self._is_right():
             return
         chosen = QFileDialog.getExistingDirectory(
             self.panel, tr("TerrAInav: folder for the charts"), str(folder)
@@ -193,6 +194,13 @@ class Cleaning(QObject):
         if chosen and not self._reader.closed:
             task = PicturesTask(folder, Path(chosen), self.panel.threshold.value())
             self._work.start(task, self._pictures_saved)
+
+    def _is_right(self) -> bool:
+        """Whether the threshold that is typed is one; says so where it is not."""
+        problem = first_problem(self.panel)
+        if problem:
+            self._messages.warning(problem)
+        return not problem
 
     def _cleaned(self, task: CleanTask) -> None:
         from ..dataset.mosaic import mosaic_names

@@ -43,7 +43,7 @@ _POINT, _POSE, _POSE_AND_YAW, _CORNERS = 2, 3, 4, 4
 _LATITUDES = 17
 
 
-class FormError(Exception):
+class FormError(TerrAInavError):
     """Entries that make no mission: a message for every field that is wrong."""
 
     def __init__(self, messages: dict[str, str]) -> None:

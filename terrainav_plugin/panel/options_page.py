@@ -34,6 +34,7 @@ from ..settings import Settings
 from ..widgets import (
     STYLE_SHEET,
     FieldMarks,
+    WholeBox,
     choose,
     combo,
     folder_entry,
@@ -77,6 +78,8 @@ class OptionsPage(QgsOptionsPageWidget):
         for widget in self.folders.values():
             widget.fileChanged.connect(self._check)
         self.placeholders.textChanged.connect(self._check)
+        for number in self._numbers.values():
+            number.judged.connect(self._check)
 
     def show_settings(self) -> None:
         """Show what is set."""
@@ -107,8 +110,11 @@ class OptionsPage(QgsOptionsPageWidget):
                 log(tr("Not kept: {problem}").format(problem=problems[name]))
             else:
                 setattr(self._settings, name, widget.filePath().strip())
-        self._settings.connections = self.connections.value()
-        self._settings.cache_limit_mb = self.cache_limit.value()
+        for name, number in self._numbers.items():
+            if name in problems:
+                log(tr("Not kept: {problem}").format(problem=problems[name]))
+            else:
+                setattr(self._settings, name, number.value())
         if "placeholders" in problems:
             log(tr("Not kept: {problem}").format(problem=problems["placeholders"]))
         else:
@@ -157,7 +163,7 @@ class OptionsPage(QgsOptionsPageWidget):
         form.addRow(tr("Heights in"), self.units)
         limits, tip = Settings.connections, tr("Requests under way at once; fewer where a provider says so")
         self.connections = whole_spin("connections", limits.least, limits.most, tip)
-        form.addRow(tr("Connections at once"), self.connections)
+        form.addRow(tr("Connections at once"), self.marks.field("connections", self.connections))
         tip = tr("Images of the synthetic landscape that are shown as background")
         place = str(self._settings.profile)
         self._folder(form, tr("Folder for backgrounds"), "backgrounds_folder", place, tip)
@@ -180,7 +186,8 @@ class OptionsPage(QgsOptionsPageWidget):
             tr("Shows what is in the cache, and clears some or all of it"),
         )
         self.cache_button.clicked.connect(self.show_cache)
-        form.addRow(tr("At most"), row(self.cache_limit, self.cache_button, stretch=0))
+        limit = row(self.cache_limit, self.cache_button, stretch=0)
+        form.addRow(tr("At most"), self.marks.field("cache_limit_mb", self.cache_limit, limit))
         tip = tr("SHA-256 of tiles that show no imagery, 16 digits or more of each, with spaces between them")
         self.placeholders = line_edit("placeholders", tip)
         form.addRow(tr("Treat as missing"), self.marks.field("placeholders", self.placeholders))
@@ -208,10 +215,16 @@ class OptionsPage(QgsOptionsPageWidget):
         self.folders[name] = widget
         form.addRow(label, self.marks.field(name, widget.lineEdit(), widget))
 
+    @property
+    def _numbers(self) -> dict[str, WholeBox]:
+        """Entries of numbers by the names of their settings."""
+        return {"connections": self.connections, "cache_limit_mb": self.cache_limit}
+
     def _check(self) -> dict[str, str]:
         """Mark what cannot be kept; returns what is wrong by the names of the settings."""
         problems = {name: folder_problem(widget.filePath()) for name, widget in self.folders.items()}
         problems["placeholders"] = placeholders_problem(self.placeholders.text())
+        problems.update((name, number.problem()) for name, number in self._numbers.items())
         problems = {name: problem for name, problem in problems.items() if problem}
         self.marks.show(problems)
         return problems

@@ -123,9 +123,11 @@ def features_of(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
 
 
 def _features(run: Run, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
-    """Features of a layer that have a geometry."""
+    """Features of a layer that have a geometry with something in it."""
     return [
-        feature for feature in features_of(source) if not run.feedback.isCanceled() and feature.hasGeometry()
+        feature
+        for feature in features_of(source)
+        if not run.feedback.isCanceled() and not feature.geometry().isEmpty()
     ]
 
 

@@ -91,7 +91,8 @@ def test_terms_hold_for_descriptions_in_files(tmp_path):
     for source in (str(inner), str(outer), str(inline), WMS.format(url=GDAL_OSM), "/vsimem/osm.xml"):
         layer = QgsRasterLayer(source, "mine", "gdal")
         if layer.isValid():
-            assert limits_of(layer) == [("no", 250)], source[:80]
+            # Not by a snapshot: GDAL 3.6 ends QGIS where copies of a VRT of a VRT are still open when it quits.
+            assert [one.policy.max_tiles for one in providers_of(layer)] == [250], source[:80]
     gdal.Unlink("/vsimem/osm.xml")
     # A file that is another one by now is looked at again.
     path = tmp_path / "upper.xml"
