@@ -24,6 +24,7 @@ from ..imagery.source import Source, Window, tile_parts
 from ..imagery.xyz import open_entry
 from ..numbers import real_number
 from ..resources import read_json
+from ..text import whole_number
 from .datum import UNITS_M, Datum
 
 Heights32 = NDArray[np.float32]
@@ -304,15 +305,17 @@ def _of_template(inner: str, text: str) -> tuple[str, int, int | None]:
     words = dict(word.split("=", 1) for word in behind.split("&") if "=" in word)
     if not words.keys() & {"maxzoom", "tilesize"}:
         source, words = inner, {}
+    numbers = {}
     for name, value in words.items():
         if name not in ("maxzoom", "tilesize"):
             raise InvalidInput("heights {0}: {1!r} behind # must be maxzoom or tilesize", text, name)
-        if not (value.isascii() and value.isdecimal()):
+        number = whole_number(value)
+        if number is None or (name == "tilesize" and number == 0):
             raise InvalidInput("heights {0}: {1} {2!r} must be a whole number", text, name, value)
+        numbers[name] = number
     is_template = kind_of(source).is_address
     usual = _LARGE_TILE_PX if is_template and "@2x" in source else None
-    tile_px = int(words["tilesize"]) if "tilesize" in words else usual
-    return source, int(words.get("maxzoom", _DEFAULT_MAX_ZOOM)), tile_px
+    return source, numbers.get("maxzoom", _DEFAULT_MAX_ZOOM), numbers.get("tilesize", usual)
 
 
 def _check_one(text: str) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from ..errors import InvalidInput, Message
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import along_geodesics, geodesics
+from ..limits import MAX_POSES
 from ..text import finite_number
 from ..units import LENGTHS_M
 from .area import Points
@@ -49,10 +50,17 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
     InvalidInput
         Names the line that cannot be read, or whose height is not above the ground.
     """
-    rows = [
-        {(name or "").strip().lower(): cell or "" for name, cell in row.items() if isinstance(cell, str)}
-        for row in csv.DictReader([line for line in lines if line.strip()])
-    ]
+    try:
+        rows = [
+            {
+                (name or "").strip().lower(): cell
+                for name, cell in row.items()
+                if isinstance(cell, str) and cell
+            }
+            for row in csv.DictReader([line for line in lines if line.strip()])
+        ]
+    except csv.Error as wrong:
+        raise InvalidInput("{0}: cannot be read as a table ({1})", where, wrong) from wrong
     poses = [_pose(row, Message("{0}, waypoint {1}:", where, at), agl_m) for at, row in enumerate(rows, 1)]
     if not poses:
         raise InvalidInput("{0}: holds no poses below its header", where)
@@ -60,11 +68,12 @@ def read_litchi(lines: Sequence[str], where: str, agl_m: float | None = None) ->
     for at, (row, pose) in enumerate(zip(rows, poses)):
         if any(row.get(name) == _TAKE_PHOTO for name in row if name.startswith("actiontype")):
             found.append(pose)
-        spacing_m = finite_number(
-            row.get("photo_distinterval", "-1"), Message("{0}, waypoint {1}:", where, at + 1)
-        )
+        there = Message("{0}, waypoint {1}:", where, at + 1)
+        spacing_m = finite_number(row.get("photo_distinterval", "-1"), there)
         if spacing_m > 0.0 and at + 1 < len(poses):
-            found += _between(pose, poses[at + 1], spacing_m)
+            found += _between(pose, poses[at + 1], spacing_m, there)
+        if len(found) > MAX_POSES:
+            raise _too_many(there, spacing_m)
     lat, lon, agl, yaw, tilt = zip(*(found or poses))
     return Points(tuple(zip(lat, lon, agl)), yaw, tilt)
 
@@ -78,8 +87,8 @@ def _pose(row: Mapping[str, str], where: str, agl_m: float | None) -> Pose:
     if row.get("gimbalmode", _INTERPOLATE) == _INTERPOLATE:
         pitch = finite_number(row.get("gimbalpitchangle", ""), where)
     if agl_m is None:
-        name, unit = next(one for one in _HEIGHTS.items() if one[0] in row)
-        agl_m = finite_number(row[name], where) * LENGTHS_M[unit]
+        name, unit = next((one for one in _HEIGHTS.items() if one[0] in row), ("altitude(m)", "m"))
+        agl_m = finite_number(row.get(name, ""), where) * LENGTHS_M[unit]
         if row.get("altitudemode") != _ABOVE_GROUND:
             raise InvalidInput(
                 "{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)",
@@ -95,11 +104,17 @@ def _pose(row: Mapping[str, str], where: str, agl_m: float | None) -> Pose:
     return pose
 
 
-def _between(start: Pose, end: Pose, spacing_m: float) -> list[Pose]:
+def _too_many(where: str, spacing_m: float) -> InvalidInput:
+    return InvalidInput("{0} images each {1:g} m: must be {2:,} in all or fewer", where, spacing_m, MAX_POSES)
+
+
+def _between(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pose]:
     """Poses of images by distance between two waypoints, without these."""
     ends = (np.array([value]) for value in (*start[:2], *end[:2]))
     azimuth, _, (length_m,) = geodesics(*ends)
     # The last one is nearer to the end than to the one after it: that is the end's own.
+    if float(length_m) / spacing_m > MAX_POSES:
+        raise _too_many(where, spacing_m)
     count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
     along = spacing_m * np.arange(1.0, count + 1.0)
     first_lat, first_lon, way = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))

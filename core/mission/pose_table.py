@@ -216,19 +216,22 @@ def _rows(lines: Iterable[str], where: str) -> Iterator[_Row]:
 
 def _quoted(line: str, following: Iterator[tuple[int, str]], separator: str, where: str) -> list[str] | None:
     """Cells of a line, and of those after it that its cells go on in; None where the csv module reads no such cell."""
-    ended = False
+    ended, taken = False, 0
 
     def lines() -> Iterator[str]:
-        nonlocal ended
+        nonlocal ended, taken
         yield line.removeprefix("\ufeff") + "\n"
         for _, one in following:
+            taken += 1
             yield one + "\n"
         ended = True
 
+    cells = None
     try:
         cells = next(csv.reader(lines(), delimiter=separator))
     except csv.Error:
-        return None
+        # Lines that were taken for a cell's are read no more.
+        ended = taken > 0
     if ended:
         raise InvalidInput("{0} has a quotation mark without another one that ends the cell", where)
     return cells

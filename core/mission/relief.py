@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,6 +53,8 @@ _BULGE = 1.05
 _LEVEL_M = 1e-4
 #: Pieces of legs that are straight on any map, metres: to 3 mm at 60 degrees of latitude.
 _PIECE_M = 250.0
+#: Cells along a side of the squares that larger areas are read in, and squares that are kept: 200 MB.
+_SIDE_CELLS, _SQUARES = 1024, 16
 
 
 @dataclass(frozen=True)
@@ -185,10 +187,7 @@ class Overflown:
         parabola from crossing to crossing, and what a leg has to be higher than half-way is where its tangents meet.
         """
         x, y = plane.forward(lat_deg, lon_deg)
-        length = np.hypot(np.diff(x), np.diff(y))
-        pieces = np.maximum(np.ceil(length / _PIECE_M), 1.0).astype(np.int64)
-        leg = np.repeat(np.arange(len(length)), pieces)
-        begin = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
+        leg, begin, pieces = _pieces(x, y)
         lat, lon = plane.inverse(*(a[leg] + begin * (a[leg + 1] - a[leg]) for a in (x, y)))
         ends = np.append(lat, lat_deg[-1]), np.append(lon, lon_deg[-1])
         column, row = self._surface.position(*ends)
@@ -213,6 +212,88 @@ class Overflown:
             np.where(np.isnan(heights), -np.inf, heights),
             self._ground.heights(values[4], values[5]),
         )
+
+
+class OverflownInParts(Overflown):
+    """The same of a path over more than one surface holds at its finest: of squares, read as they are needed.
+
+    Parameters
+    ----------
+    read : callable
+        Relief about positions (n,), and so many metres around them.
+    cell_m : float
+        Size of the finest cells.
+    """
+
+    def __init__(self, read: Callable[[Floats, Floats, float], Overflown], cell_m: float) -> None:
+        self.cell_m = cell_m
+        self._side_deg = math.degrees(_SIDE_CELLS * cell_m / WGS84.b_m)
+        self._square = lru_cache(maxsize=_SQUARES)(self._read)
+        self._about = read
+
+    def _read(self, row: int, column: int) -> Overflown:
+        lat = self._side_deg * np.array([row, row + 1.0])
+        lon = float(self._wide_deg(np.array(row))) * np.array([column, column + 1.0])
+        # Pieces of legs whose middle is in the square lie within.
+        return self._about(np.clip(lat, -90.0, 90.0), lon, _PIECE_M)
+
+    def _wide_deg(self, row: Numbers) -> Floats:
+        middle = np.radians(self._side_deg * (row + 0.5))
+        wide: Floats = self._side_deg / np.maximum(np.cos(middle), 1e-3)
+        return wide
+
+    def _squares(self, lat_deg: Floats, lon_deg: Floats) -> Numbers:
+        """Row and column of the square that each position (n,) lies in, (n, 2)."""
+        row = np.floor(lat_deg / self._side_deg).astype(np.int64)
+        return np.stack([row, np.floor(lon_deg / self._wide_deg(row)).astype(np.int64)], axis=1)
+
+    def ground_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Heights of the ground at positions (n,); NaN where there is none."""
+        return self._gathered(Overflown.ground_m, lat_deg, lon_deg)
+
+    def highest_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Greatest height within the clearance's distance and a cell; minus infinity where there is none."""
+        return self._gathered(Overflown.highest_m, lat_deg, lon_deg)
+
+    def highest_within_m(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
+        """Greatest height within the clearance's distance; minus infinity where there is none."""
+        return self._gathered(Overflown.highest_within_m, lat_deg, lon_deg)
+
+    def _gathered(
+        self, find: Callable[[Overflown, Floats, Floats], Floats], lat_deg: Floats, lon_deg: Floats
+    ) -> Floats:
+        found = np.empty(len(lat_deg))
+        squares, which = np.unique(self._squares(lat_deg, lon_deg), axis=0, return_inverse=True)
+        for number, square in enumerate(squares.tolist()):
+            at = np.flatnonzero(which.ravel() == number)
+            found[at] = find(self._square(*square), lat_deg[at], lon_deg[at])
+        return found
+
+    def profile(self, lat_deg: Floats, lon_deg: Floats, plane: LocalPlane, first: int = 0) -> Profile:
+        """Profile below straight legs of a plane from position to position (n,); the first leg has a number."""
+        x, y = plane.forward(lat_deg, lon_deg)
+        leg, begin, pieces = _pieces(x, y)
+        start = [at[leg] + begin * (at[leg + 1] - at[leg]) for at in (x, y)]
+        half = 0.5 / pieces[leg]
+        middle = [at + half * (whole[leg + 1] - whole[leg]) for at, whole in zip(start, (x, y))]
+        square = self._squares(*plane.inverse(*middle))
+        lat, lon = (np.append(at, end[-1]) for at, end in zip(plane.inverse(*start), (lat_deg, lon_deg)))
+        found = []
+        for run in np.split(np.arange(len(leg)), np.flatnonzero(np.diff(square, axis=0).any(axis=1)) + 1):
+            ends = slice(run[0], run[-1] + 2)
+            part = self._square(*square[run[0]].tolist()).profile(lat[ends], lon[ends], plane)
+            piece = run[part.leg]
+            share = begin[piece] + part.share / pieces[leg[piece]]
+            found.append(part._replace(leg=leg[piece] + first, share=share))
+        return Profile(*(np.concatenate(column) for column in zip(*found)))
+
+
+def _pieces(x: Floats, y: Floats) -> tuple[Numbers, Floats, Numbers]:
+    """Pieces of legs between places (n,) of a plane: the leg of each, its begin on that, and how many each leg has."""
+    pieces = np.maximum(np.ceil(np.hypot(np.diff(x), np.diff(y)) / _PIECE_M), 1.0).astype(np.int64)
+    leg = np.repeat(np.arange(len(pieces)), pieces)
+    begin = (np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / pieces[leg]
+    return leg, begin, pieces
 
 
 def _crossings(column: Floats, row: Floats) -> tuple[Numbers, Floats]:
@@ -311,17 +392,36 @@ class ReliefBelow:
         return False
 
     def around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> Overflown:
-        """Relief about positions (n,), and so many metres around them."""
-        distance_m = self.mission.terrain.clearance_distance_m
-        around = _widened(lat_deg, lon_deg, room_m + distance_m)
+        """Relief about positions (n,), and so many metres around them, at its finest."""
+        around = _widened(lat_deg, lon_deg, room_m + self.mission.terrain.clearance_distance_m)
         # Unpickled, it has no ground of its own.
         known = hasattr(self, "_ground")
         if known and all(_is_finest_of(surface, *around) for surface in (self._ground, self._surface)):
             return self._overflown
+        lat, lon = around
+        high_m = math.radians(float(np.ptp(lat))) * WGS84.b_m
+        wide_m = (
+            math.radians(float(np.ptp(lon))) * WGS84.a_m * math.cos(math.radians(float(np.abs(lat).min())))
+        )
+        if high_m * wide_m > 4 * _SIDE_CELLS**2 * self._in_parts.cell_m**2:
+            return self._in_parts
+        return self._read_around(lat_deg, lon_deg, room_m)
+
+    def _read_around(self, lat_deg: Floats, lon_deg: Floats, room_m: float) -> Overflown:
+        distance_m = self.mission.terrain.clearance_distance_m
+        around = _widened(lat_deg, lon_deg, room_m + distance_m)
         ground = surface = self.heights.ground.surface(*around)
         if self.heights.surface is not self.heights.ground:
             surface = self.heights.surface.surface(*around)
         return Overflown(ground, surface, distance_m)
+
+    @cached_property
+    def _in_parts(self) -> OverflownInParts:
+        """The same of any area, however large."""
+        lat, lon = _ends(self.mission)
+        around = _widened(lat[:1], lon[:1], _LOOKED_AT)
+        finest = (one.surface(*around) for one in (self.heights.ground, self.heights.surface))
+        return OverflownInParts(self._read_around, min(map(_cell_m, finest)))
 
     @cached_property
     def _overflown(self) -> Overflown:

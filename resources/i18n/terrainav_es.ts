@@ -11238,6 +11238,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/export/wpml.py"/>
+        <source>heights are above the take-off point, which is taken to be below the first waypoint of each file: ground at {0:.1f} to {1:.1f} m above the ellipsoid</source>
+        <translation>las alturas son sobre el punto de despegue, que se supone bajo el primer punto de cada archivo: suelo a entre {0:.1f} y {1:.1f} m sobre el elipsoide</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/export/wpml.py"/>
         <source>not flown yet: files for DJI's programs were checked by their structure and by reading them back</source>
         <translation>aún sin volar: los archivos para los programas de DJI se han comprobado por su estructura y volviéndolos a leer</translation>
     </message>
@@ -11889,6 +11894,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/litchi_table.py"/>
+        <source>{0} images each {1:g} m: must be {2:,} in all or fewer</source>
+        <translation>{0} imágenes cada {1:g} m: deben ser {2:,} en total o menos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/litchi_table.py"/>
         <source>{0} its height of {1:g} m is above the take-off (altitudemode {2}): must be above the ground (1)</source>
         <translation>{0} su altura de {1:g} m es sobre el despegue (altitudemode {2}): debe ser sobre el terreno (1)</translation>
     </message>
@@ -11896,6 +11906,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/litchi_table.py"/>
         <source>{0}, waypoint {1}:</source>
         <translation>{0}, punto de paso {1}:</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/litchi_table.py"/>
+        <source>{0}: cannot be read as a table ({1})</source>
+        <translation>{0}: no se puede leer como tabla ({1})</translation>
     </message>
     <message>
         <location filename="../../core/mission/litchi_table.py"/>

@@ -23,7 +23,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..plan import Plan
-from ..relief import Overflown
+from ..relief import Overflown, no_ground
 from .sorties import continuous
 
 Floats = NDArray[np.float64]
@@ -99,7 +99,12 @@ class Reader:
         names = tuple(place[0] for place in found)
         lat, lon, height = np.array([place[1:] for place in found]).T
         lon = continuous(lon, self._lon_deg)
-        base = self._over(lat, lon).ground_m(lat, lon) if base_m is None else base_m
+        if base_m is not None:
+            return [Way(names, lat, lon, height + base_m)]
+        base = self._over(lat, lon).ground_m(lat, lon)
+        if np.isnan(base).any():
+            lost = int(np.argmax(np.isnan(base)))
+            raise no_ground(float(lat[lost]), float(wrap_lon_deg(lon[lost])))
         return [Way(names, lat, lon, height + base)]
 
     def _over(self, lat: Floats, lon: Floats) -> Overflown:
@@ -193,7 +198,7 @@ class Reader:
             worst, at = -np.inf, (0, 0.0, 0.0)
             for leg, lat, lon, height in _places(way):
                 short = over.highest_within_m(lat, lon) + self._clearance_m - height
-                most = int(np.argmax(np.nan_to_num(short, nan=-np.inf)))
+                most = int(np.argmax(short))
                 if short[most] > worst:
                     worst, at = float(short[most]), (int(leg[most]), float(lat[most]), float(lon[most]))
             if worst > _TOLERANCE_M:

@@ -42,6 +42,8 @@ _SHORTEST_PASSED_M = 1.0
 #: How far before a waypoint that is passed the aircraft may leave the line to it, and by how much it may cut the corner
 #: over relief, metres.
 _ROUNDING_M, _CUT_M = 0.2, 0.005
+#: Heights of take-offs that a note tells as one, metres.
+_SAME_BASE_M = 0.05
 _STOP, _PASS = "toPointAndStopWithDiscontinuityCurvature", "toPointAndPassWithContinuityCurvature"
 
 
@@ -83,7 +85,7 @@ _DRONES = {
 
 def check_wpml(plan: Plan) -> None:
     """Raise InvalidInput for a mission that DJI's programs or drones do not take."""
-    drone, found = _drone(plan), sorties(plan)
+    drone = _drone(plan)
     stops = [len(one) for one in _stops(plan)]
     if min(stops) < FEWEST_WAYPOINTS:
         raise InvalidInput("DJI mission of one waypoint: takes two or more", remedy="plan a list or an area")
@@ -96,6 +98,7 @@ def check_wpml(plan: Plan) -> None:
             MOST_FILES,
             remedy="plan a smaller area, a greater height or less overlap",
         )
+    found = _parts(plan)
     highest = max(
         max(float(one.height_m.max()), one.way_home_m(plan, 0), one.way_home_m(plan, -1)) for one in found
     )
@@ -124,12 +127,16 @@ def check_wpml(plan: Plan) -> None:
 
 def wpml_files(plan: Plan) -> list[bytes]:
     """What each file holds: the sorties one after the other, each cut into parts that the drone takes at once."""
-    drone = _drone(plan)
-    found = []
+    return [_kmz(plan, part) for part in _parts(plan)]
+
+
+def _parts(plan: Plan) -> list[Sortie]:
+    """Flights of the files, in order: sorties, and parts of those with too many waypoints."""
+    most, found = _drone(plan).most_waypoints, []
     for sortie in _stops(plan):
-        parts = -(-len(sortie) // drone.most_waypoints)
-        edges = [len(sortie) * number // parts for number in range(parts + 1)]
-        found += [_kmz(plan, sortie.part(slice(*ends))) for ends in zip(edges, edges[1:])]
+        count = -(-len(sortie) // most)
+        edges = [len(sortie) * number // count for number in range(count + 1)]
+        found += [sortie.part(slice(*ends)) for ends in zip(edges, edges[1:])]
     return found
 
 
@@ -142,10 +149,7 @@ def wpml_notes(plan: Plan) -> tuple[str, ...]:
         Message(
             "not flown yet: files for DJI's programs were checked by their structure and by reading them back"
         ),
-        Message(
-            "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
-            plan.path.base_m,
-        ),
+        _note_of_heights(_parts(plan)),
     ]
     if flight.airspeed_m_per_s > FASTEST_M_PER_S:
         notes.append(
@@ -178,6 +182,22 @@ def _drone(plan: Plan) -> _Drone:
 
 def _by_distance(plan: Plan) -> bool:
     return plan.mission.trigger == BY_DISTANCE and not _drone(plan).of_dji_fly
+
+
+def _note_of_heights(parts: list[Sortie]) -> Message:
+    """From where the heights of the files count."""
+    bases_m = [part.base_m for part in parts]
+    if max(bases_m) - min(bases_m) < _SAME_BASE_M:
+        return Message(
+            "heights are above the take-off point, computed for ground at {0:.1f} m above the ellipsoid there",
+            bases_m[0],
+        )
+    return Message(
+        "heights are above the take-off point, which is taken to be below the first waypoint of each file: ground at "
+        "{0:.1f} to {1:.1f} m above the ellipsoid",
+        min(bases_m),
+        max(bases_m),
+    )
 
 
 def _stops(plan: Plan) -> list[Sortie]:

@@ -11,9 +11,12 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their relief by GDAL's Python module")
 
+from terrainav.core.elevation import relief as elevation  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.camera import Camera  # noqa: E402
 from terrainav.core.geodesy.mercator import PixelGrid  # noqa: E402
+from terrainav.core.geodesy.projections import LocalPlane  # noqa: E402
+from terrainav.core.mission import relief as mission_relief  # noqa: E402
 from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
 from terrainav.core.mission.export import write_plan  # noqa: E402
 from terrainav.core.mission.flight.path import TRANSIT  # noqa: E402
@@ -152,6 +155,54 @@ def test_a_detour_keeps_clear_of_the_tower_that_it_passes(dem, tmp_path, ending)
     assert (made.path.kind == TRANSIT).any()
     for least, where in shortfalls(made, tmp_path, [ending]).values():
         assert least >= LEAST_M, where
+
+
+def test_places_far_apart_are_flown_between_over_the_finest_heights(dem, tmp_path, monkeypatch):
+    """More relief than is read at once: towers narrower than cells of what holds all of it."""
+    monkeypatch.setattr(elevation, "MOST_CELLS", 1 << 17)
+    monkeypatch.setattr(mission_relief, "_SIDE_CELLS", 64)
+    mission = Mission(
+        box(60.0, 180.0, 180.0, 60.0),
+        45.0,
+        CAMERA,
+        elevation=(dem["level"],),
+        surface=(dem["towers"],),
+        clearance_m=15.0,
+        takeoff=placed(930.0, 930.0),
+    )
+    made = worked_out(mission)
+    lat, lon = made.path.lat_deg, made.path.lon_deg
+    whole = made.relief.around(lat, lon, 0.0)
+    assert isinstance(whole, mission_relief.OverflownInParts)
+    # The squares together are what one surface is.
+    monkeypatch.setattr(elevation, "MOST_CELLS", 1 << 23)
+    at_once, plane = made.relief._read_around(lat, lon, 0.0), LocalPlane(float(lat[0]), float(lon[0]))
+    np.testing.assert_allclose(whole.highest_m(lat, lon), at_once.highest_m(lat, lon), atol=1e-6)
+    np.testing.assert_allclose(whole.ground_m(lat, lon), at_once.ground_m(lat, lon), atol=1e-6)
+    parts, one = (below.profile(lat, lon, plane, 5) for below in (whole, at_once))
+    for leg in range(5, 5 + len(lat) - 1):
+        own, other = parts.leg == leg, one.leg == leg
+        assert own.sum() >= other.sum()
+        on_leg = np.interp(one.share[other], parts.share[own], parts.highest_m[own])
+        np.testing.assert_allclose(on_leg, one.highest_m[other], atol=0.5)
+    assert min(least for least, _ in shortfalls(made, tmp_path, [".plan", ".kmz"]).values()) >= LEAST_M
+
+
+def test_the_limit_of_a_drone_holds_for_each_file_of_a_flight(tmp_path):
+    """Down a slope of 700 m and back up: the second file begins in the valley, from where its heights count."""
+    size = 7000
+    row = np.arange(size)[:, np.newaxis]
+    slope = np.repeat(np.clip((6700.0 - row) * 0.1, 0.0, 700.0), 350, axis=1)
+    path, transform = tmp_path / "slope.tif", (WEST, 2.0, 0.0, NORTH, 0.0, -1.0)
+    rasters.write(path, slope[np.newaxis], transform, 32618, data_type=gdal.GDT_Float32)
+    along = np.concatenate([np.linspace(200.0, 6800.0, 110), np.linspace(6800.0, 200.0, 190)])
+    places = [placed(350.0 + 0.2 * at, y) for at, y in enumerate(along.tolist())]
+    points = Points(tuple((lat, lon, 60.0) for lat, lon in places))
+    made = worked_out(Mission(points, 60.0, CAMERA, elevation=(str(path),), drone="dji-fly"))
+    with pytest.raises(
+        InvalidInput, match=r"DJI mission at \d+(\.\d+)? m: must be 500 m above the take-off or less"
+    ):
+        write_plan(made, tmp_path / "field.kmz")
 
 
 def without_lifts(made):

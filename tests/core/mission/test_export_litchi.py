@@ -195,3 +195,25 @@ def test_heights_above_the_take_off_are_no_heights_above_ground(tmp_path):
     path.write_text(HUB.format(unit="m") + "\n47.1,x,100,10,0,0,2,-60,1\n")
     with pytest.raises(InvalidInput, match=r"waypoint 1: 'x': must be a number"):
         parse_coords(str(path))
+
+
+@pytest.mark.parametrize(
+    ("cells", "says"),
+    [
+        (("0.0000001", ""), r"waypoint 1: images each 1e-07 m: must be [\d,]+ in all or fewer"),
+        (("x" * 200_000, ""), "cannot be read as a table"),
+    ],
+)
+def test_what_no_camera_could_take_is_refused(tmp_path, cells, says):
+    lines = [f"47.{at},8.1,100,10,0,0,2,-60,1,{cell}" for at, cell in enumerate(cells, 1)]
+    path = tmp_path / "hub.csv"
+    path.write_text("\n".join([HUB.format(unit="m") + ",photo_distinterval", *lines, ""]))
+    with pytest.raises(InvalidInput, match=says):
+        parse_coords(str(path))
+    path.write_text(
+        "\n".join(
+            [HUB.format(unit="m") + ",photo_distinterval", *(one[: one.rindex(",") + 1] for one in lines), ""]
+        )
+    )
+    # Left empty, as by spreadsheets, no image is taken by distance.
+    assert len(parse_coords(str(path))[0].poses) == 2

@@ -191,6 +191,11 @@ def test_mission_files_keep_them_and_stay_as_they_were_without(tmp_path):
         ("lat,lon,agl,time\n1,2,3,1_20\n", "line 2: time '1_20': must be as 2024"),
         ('lat,lon,agl,note\n1,2,3,"a\nb"\n1,2,3\n', "line 4: '1,2,3' has 3 cells"),
         ('lat,lon,agl,note\n1,2,3,"a\n1,2,3,b\n', "line 2: has a quotation mark without another one"),
+        # Longer than the csv module reads of one cell.
+        (
+            'lat,lon,agl,note\n1,2,3,"a\n' + 12_000 * "1,2,3,a longer note\n",
+            "line 2: has a quotation mark without another one",
+        ),
         (
             "lat,lon,agl,time\n1,2,3,0.1\n1,2,3,0.3\n",
             "its 2 times are all within 0.2 s; they are probably not in",
