@@ -110,6 +110,16 @@ def canvas(iface: QgisInterface) -> QgsMapCanvas:
 
 
 @pytest.fixture(autouse=True)
+def nothing_unfinished() -> None:
+    """Forget captures that tests before broke off: the plugin would offer them when it is loaded."""
+    from qgis.core import QgsApplication
+    from terrainav.terrainav_plugin.paths import UNFINISHED
+
+    for note in Path(QgsApplication.qgisSettingsDirPath(), UNFINISHED).glob("*.json"):
+        note.unlink()
+
+
+@pytest.fixture(autouse=True)
 def clean_project(iface: QgisInterface) -> Iterator[QgsProject]:
     """A new, empty project, and nothing in the message bar; what the test leaves in either goes away with it.
 

@@ -22,16 +22,6 @@ def notes():
     return sorted(Path(QgsApplication.qgisSettingsDirPath(), UNFINISHED).glob("*.json"))
 
 
-@pytest.fixture(autouse=True)
-def no_notes():
-    """Captures that other tests broke off are noted, too."""
-    for note in notes():
-        note.unlink()
-    yield
-    for note in notes():
-        note.unlink()
-
-
 def crash(desk, run):
     """Leave what a crash leaves behind: the note of a run, whose lock nobody holds, and the images so far."""
     (note,) = notes()
