@@ -38,7 +38,6 @@ class HeightsLine(WordsLine):
         self.button.setText("…")
         self.button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._menu = QMenu(self.button)
-        self._more = named(QMenu(tr("Fill its holes from"), self._menu), f"{name}_more")
         self._menu.aboutToShow.connect(self._fill)
         self.button.setMenu(self._menu)
 
@@ -65,19 +64,18 @@ class HeightsLine(WordsLine):
         self._menu.addAction(tr("Level ground"), self.clear)
         if self.words():
             self._menu.addSeparator()
-            self._offer_more()
+            self._offer_more(self._menu.addMenu(tr("Fill its holes from")))
 
-    def _offer_more(self) -> None:
+    def _offer_more(self, menu: QMenu) -> None:
         """Offer sources that fill the holes of those that are entered."""
-        self._more.clear()
-        self._menu.addMenu(self._more)
+        menu.setObjectName(f"{self.objectName()}_more")
         for title, source in self._offered():
             if source not in self.words():
-                self._more.addAction(
+                menu.addAction(
                     shown_plain(title).replace("&", "&&"),
                     lambda source=source: self.enter((*self.words(), source)),
                 )
-        self._more.addAction(tr("File…"), self._choose_file)
+        menu.addAction(tr("File…"), self._choose_file)
 
     @staticmethod
     def _offered() -> list[tuple[str, str]]:
