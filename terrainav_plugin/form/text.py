@@ -95,9 +95,6 @@ def parse_place(text: str) -> tuple[float, float]:
 
 
 def _place(lat: str, lon: str) -> tuple[float, float] | None:
-    # Of three numbers with spaces the last one is a height, as a rule.
-    if (_ANGLE.fullmatch(" ".join(lat.split())) is None) != (_ANGLE.fullmatch(" ".join(lon.split())) is None):
-        return None
     try:
         return parse_degrees(lat, LATITUDE), parse_degrees(lon, LONGITUDE)
     except ValueError:
