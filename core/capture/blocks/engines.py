@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import re
@@ -148,7 +149,23 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
 
                 yield replace(engine, slots=slots)
         finally:
+            cluster.sync(_begin_no_worker_again, cluster)
             cluster.close()
+
+
+async def _begin_no_worker_again(cluster: Any) -> None:
+    """Tell Dask to leave dead workers dead, and wait for those that it is beginning: it fails to close some of them.
+
+    One that dies just as it has begun is taken for the next, which has no process yet.
+    """
+    for nanny in list(cluster.workers.values()):
+        nanny.close_gracefully()
+        while (
+            (worker := nanny.process) is not None
+            and worker.process is not None
+            and worker.process.pid is None
+        ):
+            await asyncio.sleep(0.01)
 
 
 @contextmanager

@@ -1,5 +1,7 @@
 """Who runs blocks: what their processes are set to."""
 
+import asyncio
+import multiprocessing
 import os
 import time
 
@@ -7,7 +9,7 @@ import pytest
 from terrainav.core.capture.blocks import running
 from terrainav.core.capture.blocks.engines import open_engine
 
-pytest.importorskip("distributed", reason="needs Dask's distributed")
+distributed = pytest.importorskip("distributed", reason="needs Dask's distributed")
 #: Dask's own warnings, of ports that are taken and workers that are slow to end, are none of ours.
 pytestmark = pytest.mark.filterwarnings("default")
 
@@ -67,3 +69,36 @@ def test_a_worker_that_dies_while_its_result_is_fetched_is_told_of(tmp_path):
         future = engine.executor.submit(eval, ENDS.format(str(tmp_path / "once")))
         wrong = future.exception(timeout=60.0)
     assert type(wrong).__name__ in running._DEATHS
+
+
+def test_a_cluster_ends_while_a_worker_is_begun_again(monkeypatch):
+    """One that dies just as it has begun: Dask takes the next for it, whose process it has not begun yet."""
+    process, nanny = distributed.process.AsyncProcess, distributed.nanny.WorkerProcess
+    begin, connect, others = (
+        process.start,
+        nanny._wait_until_connected,
+        set(multiprocessing.active_children()),
+    )
+    begun: list[object] = []
+
+    async def begin_late(worker):
+        begun.append(worker)
+        if len(begun) == 2:
+            await asyncio.sleep(1.0)
+        await begin(worker)
+
+    async def connect_late(*args):
+        connected = await connect(*args)
+        while len(begun) == 1:
+            await asyncio.sleep(0.01)
+        return connected
+
+    with open_engine("local:1") as engine:
+        monkeypatch.setattr(process, "start", begin_late)
+        monkeypatch.setattr(nanny, "_wait_until_connected", connect_late)
+        for _ in range(2):
+            assert engine.executor.submit(os._exit, 1).exception(timeout=60.0)
+        while len(begun) < 2:
+            time.sleep(0.01)
+        time.sleep(0.1)
+    assert set(multiprocessing.active_children()) <= others
