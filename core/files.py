@@ -105,17 +105,35 @@ def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
     return file
 
 
+def open_foreign(path: str | os.PathLike[str], buffering: int = -1) -> IO[bytes]:
+    """Open a file that somebody else may have made, to read it: no device and no pipe, which have no end.
+
+    Raises
+    ------
+    OSError
+        Where it is no regular file, or cannot be opened.
+    """
+    file: IO[bytes] = open(path, "rb", buffering, opener=_open_regular)  # noqa: SIM115 (as above)
+    return file
+
+
 def _open_own(path: str, flags: int) -> int:
-    # Windows has neither flag, and makes links for administrators only.
     try:
-        descriptor = os.open(path, flags | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0), 0o666)
+        return _open_regular(path, flags | getattr(os, "O_NOFOLLOW", 0))
     except OSError as wrong:
         if wrong.errno == errno.ELOOP:
             raise OSError(errno.ELOOP, "it is a link to another place; remove it") from wrong
+        if wrong.errno == errno.EINVAL:
+            raise OSError(errno.EINVAL, "it is no regular file; remove it") from wrong
         raise
+
+
+def _open_regular(path: str, flags: int) -> int:
+    # Windows has none of these flags, and makes links for administrators only.
+    descriptor = os.open(path, flags | getattr(os, "O_NONBLOCK", 0), 0o666)
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise OSError(errno.EINVAL, "it is no regular file; remove it")
+        raise OSError(errno.EINVAL, "it is no regular file")
     return descriptor
 
 

@@ -85,3 +85,18 @@ def test_what_is_no_regular_file_is_not_replaced(tmp_path):
             write_whole(tmp_path / name, b"x")
     assert sorted(one.name for one in tmp_path.iterdir()) == ["link", "pipe"]
     assert not (tmp_path / "pipe").is_file()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no pipes among its files")
+def test_foreign_files_are_regular(tmp_path):
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"one")
+    (tmp_path / "link").symlink_to(path)
+    for name in ("a.bin", "link"):
+        with files.open_foreign(tmp_path / name) as file:
+            assert file.read() == b"one"
+    # With a writer that does not come, opening a pipe would wait for good.
+    os.mkfifo(tmp_path / "pipe")
+    for other in (tmp_path / "pipe", Path(os.devnull), tmp_path):
+        with pytest.raises(OSError, match="no regular file"):
+            files.open_foreign(other)
