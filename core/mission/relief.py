@@ -452,13 +452,16 @@ class ReliefBelow:
         (lat, lon), middle = self._stand, float(self._stand[1].min() + self._stand[1].max()) / 2.0
         further = route.turnaround_m + route.lead_in_m
         if route.takeoff is not None:
-            lat, lon = np.append(lat, route.takeoff[0]), np.append(lon, _next_to(middle, route.takeoff[1]))
+            lat, lon = (
+                np.append(lat, route.takeoff[0]),
+                np.append(lon, middle + wrap_lon_deg(np.asarray(route.takeoff[1] - middle))),
+            )
         elif not (further or self.mission.no_fly):
             return None
         south, north, west, east = (float(f(at)) for at in (lat, lon) for f in (np.min, np.max))
         for polygon in self.mission.no_fly:
             box = polygon.bounds
-            box_west = _next_to(middle, box.west_deg)
+            box_west = middle + float(wrap_lon_deg(np.asarray(box.west_deg - middle)))
             box_east = box_west + box.span_deg
             if box.south_deg < north and box.north_deg > south and box_west < east and box_east > west:
                 # The way around it leads along its edges.
@@ -953,11 +956,6 @@ def _ends(mission: Mission) -> tuple[Floats, Floats]:
     east = box.east_deg + (360.0 if box.east_deg < box.west_deg else 0.0)
     lat, lon = np.meshgrid(np.linspace(box.south_deg, box.north_deg, 5), np.linspace(box.west_deg, east, 5))
     return lat.ravel(), lon.ravel()
-
-
-def _next_to(middle_deg: float, lon_deg: float) -> float:
-    """Longitude as it runs on from another across the antimeridian, in degrees."""
-    return lon_deg - 360.0 * round((lon_deg - middle_deg) / 360.0)
 
 
 def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:
