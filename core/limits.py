@@ -96,6 +96,8 @@ MAX_METADATA_CHARACTERS = 4096
 MAX_VIEW_CHARACTERS = 2000
 #: Bytes of a tile in an MBTiles file.
 MAX_STORED_TILE_BYTES = 32 << 20
+#: Characters of the definition of a coordinate reference system; compound ones take some 10,000.
+MAX_CRS_CHARACTERS = 1 << 16
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
 MAX_JSON_DEPTH = 100
 #: Digits of a whole number in a JSON text: every such number has a float, and takes no time to be read.

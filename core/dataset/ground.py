@@ -24,6 +24,7 @@ from ..errors import InvalidInput
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
+from ..geodesy.reference import check_reference
 from ..numbers import real_number
 from ..stores import is_file, opened
 from .dataset import UNREADABLE, ImageSet, open_bands, size_of
@@ -178,7 +179,7 @@ def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
                 *(table.width_px, table.height_px),
             )
         )
-        plane = ProjectedPlane(str(one), 0.0, 0.0, 1.0, 1.0)
+        plane = plane_of(table, int(rows[at[0]]))
         lat, lon = plane.from_crs(west + across * width * columns, north - down * height * lines)
         # Around a pole the longitudes go on and on, and no box holds the ground.
         way = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
@@ -189,6 +190,15 @@ def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
         box = u.min(axis=1), u.max(axis=1), lat.min(axis=1), lat.max(axis=1)
         edges[:, at] = np.where(known, box, np.nan)
     return Boxes(*edges)
+
+
+def plane_of(table: Table, row: int) -> ProjectedPlane:
+    """Plane, in units of its CRS, that an image of a table lies on; raises InvalidInput, which names the image."""
+    try:
+        check_reference(table.crs[row])
+    except InvalidInput as wrong:
+        raise InvalidInput("image {0}: {1}", table.img_names[row], wrong) from wrong
+    return ProjectedPlane(table.crs[row], 0.0, 0.0, 1.0, 1.0)
 
 
 def _published(images: ImageSet, rows: NDArray[np.intp]) -> Table:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.geotiff import affine_of
-from ..dataset.ground import of_camera
+from ..dataset.ground import of_camera, plane_of
 from ..dataset.labels import middle_of
 from ..dataset.table import Table, taken
 from ..errors import InvalidInput
@@ -590,8 +590,7 @@ def _affine_of(path: Path) -> tuple[float, ...]:
 
 def _plane_of(table: Table, rows: Numbers) -> Plane:
     """Plane of the CRS that images of a table have."""
-    crs = table.crs[rows[0]]
-    return ProjectedPlane(crs, 0.0, 0.0, 1.0, 1.0) if crs else WebMercator()
+    return plane_of(table, int(rows[0])) if table.crs[rows[0]] else WebMercator()
 
 
 def unit_m(plane: Plane, lat_deg: float, lon_deg: float) -> float:

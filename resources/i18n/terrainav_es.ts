@@ -8040,6 +8040,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
+        <location filename="../../terrainav_plugin/dataset/layers.py"/>
+        <source>image {0}: {1}</source>
+        <translation>imagen {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
         <source>put back the capture's own</source>
         <translation>reponga el de la propia captura</translation>
     </message>
@@ -8841,6 +8847,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/geodesy/mercator.py"/>
         <source>zooms {0} to {1}, native {2}: need 0 &lt;= minimum &lt;= native &lt;= maximum &lt;= {3}</source>
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system {0!r}: must be a code such as EPSG:25832, or WKT</source>
+        <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:25832, o WKT</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system {0!r}: {1}</source>
+        <translation>sistema de referencia de coordenadas {0!r}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system {0}: unit {1!r} of {2:g}: must be greater than 0</source>
+        <translation>sistema de referencia de coordenadas {0}: unidad {1!r} de {2:g}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system: names the file {0}, which is not opened; must be a code such as EPSG:25832, or WKT without files</source>
+        <translation>sistema de referencia de coordenadas: nombra el archivo {0}, que no se abre; debe ser un código como EPSG:25832, o WKT sin archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system: {0} characters: must be no more than {1}</source>
+        <translation>sistema de referencia de coordenadas: {0} caracteres: no debe tener más de {1}</translation>
     </message>
     <message>
         <location filename="../../core/geodesy/vertical.py"/>
@@ -9648,11 +9679,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
-        <source>its coordinate reference system: {0}</source>
-        <translation>su sistema de referencia de coordenadas: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/place.py"/>
         <source>its geotransform {0} places no pixel</source>
         <translation>su geotransformación {0} no sitúa ningún píxel</translation>
     </message>
@@ -9865,6 +9891,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: has a document type, which GDAL writes none of</source>
+        <translation>{0}: tiene un tipo de documento, y GDAL no escribe ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: has a view in place of its coordinate reference systems</source>
+        <translation>{0}: tiene una vista en lugar de sus sistemas de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: is a VRT of more than {1} MB</source>
         <translation>{0}: es un VRT de más de {1} MB</translation>
     </message>
@@ -9877,6 +9913,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: is a VRT with more in it than bands of files</source>
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: its coordinate reference system names the file {1}, which is not opened; must be a code such as EPSG:25832, or WKT without files</source>
+        <translation>{0}: su sistema de referencia de coordenadas nombra el archivo {1}, que no se abre; debe ser un código como EPSG:25832, o WKT sin archivos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>

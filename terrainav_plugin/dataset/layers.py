@@ -24,6 +24,7 @@ from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
+from ...core.imagery.raster.trust import drivers_for
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
@@ -112,6 +113,10 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:
     """Open a picture as a layer; raises OutputError."""
+    try:
+        drivers_for(str(path))
+    except InvalidInput as wrong:
+        raise OutputError("image {0}: {1}", path, wrong) from wrong
     layer = QgsRasterLayer(str(path), title, "gdal")
     if not layer.isValid():
         raise OutputError("image {0}: QGIS cannot open it", path)

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from osgeo import gdal
-from pyproj import CRS
 
 from ...core.capture.folder import captured_mission
 from ...core.capture.georeference import WEB_MERCATOR_WKT, wkt_1
@@ -26,12 +25,13 @@ from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, InvalidInput, Message, OutputError
 from ...core.files import partial_file, write_whole
+from ...core.geodesy.reference import read_reference
 from ...core.imagery.raster.place import named_crs
 from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
-from .shown import Shown, how_shown, open_shown
+from .shown import Shown, how_shown, open_image, open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -104,10 +104,10 @@ class Mosaic(NamedTuple):
     def crs(self) -> str:
         """``EPSG:code`` of what is there, or WKT where it has no code; raises OutputError."""
         if self.path.suffix == _ORTHOPHOTO:
-            raster = gdal.Open(str(self.path))
+            raster = open_image(self.path)
             if raster is None:
                 raise _failed(self.path)
-            return named_crs(CRS.from_wkt(raster.GetProjection()))
+            return named_crs(read_reference(raster.GetProjection()))
         try:
             with self.path.open("rb") as file:
                 head = file.read(_HEAD_BYTES).decode("utf-8", "replace")
@@ -115,7 +115,7 @@ class Mosaic(NamedTuple):
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
         found = _SRS.search(head)
         wkt = html.unescape(found[1]) if found else WEB_MERCATOR_WKT
-        return named_crs(CRS.from_wkt(wkt))
+        return named_crs(read_reference(wkt))
 
     def put_in_place(self) -> Mosaic:
         """Have what was made replace what was there; returns the mosaic that is there now.
@@ -259,7 +259,7 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         int(np.ceil((inside.left_px + inside.width_px).max())),
         int(np.ceil((inside.top_px + inside.height_px).max())),
     )
-    first = gdal.Open(str(placed.paths[0]))
+    first = open_image(placed.paths[0])
     if first is None:
         raise _failed(placed.paths[0])
     shown = how_shown(first)

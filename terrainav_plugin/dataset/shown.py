@@ -9,6 +9,7 @@ from osgeo import gdal
 
 from ...core.bands import shown_of
 from ...core.capture.writers import DISPLAY_RANGE
+from ...core.imagery.raster.trust import VIRTUAL, check_references
 
 _COLOURS = 3
 _DARKEST, _BRIGHTEST = 0.0, 255.0
@@ -66,9 +67,16 @@ def how_shown(image: gdal.Dataset) -> Shown:
     return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask, stated)
 
 
+def open_image(path: str | Path) -> gdal.Dataset | None:
+    """Image of a dataset; None where GDAL opens none. Raises InvalidInput where it names files for PROJ."""
+    if not str(path).startswith(VIRTUAL):
+        check_references(Path(path))
+    return gdal.Open(str(path))
+
+
 def open_shown(path: str | Path) -> gdal.Dataset | None:
     """Image of 8 bits, grey or colours, and a mask where the file has one; None where GDAL opens none."""
-    image = gdal.Open(str(path))
+    image = open_image(path)
     if image is None:
         return None
     shown = how_shown(image)

@@ -6,11 +6,14 @@ requests that keep to no terms. Inside them no list of formats holds; so they ar
 
 from __future__ import annotations
 
+import codecs
+import contextlib
 import html
 import importlib
 import os
 import re
 import struct
+import time
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
@@ -18,8 +21,10 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
-from ...files import is_there
-from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
+from ...files import is_there, open_foreign
+from ...geodesy.reference import check_reference, file_named
+from ...limits import MAX_CRS_CHARACTERS, MAX_QUERY_S, MAX_VRT_BYTES, MAX_VRT_DEPTH
+from ...text import one_line
 from ..template import check_address, host_of
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
@@ -64,8 +69,9 @@ _NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
 _REFUSED = frozenset({"pixelfunctionlanguage", "pixelfunctioncode", "key"})
 #: Options of formats that a VRT may set: those of others are names of files, and statements of SQL.
 _OPTIONS = frozenset({"overview_level", "num_threads", "numthreads"})
-#: TIFF's tag of GDAL's metadata, and how a directory is written: in classic files, and in those of 64 bits.
-_TIFF_METADATA = 42112
+#: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys, and how a directory is written: in classic files,
+#: and in those of 64 bits.
+_TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
 _TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
 #: Entries of a directory; libtiff refuses those with more.
 _TIFF_ENTRIES = 4096
@@ -83,6 +89,29 @@ KEY = "{key}"
 _WHOLE_KEY = re.compile(r"([?&]){key}(?=[&#]|$)")
 #: Files beside a raster that GDAL opens with it.
 _COMPANIONS = (".ovr", ".msk")
+#: Those in which GDAL looks for the coordinate reference system: with these endings behind the name, and in its place.
+_BEHIND, _IN_PLACE = (".aux", ".hdr"), (".prj", ".hdr", ".aux", ".tab")
+#: Boxes of JPEG 2000 and JPEG XL that have pixels alone, and how files of boxes begin.
+_PIXEL_BOXES, _BOXES = frozenset({b"jp2c", b"jxlc", b"jxlp"}), (b"\0\0\0\x0cjP", b"\0\0\0\x0cJXL ")
+#: Formats whose files hold no coordinate reference system, or one that is looked at elsewhere.
+_WITHOUT_TEXT = (
+    b"II",
+    b"MM",
+    b"\xff\xd8\xff",
+    b"\x89PNG",
+    b"GIF8",
+    b"BM",
+    b"RIFF",
+    b"\xff\x4f\xff\x51",
+    b"\xff\x0a",
+)
+_SQLITE = b"SQLite format 3"
+#: Steps of SQLite between looks at the clock.
+_STEPS = 10_000
+#: Bytes of a file that are looked through at once, and those that are looked at again with the next ones.
+_CHUNK_BYTES, _OVERLAP_BYTES = 1 << 22, 1 << 10
+#: Steps of SQLite between looks at the clock.
+_STEPS = 10_000
 
 
 def file_of_part(name: str) -> str:
@@ -186,8 +215,9 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
     aux = file.with_name(file.name + ".aux.xml")
     if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if is_there(aux) else b""):
         raise InvalidInput("{0} names other files, which are not read", aux.name)
-    if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
+    if _names(_NAMED_WITHIN, _tiff_text(file, head, _TIFF_METADATA)):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
+    check_references(file)
 
 
 def _is_srtm(file: Path) -> bool:
@@ -199,8 +229,122 @@ def _names(what: re.Pattern[str], metadata: bytes) -> bool:
     return what.search(html.unescape(metadata.decode("latin-1"))) is not None
 
 
-def _tiff_metadata(file: Path, head: bytes) -> bytes:
-    """What GDAL has noted in the first directory of a TIFF; empty of any other file."""
+def check_references(file: Path) -> None:
+    """Refuse a raster whose coordinate reference system names a file, which PROJ would open as soon as GDAL reads it.
+
+    Raises
+    ------
+    InvalidInput
+        With the reason alone, which names the file that states it.
+    """
+    aux = file.with_name(file.name + ".aux.xml")
+    if is_there(aux):
+        # Older programs wrote it in their own encoding, of which all bytes are characters here.
+        _parse(aux, _References(aux), "iso-8859-1")
+    beside = [file.with_name(file.name + ending) for ending in _BEHIND]
+    for ending in _IN_PLACE if file.suffix else ():
+        beside += [file.with_suffix(ending), file.with_suffix(ending.upper())]
+    for place in beside:
+        if place != file and is_there(place):
+            for text in _chunks(place, 0, place.stat().st_size):
+                _check_words(place, text.decode("utf-8", "replace"))
+    head = _head(file)
+    if _VRT.search(head):
+        _parse(file, _References(file))
+    for text in _texts(file, head):
+        _check_words(file, text.decode("utf-8", "replace"))
+
+
+def check_fetched(name: str, data: bytes) -> None:
+    """Refuse an image of a dataset, fetched from elsewhere, for the same reason."""
+    for found in re.finditer(rb"ESRI PE String", data):
+        _check_words(Path(name), data[found.end() :][:MAX_CRS_CHARACTERS].decode("utf-8", "replace"))
+
+
+def _check_words(file: Path, words: str) -> None:
+    """Refuse a text that has a coordinate reference system with the name of a file in it."""
+    named = file_named(words)
+    if named:
+        raise InvalidInput(
+            "{0}: its coordinate reference system names the file {1}, which is not opened; must be a code such as "
+            "EPSG:25832, or WKT without files",
+            file.name,
+            one_line(named),
+        )
+    if words.lstrip().startswith("{") and "CRS" in words.upper():
+        try:
+            check_reference(words)
+        except InvalidInput as wrong:
+            raise InvalidInput("{0}: {1}", file.name, wrong) from wrong
+
+
+def _texts(file: Path, head: bytes) -> Iterator[bytes]:
+    """Parts of a raster's file that may have its coordinate reference system as text."""
+    size = file.stat().st_size
+    if head.startswith(_SQLITE):
+        yield from _definitions(file)
+    elif head.startswith(_BOXES):
+        for start, end in _boxes(file, size):
+            yield from _chunks(file, start, end)
+    elif head.startswith((b"II", b"MM")):
+        yield _tiff_text(file, head, _TIFF_KEY_TEXTS)
+    elif not head.startswith(_WITHOUT_TEXT) and not _VRT.search(head):
+        yield from _chunks(file, 0, size)
+
+
+def _chunks(file: Path, start: int, end: int) -> Iterator[bytes]:
+    """Bytes of a file, some of which come twice, so that no name is cut."""
+    with open_foreign(file) as opened:
+        kept = b""
+        opened.seek(start)
+        while start < end:
+            chunk = opened.read(min(_CHUNK_BYTES, end - start))
+            if not chunk:
+                return
+            start += len(chunk)
+            yield kept + chunk
+            kept = chunk[-_OVERLAP_BYTES:]
+
+
+def _boxes(file: Path, size: int) -> Iterator[tuple[int, int]]:
+    """Where each box of a file of JPEG 2000 or JPEG XL begins and ends that may have text."""
+    with open_foreign(file) as opened:
+        at = 0
+        while at < size:
+            opened.seek(at)
+            head = opened.read(16)
+            if len(head) < 8:
+                return
+            length = int.from_bytes(head[:4], "big")
+            if length == 1:
+                length = int.from_bytes(head[8:], "big")
+            end = at + length if length else size
+            if end < at + 8:
+                return
+            if head[4:8] not in _PIXEL_BOXES:
+                yield at, min(end, size)
+            at = end
+
+
+def _definitions(file: Path) -> Iterator[bytes]:
+    """Coordinate reference systems that a GeoPackage defines."""
+    sqlite3: Any = importlib.import_module("sqlite3")
+    until_s = time.monotonic() + MAX_QUERY_S
+    try:
+        with contextlib.closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as database:
+            database.set_progress_handler(lambda: time.monotonic() > until_s, _STEPS)
+            kinds = database.execute("SELECT type FROM sqlite_master WHERE name = 'gpkg_spatial_ref_sys'")
+            if any(kind != "table" for (kind,) in kinds):
+                raise InvalidInput("{0}: has a view in place of its coordinate reference systems", file.name)
+            for row in database.execute("SELECT * FROM gpkg_spatial_ref_sys"):
+                yield from (str(value).encode("utf-8", "replace") for value in row)
+    except sqlite3.Error:
+        # GDAL says what is wrong with such a file.
+        return
+
+
+def _tiff_text(file: Path, head: bytes, wanted: int) -> bytes:
+    """What a tag of the first directory of a TIFF has; empty of any other file."""
     order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
     try:
         form = _TIFF_FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order else None
@@ -212,7 +356,7 @@ def _tiff_metadata(file: Path, head: bytes) -> bytes:
             (count,) = struct.unpack(order + count_kind, opened.read(struct.calcsize(count_kind)))
             entries = opened.read(min(count, _TIFF_ENTRIES) * entry_bytes)
             for tag, _, length, value in struct.iter_unpack(order + entry_kind, entries):
-                if tag == _TIFF_METADATA and length > len(value):
+                if tag == wanted and length > len(value):
                     opened.seek(struct.unpack(order + offset_kind, value)[0])
                     if length > MAX_VRT_BYTES:
                         raise InvalidInput(
@@ -275,12 +419,19 @@ def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
 
 def _named(vrt: Path) -> list[tuple[str, str | None]]:
     """Names of data in a VRT, and whether each is relative to it ("1") as GDAL reads that."""
-    body = _head(vrt, MAX_VRT_BYTES + 1)
-    if len(body) > MAX_VRT_BYTES:
-        raise InvalidInput("{0}: is a VRT of more than {1} MB", vrt.name, MAX_VRT_BYTES >> 20)
     reader = _Reader(vrt)
+    _parse(vrt, reader)
+    return reader.found
+
+
+def _parse(file: Path, reader: _References, encoding: str = "utf-8") -> None:
+    """Read a VRT, or the file of GDAL's in XML beside a raster."""
+    body = _head(file, MAX_VRT_BYTES + 1)
+    body = body[3:] if body.startswith(codecs.BOM_UTF8) else body
+    if len(body) > MAX_VRT_BYTES:
+        raise InvalidInput("{0}: is a VRT of more than {1} MB", file.name, MAX_VRT_BYTES >> 20)
     expat: Any = importlib.import_module("xml.parsers.expat")
-    parser = expat.ParserCreate("utf-8")
+    parser = expat.ParserCreate(encoding)
     parser.StartElementHandler = reader.start
     parser.EndElementHandler = reader.end
     parser.CharacterDataHandler = reader.text
@@ -290,18 +441,46 @@ def _named(vrt: Path) -> list[tuple[str, str | None]]:
     try:
         parser.Parse(body, True)
     except expat.ExpatError as broken:
-        raise InvalidInput("{0}: is a VRT that cannot be read ({1})", vrt.name, broken) from broken
-    return reader.found
+        raise InvalidInput("{0}: is a VRT that cannot be read ({1})", file.name, broken) from broken
 
 
-class _Reader:
+class _References:
+    """Looks for coordinate reference systems in XML of GDAL's that name files."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self._text: list[str] = []
+
+    def start(self, _name: str, attributes: dict[str, str]) -> None:
+        self._check_text()
+        for value in attributes.values():
+            _check_words(self._file, value)
+
+    def end(self, _name: str) -> None:
+        self._check_text()
+
+    def text(self, words: str) -> None:
+        self._text.append(words)
+
+    def between(self, *_: object) -> None:
+        """Take what is between texts for nothing, as GDAL does."""
+
+    def refuse(self, *_: object) -> None:
+        raise InvalidInput("{0}: has a document type, which GDAL writes none of", self._file.name)
+
+    def _check_text(self) -> None:
+        words, self._text = "".join(self._text), []
+        _check_words(self._file, words)
+
+
+class _Reader(_References):
     """Collects what a VRT names. GDAL takes an attribute for an element, in any case of letters."""
 
     def __init__(self, vrt: Path) -> None:
+        super().__init__(vrt)
         self.found: list[tuple[str, str | None]] = []
         self._vrt = vrt
         self._open: list[tuple[str, dict[str, str]]] = []
-        self._text: list[str] = []
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
         self._take_text()
