@@ -8417,6 +8417,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/datum.py"/>
+        <source>{0}: axis {1!r} of its heights points {2}: must be up or down</source>
+        <translation>{0}: el eje {1!r} de sus alturas apunta a {2}: debe ser arriba (up) o abajo (down)</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
         <source>{0}: heights in {1!r}: must be one of {2}</source>
         <translation>{0}: alturas en {1!r}: debe ser una de {2}</translation>
     </message>
@@ -8434,6 +8439,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/filling.py"/>
         <source>missing heights: cannot be interpolated: {0}</source>
         <translation>alturas que faltan: no se pueden interpolar: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>down</source>
+        <translation>hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -8482,6 +8492,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>up</source>
+        <translation>hacia arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>write a semicolon between them in QGIS, and a space in a command{0}</source>
         <translation>escriba un punto y coma entre ellas en QGIS, y un espacio en una orden{0}</translation>
     </message>
@@ -8489,6 +8504,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/heights.py"/>
         <source>{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}, and not {6:g}, which stands for no data elsewhere</source>
         <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}, y no ser {6:g}, que en otros archivos significa sin datos</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>{0}: its heights have the scale {1:g} and the offset {2:g}: must be finite, and the scale not 0</source>
+        <translation>{0}: sus alturas tienen la escala {1:g} y el desplazamiento {2:g}: deben ser finitos, y la escala no 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>{0}: its vertical axis points {1}, and that of {2} {3}: must point the same way</source>
+        <translation>{0}: su eje vertical apunta {1}, y el de {2}, {3}: deben apuntar en el mismo sentido</translation>
     </message>
     <message>
         <location filename="../../core/exports/croissant.py"/>
