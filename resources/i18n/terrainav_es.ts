@@ -2621,6 +2621,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>TerrAInav: carpeta de un conjunto de datos</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>image {path}: {reason}</source>
+        <translation>imagen {path}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>nothing that it knows</source>
+        <translation>nada que conozca</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>{path}: QGIS would open it as {kind}; must be {right}</source>
+        <translation>{path}: QGIS lo abriría como {kind}; debe ser {right}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>{path}: QGIS would open {other} in its place; rename the folder</source>
+        <translation>{path}: QGIS abriría {other} en su lugar; cambie el nombre de la carpeta</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>1 hole</source>
         <translation>1 hueco</translation>
@@ -7656,6 +7676,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/journal.py"/>
         <location filename="../../core/files.py"/>
         <location filename="../../core/mission/export/geopackage.py"/>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>folder {0}: cannot write {1} ({2})</source>
         <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
     </message>
@@ -8367,6 +8388,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/table.py"/>
         <source>{0}: has no column {1}; needs {2}</source>
         <translation>{0}: no tiene la columna {1}; necesita {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: are no GeoJSON as captures write it, which begins with {1}; a file of another kind is not opened, as it may lead to other files and servers</source>
+        <translation>huellas {0}: no son GeoJSON como el que escriben las capturas, que empieza por {1}; un archivo de otra clase no se abre, porque puede llevar a otros archivos y servidores</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: cannot be read ({1})</source>
+        <translation>huellas {0}: no se pueden leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: hold a &lt; among their first {1} bytes, as documents do that lead to other files and servers; must be written as {2}</source>
+        <translation>huellas {0}: contienen un &lt; entre sus primeros {1} bytes, como los documentos que llevan a otros archivos y servidores; debe escribirse como {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: their crs leads elsewhere, or is none of a code; must be a name such as EPSG:25832, or left out for WGS 84</source>
+        <translation>huellas {0}: su crs lleva a otro lugar o no es el de un código; debe ser un nombre como EPSG:25832, u omitirse para WGS 84</translation>
     </message>
     <message>
         <location filename="../../core/drawing.py"/>

@@ -22,8 +22,10 @@ from qgis.PyQt.QtCore import Qt, QThread
 
 from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
+from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
+from ..foreign import check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
@@ -63,8 +65,8 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
 
     Raises
     ------
-    OutputError
-        Where QGIS cannot open one of them.
+    InvalidInput, OutputError
+        Where one of them is not what it is called, or QGIS cannot open it.
     """
     footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
     # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
@@ -81,8 +83,14 @@ def _opened(mosaic: Mosaic) -> QgsRasterLayer | None:
 
 
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
-    """Open a file of footprints as a layer; raises OutputError."""
-    layer = QgsVectorLayer(str(path), title, "ogr")
+    """Open a file of footprints as a layer; raises InvalidInput and OutputError.
+
+    A style that lies beside it is not taken: it may fetch symbols from servers, and run actions.
+    """
+    check_vector(path)
+    options = QgsVectorLayer.LayerOptions()
+    options.loadDefaultStyle = False
+    layer = QgsVectorLayer(str(path), title, "ogr", options)
     if not layer.isValid():
         raise OutputError("footprints {0}: QGIS cannot open them", path)
     # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
@@ -218,7 +226,7 @@ class FailedImages:
                 continue
             more = {"map_type": map_type, "reason": translate(reason)}
             feature = {**footprint, "properties": {**footprint["properties"], **more}}
-            features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
+            features.append(json_without_tags(json.dumps(feature, ensure_ascii=False)).encode("utf-8"))
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
 
 
