@@ -3115,6 +3115,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Allow</source>
+        <translation>Permitir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture only the &amp;failed images</source>
         <translation>Capturar solo las imágenes &amp;fallidas</translation>
     </message>
@@ -3211,8 +3216,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>What you opened takes imagery, heights or datasets from {places}, which you have not used in this QGIS. Nothing is asked there until you allow it.</source>
+        <translation>Lo que ha abierto toma imágenes, alturas o conjuntos de datos de {places}, que no se ha usado en este QGIS. No se le consulta nada hasta que lo permita.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder</source>
         <translation>carpeta {folder}: no tiene {name}, así que no es el conjunto de datos de una captura; elija su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>its folder is no path</source>
+        <translation>su carpeta no es una ruta</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3223,6 +3238,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>{name}: opened without mosaic: {reason}</source>
         <translation>{name}: abierto sin mosaico: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>{place} would be asked, which you have not used in this QGIS</source>
+        <translation>se consultaría {place}, que no se ha usado en este QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -6572,6 +6592,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>dirección: falta; debe ser como https://host/run o s3://bucket/run</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address: must be of {most} printable characters at most</source>
+        <translation>dirección: debe tener como máximo {most} caracteres imprimibles</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>{address}: has no {name}</source>
         <translation>{address}: no tiene {name}</translation>
@@ -6950,6 +6975,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/results/viewing.py"/>
         <source>There are no captured images on the map yet: capture a mission, or open a dataset by “Missions”.</source>
         <translation>Aún no hay imágenes capturadas en el mapa: capture una misión, o abra un conjunto de datos con «Misiones».</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>its heights are those of {place}, which you have not used in this QGIS: open its dataset by “Missions” and allow it</source>
+        <translation>sus alturas son las de {place}, que no se ha usado en este QGIS: abra su conjunto de datos con «Misiones» y permítalo</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/session.py"/>
@@ -11624,6 +11654,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/imageries.py"/>
         <source>map type {0!r}: must be one of {1}</source>
         <translation>tipo de mapa {0!r}: debe ser uno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>source {0!r}: holds a NUL character, which no name has</source>
+        <translation>fuente {0!r}: contiene un carácter NUL, que ningún nombre tiene</translation>
     </message>
     <message>
         <location filename="../../core/mission/inside.py"/>
