@@ -31,7 +31,7 @@ from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
-from .shown import Shown, how_shown, open_shown
+from .shown import Shown, how_shown, open_image, open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -104,7 +104,7 @@ class Mosaic(NamedTuple):
     def crs(self) -> str:
         """``EPSG:code`` of what is there, or WKT where it has no code; raises OutputError."""
         if self.path.suffix == _ORTHOPHOTO:
-            raster = gdal.Open(str(self.path))
+            raster = open_image(self.path)
             if raster is None:
                 raise _failed(self.path)
             return named_crs(CRS.from_wkt(raster.GetProjection()))
@@ -259,7 +259,7 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         int(np.ceil((inside.left_px + inside.width_px).max())),
         int(np.ceil((inside.top_px + inside.height_px).max())),
     )
-    first = gdal.Open(str(placed.paths[0]))
+    first = open_image(placed.paths[0])
     if first is None:
         raise _failed(placed.paths[0])
     shown = how_shown(first)

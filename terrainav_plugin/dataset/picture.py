@@ -15,7 +15,7 @@ from qgis.PyQt.QtGui import QImage
 
 from ...core.text import one_line
 from ..i18n import tr
-from .shown import open_shown
+from .shown import open_image, open_shown
 
 _OPAQUE = 255
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
@@ -104,7 +104,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
         return None
     try:
         with _openable(path, data) as name:
-            file = gdal.Open(name)
+            file = open_image(name)
             if file is None:
                 raise RuntimeError(gdal.GetLastErrorMsg())
             band, size = file.GetRasterBand(1), _size(file, longest_px)

@@ -11,7 +11,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 from urllib.parse import unquote
 
@@ -119,6 +118,6 @@ def _places(text: str) -> Iterator[str]:
     share = _SHARE.match(text)
     if share is not None:
         found.append(share[0].replace("\\", "/").lower())
-    if not found and (_VIRTUAL.search(text) or Path(text).suffix.lower() == ".vrt"):
+    if not found and _VIRTUAL.search(text):
         found.append(text)
     yield from found

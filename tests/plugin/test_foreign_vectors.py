@@ -13,6 +13,7 @@ from terrainav.core.capture.journal import FAILED
 from terrainav.core.dataset.vectors import check_geojson
 from terrainav.core.errors import InvalidInput
 from terrainav.terrainav_plugin.dataset.layers import FailedImages, open_failed, open_footprints
+from terrainav.terrainav_plugin.dataset.picture import read_depth, read_picture
 from terrainav.terrainav_plugin.foreign import check_raster
 from terrainav.terrainav_plugin.remote.address import Address
 from terrainav.terrainav_plugin.remote.copies import address_of, copy_of
@@ -209,4 +210,19 @@ def test_a_reference_of_a_benchmark_is_a_picture(tmp_path, other, text):
     path.write_text(text.format(url=other.url), "utf-8")
     with pytest.raises(InvalidInput, match=r"mosaic\.tif"):
         check_raster(path)
+    assert other.asked == []
+
+
+@pytest.mark.parametrize("ending", ["png", "tif", "jpg"])
+def test_an_image_of_a_dataset_is_an_image(tmp_path, other, ending):
+    """And no virtual raster, which GDAL takes it for by what is in it."""
+    path = tmp_path / f"1_1.{ending}"
+    path.write_text(
+        "<VRTDataset rasterXSize='1' rasterYSize='1'><VRTRasterBand dataType='Byte' band='1'><SimpleSource>"
+        f"<SourceFilename>/vsicurl/{other.url}/x.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>",
+        "utf-8",
+    )
+    assert read_picture(path, 100).problem
+    assert read_depth(path, 100).problem
+    assert read_picture(path, 100, path.read_bytes()).problem
     assert other.asked == []

@@ -240,10 +240,14 @@ def test_what_a_text_leads_to(text, places):
 
 def test_another_host_or_scheme_is_not_agreed_to():
     agree(["https://host/{z}/{x}/{y}"])
-    for text in ("http://host/x.tif", "https://host.evil/x.tif", "https://host:8080/x.tif", "https://host@evil/x.tif",
-                 "https://host\\.evil/x.tif", "https://{host}/x.tif"):  # fmt: skip
-        if text != "https://host\\.evil/x.tif":
-            assert strangers([text]), text
+    others = (
+        "http://host/x",
+        "https://host.evil/x",
+        "https://host:8080/x",
+        "https://host@evil/x",
+        "https://{host}/x",
+    )
+    assert [text for text in others if not strangers([text])] == []
     assert strangers(["https://host/x.tif"]) == ()
 
 
