@@ -21,6 +21,8 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..core.limits import MAX_TEXT_CHARACTERS
+from ..core.text import shortened as cut
 from .compat import LOG_IS_PLAIN
 from .i18n import tr
 from .plain import escaped
@@ -33,11 +35,14 @@ _MOST_LETTERS = 140
 #: Width of a message below which its buttons stand below each other, and leave the text room.
 _NARROW_PX = 700
 _PART_ENDS = ("; ", ". ", ": ", ", ")
+#: Characters of a message that the bar shows: some lines on any map. Qt takes minutes to lay out a million.
+_MOST_SHOWN = 2000
 _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab, as it is."""
+    text = cut(text, MAX_TEXT_CHARACTERS)
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
@@ -178,7 +183,8 @@ class Messages(QObject):
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
-        item = QgsMessageBarItem(TITLE, escaped(text), level, 0 if lasts else _SECONDS.get(level, 0))
+        shown = escaped(cut(text, _MOST_SHOWN))
+        item = QgsMessageBarItem(TITLE, shown, level, 0 if lasts else _SECONDS.get(level, 0))
         fitting = _Fitting(item)
         for offered in filter(None, (action, other)):
             fitting.buttons.addWidget(self._button(item, *offered))

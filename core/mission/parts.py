@@ -102,6 +102,8 @@ def _check_facing(text: str) -> None:
 def _check_source(text: str) -> None:
     if not text:
         raise InvalidInput("source is empty: name one, or give a URL template or a file", field="source")
+    if "\0" in text:
+        raise InvalidInput("source {0!r}: holds a NUL character, which no name has", text, field="source")
 
 
 def _check_date(text: str) -> None:

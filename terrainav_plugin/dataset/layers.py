@@ -22,9 +22,10 @@ from qgis.PyQt.QtCore import Qt, QThread
 
 from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
+from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import write_whole
-from ...core.imagery.raster.trust import drivers_for
+from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
@@ -64,8 +65,8 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
 
     Raises
     ------
-    OutputError
-        Where QGIS cannot open one of them.
+    InvalidInput, OutputError
+        Where one of them is not what it is called, or QGIS cannot open it.
     """
     footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
     # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
@@ -82,8 +83,14 @@ def _opened(mosaic: Mosaic) -> QgsRasterLayer | None:
 
 
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
-    """Open a file of footprints as a layer; raises OutputError."""
-    layer = QgsVectorLayer(str(path), title, "ogr")
+    """Open a file of footprints as a layer; raises InvalidInput and OutputError.
+
+    A style that lies beside it is not taken: it may fetch symbols from servers, and run actions.
+    """
+    check_vector(path)
+    options = QgsVectorLayer.LayerOptions()
+    options.loadDefaultStyle = False
+    layer = QgsVectorLayer(str(path), title, "ogr", options)
     if not layer.isValid():
         raise OutputError("footprints {0}: QGIS cannot open them", path)
     # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
@@ -114,9 +121,9 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
 def open_raster(path: Path, title: str) -> QgsRasterLayer:
     """Open a picture as a layer; raises OutputError."""
     try:
-        drivers_for(str(path))
+        check_raster(path)
     except InvalidInput as wrong:
-        raise OutputError("image {0}: {1}", path, wrong) from wrong
+        raise OutputError("{0}", wrong) from wrong
     layer = QgsRasterLayer(str(path), title, "gdal")
     if not layer.isValid():
         raise OutputError("image {0}: QGIS cannot open it", path)
@@ -223,7 +230,7 @@ class FailedImages:
                 continue
             more = {"map_type": map_type, "reason": translate(reason)}
             feature = {**footprint, "properties": {**footprint["properties"], **more}}
-            features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
+            features.append(json_without_tags(json.dumps(feature, ensure_ascii=False)).encode("utf-8"))
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
 
 

@@ -13,6 +13,8 @@ from ...core.imagery.raster.trust import VIRTUAL, check_references
 
 _COLOURS = 3
 _DARKEST, _BRIGHTEST = 0.0, 255.0
+#: Formats of images, as GDAL calls them: a file of somebody else's may be called .png and describe a service.
+_DRIVERS = ("GTiff", "JPEG", "PNG")
 
 
 class Shown(NamedTuple):
@@ -68,10 +70,16 @@ def how_shown(image: gdal.Dataset) -> Shown:
 
 
 def open_image(path: str | Path) -> gdal.Dataset | None:
-    """Image of a dataset; None where GDAL opens none. Raises InvalidInput where it names files for PROJ."""
+    """Image of a dataset, as what captures write and nothing that leads elsewhere; None where it is none.
+
+    Raises
+    ------
+    InvalidInput
+        Where its CRS names files for PROJ.
+    """
     if not str(path).startswith(VIRTUAL):
         check_references(Path(path))
-    return gdal.Open(str(path))
+    return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=_DRIVERS)
 
 
 def open_shown(path: str | Path) -> gdal.Dataset | None:

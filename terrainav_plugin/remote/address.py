@@ -17,6 +17,7 @@ from osgeo import gdal
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.errors import InvalidInput, OutputError
+from ...core.limits import MAX_HEADER_CHARACTERS
 from ..i18n import tr
 
 #: Files right inside a dataset whose addresses stand for it.
@@ -54,6 +55,12 @@ class Address(NamedTuple):
         if not text:
             raise InvalidInput(
                 tr("address: is missing; it must be such as https://host/run or s3://bucket/run")
+            )
+        if len(text) > MAX_HEADER_CHARACTERS or not text.isprintable():
+            raise InvalidInput(
+                tr("address: must be of {most} printable characters at most").format(
+                    most=MAX_HEADER_CHARACTERS
+                )
             )
         try:
             parts = urlsplit(text)
