@@ -49,6 +49,10 @@ MAX_JPEG_SCANS = 100
 MAX_PICTURE_PX = 200_000_000
 #: Bytes of the same with many bands, or of more than 8 bits: four of 16 bits.
 MAX_PICTURE_BYTES = 8 * MAX_PICTURE_PX
+#: Longest file of an image that is read: that of the largest picture, not packed; it is in memory.
+MAX_IMAGE_FILE_BYTES = MAX_PICTURE_BYTES + MAX_PICTURE_EXTRA_BYTES
+#: Files of one image in a shard: it, its row, what places it on the map, its products. There are ten kinds of them.
+MAX_IMAGE_MEMBERS = 100
 #: Pixels along its longer side.
 MAX_PICTURE_SIDE_PX = 20_000
 #: Bands of a picture: imaging spectrometers have some 250.

@@ -8285,6 +8285,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/stored.py"/>
+        <source>image {0}: has {1:,} bytes; must have {2:,} at most</source>
+        <translation>imagen {0}: tiene {1:,} bytes; debe tener {2:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
         <source>image {0}: is not where the table says it is, as the shard is torn or another one</source>
         <translation>imagen {0}: no está donde dice la tabla, porque el fragmento está dañado o es otro</translation>
     </message>
@@ -8300,6 +8305,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: has more than {1} files of one image from byte {2:,} on</source>
+        <translation>fragmento {0}: tiene más de {1} archivos de una imagen a partir del byte {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
         <source>shard {0}: is cut short, as it has {1:,} bytes of {2:,.0f} that its images need</source>
         <translation>fragmento {0}: está cortado, porque tiene {1:,} bytes de los {2:,.0f} que necesitan sus imágenes</translation>
     </message>
@@ -8307,6 +8317,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/stored.py"/>
         <source>shard {0}: is not there</source>
         <translation>fragmento {0}: no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: states {1:,} bytes for the file at byte {2:,}</source>
+        <translation>fragmento {0}: indica {1:,} bytes para el archivo del byte {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: what it has of the image {1} at byte {2:,} is no whole file</source>
+        <translation>fragmento {0}: lo que tiene de la imagen {1} en el byte {2:,} no es un archivo completo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
