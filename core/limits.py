@@ -77,10 +77,12 @@ MAX_CAPABILITIES_BYTES = 32 << 20
 MAX_SERVICE_JSON_BYTES = 8 << 20
 #: Elements of a document in XML; the largest services have some 100,000.
 MAX_XML_ELEMENTS = 1_000_000
+#: Elements and attributes of a document together: lxml takes 220 bytes for each.
+MAX_XML_NODES = 3_000_000
 #: How deep they may be within each other; those of services are up to 20 deep.
 MAX_XML_DEPTH = 100
-#: Attributes of one of them; services write up to a dozen.
-MAX_XML_ATTRIBUTES = 1_000
+#: Attributes of one of them, each of which parsers compare with all others; services write up to a dozen.
+MAX_XML_ATTRIBUTES = 200
 #: Different names of elements and attributes; services use some hundred.
 MAX_XML_NAMES = 10_000
 #: Layers of a service and styles of layers: OWSLib takes 0.1 ms and 7 kB for each. The largest services have thousands.
@@ -111,6 +113,16 @@ MAX_JOURNAL_LINE_BYTES = 1 << 20
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
 #: default, take 700 MB.
 MAX_MISSION_BYTES = 1 << 30
+#: Bytes of a flight log that belong to no message: readers go through them one by one, and print a line for each.
+MAX_LOG_DAMAGE_BYTES = 1 << 20
+#: Fields of all topics that a PX4 log defines, each array and nested type in full; flights have some 10,000.
+MAX_LOG_FIELDS = 100_000
+#: Characters of the name of such a field or topic; PX4 has up to some 50.
+MAX_LOG_NAME_CHARACTERS = 255
+#: How deep types of such fields may be within each other; PX4 has two.
+MAX_LOG_DEPTH = 5
+#: Kinds of messages of an ArduPilot log in text; binary ones have a byte to number them.
+MAX_LOG_KINDS = 512
 #: Files in a KMZ, which is a zip; those of map programs hold a KML file and some hundred images.
 MAX_KMZ_FILES = 100_000
 

@@ -14370,6 +14370,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} elements and attributes</source>
+        <translation>más de {0:,} elementos y atributos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
         <source>more than {0:,} layers and styles</source>
         <translation>más de {0:,} capas y estilos</translation>
     </message>
