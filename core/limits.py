@@ -123,6 +123,11 @@ MAX_LOG_NAME_CHARACTERS = 255
 MAX_LOG_DEPTH = 5
 #: Kinds of messages of an ArduPilot log in text; binary ones have a byte to number them.
 MAX_LOG_KINDS = 512
+#: Polygons of an area or of no-fly areas, each of which is checked and laid out by itself; farms have some hundred.
+MAX_POLYGONS = 10_000
+#: Pairs of a polygon's sides that are looked at for crossings, as they share a longitude: 0.1 s for a million. Outlines
+#: of a million corners have some ten for each.
+MAX_PAIRS_OF_SIDES = 100_000_000
 #: Files in a KMZ, which is a zip; those of map programs hold a KML file and some hundred images.
 MAX_KMZ_FILES = 100_000
 

@@ -10309,6 +10309,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>area of {0:,} polygons: must be {1:,} at most</source>
+        <translation>área de {0:,} polígonos: debe tener {1:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: has no height; its north must lie above its south</source>
         <translation>recuadro desde la latitud {0} hasta {1}: no tiene altura; su norte debe quedar por encima de su sur</translation>
     </message>
@@ -10356,6 +10361,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>polygon ring of {0} corners: needs at least 3</source>
         <translation>anillo de polígono de {0} vértices: necesita al menos 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon whose sides are too many beside each other: {0:,} pairs of them share a longitude; {1:,} at most</source>
+        <translation>polígono con demasiados lados uno junto a otro: {0:,} pares de ellos comparten una longitud; {1:,} como máximo</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -10472,6 +10482,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds more than {1:,} files</source>
         <translation>{0}: contiene más de {1:,} archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds more than {1:,} polygons</source>
+        <translation>{0}: contiene más de {1:,} polígonos</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
