@@ -294,7 +294,7 @@ def read_dataflash(
         with _quiet(path):
             if text:
                 _check_lines(Path(path))
-                opened = reader.DFReader_text(os.fspath(path))
+                opened = _opened(reader.DFReader_text, Path(path))
             else:
                 opened = _dataflash_reader(reader, Path(path), progress)
             with contextlib.closing(opened) as log:
@@ -336,7 +336,20 @@ def _dataflash_reader(reader: Any, path: Path, progress: Progress) -> Any:
                 raise ValueError(f"its messages {message.get_type()} have no length")
             return message
 
-    return Reader(os.fspath(path))
+    return _opened(Reader, path)
+
+
+def _opened(reader: Any, path: Path) -> Any:
+    """Open a log with a reader of pymavlink's, which leaves files open that it cannot read."""
+    log = reader.__new__(reader)
+    try:
+        log.__init__(os.fspath(path))
+    except BaseException:
+        for name in ("data_map", "filehandle"):
+            with contextlib.suppress(AttributeError, BufferError):
+                getattr(log, name).close()
+        raise
+    return log
 
 
 def _check_messages(path: Path, progress: Progress) -> None:

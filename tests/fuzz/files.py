@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import shutil
 import tarfile
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
@@ -17,9 +20,11 @@ from terrainav.core.dataset.stored import Range, StoredImage
 from terrainav.core.dataset.table import Table, other_columns
 from terrainav.core.imagery.catalogue import described, shelf
 from terrainav.core.mission.cameras import camera_shelf
+from terrainav.core.poses.logs import read_dataflash, read_ulog
 from terrainav.core.safe_json import parse_json
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
+from tests.support.logs import FLIGHT, copter, dataflash, flight, ulog
 from tests.support.tables import table_of, text_of
 
 NOTES = (b'<PAMRasterBand band="1"><Description>a</Description></PAMRasterBand>', b"II*\0\x08\0\0\0\0\0")
@@ -154,6 +159,30 @@ def gdal_notes(data: bytes) -> None:
     stated_bands(data)
 
 
+def px4_log(data: bytes) -> None:
+    path = Path("a.ulg")
+    path.write_bytes(data)
+    read_ulog(path)
+
+
+def ardupilot_log(data: bytes) -> None:
+    path = Path("a.bin")
+    path.write_bytes(data)
+    read_dataflash(path)
+
+
+def logs() -> Iterator[Target]:
+    """Flight logs, where what reads them is installed."""
+    folder = Path(tempfile.mkdtemp(prefix="terrainav-fuzz-logs-"))
+    px4 = ulog(folder / "a.ulg", list(flight(FLIGHT))).read_bytes()
+    ardupilot = dataflash(folder / "a.bin", copter()).read_bytes()
+    shutil.rmtree(folder)
+    if importlib.util.find_spec("pyulog"):
+        yield Target("PX4 log", px4_log, mutated(px4), (px4[:56] + bytes(100_000),), quick=10)
+    if importlib.util.find_spec("pymavlink"):
+        yield Target("ArduPilot log", ardupilot_log, mutated(ardupilot), (bytes(100_000),), quick=10)
+
+
 def json_text(data: bytes) -> None:
     parse_json(data)
 
@@ -164,6 +193,7 @@ def targets() -> Iterator[Target]:
         b"\n".join
     )
     deep = b"[" * 100_000
+    yield from logs()
     yield Target("shard", shard, mutated(*SHARDS) | st.binary(max_size=2000), SHARDS)
     yield Target("notes of bands", gdal_notes, mutated(*NOTES), (b'<PAMRasterBand band="1">' * 50_000,))
     yield Target("journal", journal, mutated(lines) | outcomes, (deep + b"\n",))
