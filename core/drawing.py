@@ -7,6 +7,8 @@ import io
 from typing import Any
 
 from .errors import OutputError
+from .limits import MAX_TEXT_CHARACTERS
+from .text import printable, shortened
 
 #: Okabe and Ito's palette, which people with any kind of colour vision tell apart.
 BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
@@ -22,6 +24,8 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
 #: Sizes of text, in points.
 FONT = {"label": 11, "title": 13, "note": 9}
 _DPI = 130
+#: Characters of a foreign name in a diagram.
+_LABEL_CHARACTERS = 60
 
 
 def check_matplotlib() -> None:
@@ -53,6 +57,12 @@ def png(figure: Any) -> bytes:
     # Without the date and version that matplotlib writes by itself: the same figure gives the same bytes.
     figure.savefig(buffer, format="png", metadata={"Software": None})
     return buffer.getvalue()
+
+
+def label_of(name: str) -> str:
+    """Foreign name as a diagram shows it: one short line, and no formula, which stands between dollars."""
+    plain = " ".join(printable(name[:MAX_TEXT_CHARACTERS]).split())
+    return shortened(plain, _LABEL_CHARACTERS).replace("$", r"\$")
 
 
 def dress(axes: Any, title: str, across: str, up: str) -> None:

@@ -49,6 +49,10 @@ MAX_JPEG_SCANS = 100
 MAX_PICTURE_PX = 200_000_000
 #: Bytes of the same with many bands, or of more than 8 bits: four of 16 bits.
 MAX_PICTURE_BYTES = 8 * MAX_PICTURE_PX
+#: Longest file of an image that is read: that of the largest picture, not packed; it is in memory.
+MAX_IMAGE_FILE_BYTES = MAX_PICTURE_BYTES + MAX_PICTURE_EXTRA_BYTES
+#: Files of one image in a shard: it, its row, what places it on the map, its products. There are ten kinds of them.
+MAX_IMAGE_MEMBERS = 100
 #: Pixels along its longer side.
 MAX_PICTURE_SIDE_PX = 20_000
 #: Bands of a picture: imaging spectrometers have some 250.
@@ -73,10 +77,12 @@ MAX_CAPABILITIES_BYTES = 32 << 20
 MAX_SERVICE_JSON_BYTES = 8 << 20
 #: Elements of a document in XML; the largest services have some 100,000.
 MAX_XML_ELEMENTS = 1_000_000
+#: Elements and attributes of a document together: lxml takes 220 bytes for each.
+MAX_XML_NODES = 3_000_000
 #: How deep they may be within each other; those of services are up to 20 deep.
 MAX_XML_DEPTH = 100
-#: Attributes of one of them; services write up to a dozen.
-MAX_XML_ATTRIBUTES = 1_000
+#: Attributes of one of them, each of which parsers compare with all others; services write up to a dozen.
+MAX_XML_ATTRIBUTES = 200
 #: Different names of elements and attributes; services use some hundred.
 MAX_XML_NAMES = 10_000
 #: Layers of a service and styles of layers: OWSLib takes 0.1 ms and 7 kB for each. The largest services have thousands.
@@ -109,6 +115,21 @@ MAX_JOURNAL_LINE_BYTES = 1 << 20
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
 #: default, take 700 MB.
 MAX_MISSION_BYTES = 1 << 30
+#: Bytes of a flight log that belong to no message: readers go through them one by one, and print a line for each.
+MAX_LOG_DAMAGE_BYTES = 1 << 20
+#: Fields of all topics that a PX4 log defines, each array and nested type in full; flights have some 10,000.
+MAX_LOG_FIELDS = 100_000
+#: Characters of the name of such a field or topic; PX4 has up to some 50.
+MAX_LOG_NAME_CHARACTERS = 255
+#: How deep types of such fields may be within each other; PX4 has two.
+MAX_LOG_DEPTH = 5
+#: Kinds of messages of an ArduPilot log in text; binary ones have a byte to number them.
+MAX_LOG_KINDS = 512
+#: Polygons of an area or of no-fly areas, each of which is checked and laid out by itself; farms have some hundred.
+MAX_POLYGONS = 10_000
+#: Pairs of a polygon's sides that are looked at for crossings, as they share a longitude: 0.1 s for a million. Outlines
+#: of a million corners have some ten for each.
+MAX_PAIRS_OF_SIDES = 100_000_000
 #: Files in a KMZ, which is a zip; those of map programs hold a KML file and some hundred images.
 MAX_KMZ_FILES = 100_000
 

@@ -112,7 +112,8 @@ class ImageSet:
         if not self.shards:
             return StoredImage(name, self.folder / name)
         place = Range(int(table.offset_bytes[index]), int(table.size_bytes[index]))
-        return StoredImage(name, self.folder / table.shard[index], place)
+        shard = table.shard[index]
+        return StoredImage(name, self.folder / shard, place, self.shards[shard])
 
     def path(self, index: int) -> Path:
         """Where the file of a row lies now: in its folder, or among the rejected ones.

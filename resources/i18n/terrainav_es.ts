@@ -14767,5 +14767,45 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <source>source {0!r}: holds a NUL character, which no name has</source>
         <translation>fuente {0!r}: contiene un carácter NUL, que ningún nombre tiene</translation>
     </message>
+    <message>
+        <location filename="../../core/dataset/stored.py" />
+        <source>image {0}: has {1:,} bytes; must have {2:,} at most</source>
+        <translation>imagen {0}: tiene {1:,} bytes; debe tener {2:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py" />
+        <source>shard {0}: has more than {1} files of one image from byte {2:,} on</source>
+        <translation>fragmento {0}: tiene más de {1} archivos de una imagen a partir del byte {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py" />
+        <source>shard {0}: states {1:,} bytes for the file at byte {2:,}</source>
+        <translation>fragmento {0}: indica {1:,} bytes para el archivo del byte {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py" />
+        <source>shard {0}: what it has of the image {1} at byte {2:,} is no whole file</source>
+        <translation>fragmento {0}: lo que tiene de la imagen {1} en el byte {2:,} no es un archivo completo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py" />
+        <source>area of {0:,} polygons: must be {1:,} at most</source>
+        <translation>área de {0:,} polígonos: debe tener {1:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py" />
+        <source>polygon whose sides are too many beside each other: {0:,} pairs of them share a longitude; {1:,} at most</source>
+        <translation>polígono con demasiados lados uno junto a otro: {0:,} pares de ellos comparten una longitud; {1:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py" />
+        <source>{0}: holds more than {1:,} polygons</source>
+        <translation>{0}: contiene más de {1:,} polígonos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py" />
+        <source>more than {0:,} elements and attributes</source>
+        <translation>más de {0:,} elementos y atributos</translation>
+    </message>
     </context>
 </TS>

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import tarfile
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +13,13 @@ from osgeo import gdal, ogr
 from qgis.core import QgsApplication, QgsProject
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
+from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.remote import geoparquet
 from terrainav.terrainav_plugin.remote.address import Address
 from terrainav.terrainav_plugin.remote.copies import address_of, copy_of, found_copy
+from terrainav.terrainav_plugin.remote.images import Images
 
 from tests.plugin.test_project import choose_in_menu
 from tests.plugin.test_viewer import pixel_of, pixels
@@ -465,3 +468,15 @@ def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside)
         ours
         == f"{copy_of(Address('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"
     )
+
+
+@pytest.mark.parametrize(("size", "said"), [(-512, "states -512 bytes"), (-1024, "states -1,024 bytes")])
+def test_a_file_of_negative_size_in_a_shard_is_said(plugin, tmp_path, size, said):
+    data, member = b"image" + bytes(507), tarfile.TarInfo("0.jgw")
+    first = tarfile.TarInfo("0.png")
+    first.size, member.size = 5, size
+    (tmp_path / "satellite").mkdir()
+    (tmp_path / "satellite" / "x.tar").write_bytes(first.tobuf() + data + member.tobuf(tarfile.GNU_FORMAT))
+    row = {"shard": "x.tar", "offset_bytes": "512", "size_bytes": "5"}
+    with pytest.raises(InvalidInput, match=rf"x\.tar: {said} for the file at byte 1,024$"):
+        Images().fetch(tmp_path, "satellite", "a.png", row, with_depth=False)

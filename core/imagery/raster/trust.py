@@ -77,6 +77,8 @@ _TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
 _TIFF_ENTRIES = 4096
 #: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
 _DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
+#: Pieces between the colons and quotation marks of such a name: some formats have five.
+_MOST_PIECES = 20
 #: GDAL's virtual file systems, and what of them is on other machines.
 VIRTUAL, CURL = "/vsi", "/vsicurl/"
 FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
@@ -119,6 +121,9 @@ def file_of_part(name: str) -> str:
     if not _DRIVER.match(name):
         return ""
     pieces = re.split(r'[:"]', name)
+    if len(pieces) > _MOST_PIECES:
+        # Each stretch of them would be looked for.
+        return ""
     spans = combinations(range(1, len(pieces) + 1), 2)
     # The longest first: a path may hold colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
