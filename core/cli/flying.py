@@ -71,7 +71,8 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
                 arguments.mission_file,
                 name.replace("_", "-"),
             )
-    return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
+    mission = Mission.load(arguments.mission_file, named_by_user=True)
+    return mission, {**resolve(given, config=arguments.config), NAMED: False}
 
 
 def _name_of(source: str) -> str:

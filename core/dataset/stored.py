@@ -15,7 +15,9 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from ..errors import InvalidInput
-from ..stores import get, get_range, is_address, is_file, sizes_in
+from ..files import open_foreign, read_if_there
+from ..limits import MAX_IMAGE_FILE_BYTES
+from ..stores import get_range, is_address, is_file, sizes_in
 from .table import Table
 
 #: Tars are of blocks, and a member's header is one.
@@ -72,11 +74,17 @@ class StoredImage:
             A store that cannot be asked.
         """
         if self.range is None:
-            data = get(self.place)
+            data = read_if_there(self.place, MAX_IMAGE_FILE_BYTES)
             if data is None:
                 raise InvalidInput("image {0}: is not there", self)
             return data
         offset, size = self.range
+        if size > MAX_IMAGE_FILE_BYTES:
+            raise InvalidInput(
+                "image {0}: is larger than {1:,.0f} MB, says the table",
+                self,
+                MAX_IMAGE_FILE_BYTES / 1000000.0,
+            )
         data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size)
         member = member_of(data[:TAR_BLOCK_BYTES])
         if (
@@ -113,7 +121,7 @@ class StoredImage:
             if is_address(path):
                 return get_range(path, start, length)
             try:
-                with path.open("rb") as file:
+                with open_foreign(path) as file:
                     file.seek(start)
                     return file.read(length)
             except FileNotFoundError as wrong:

@@ -19,8 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
+from ..files import open_foreign
 from ..geodesy.camera import attitude_of
 from ..geodesy.quaternions import quaternions_of_angles, rotations_of
+from ..limits import MAX_MISSION_BYTES
 from ..mission.clock import CLOCKS, implausible, is_dated
 from ..text import whole_number
 from .track import REPORT_EACH, Progress, Track, report, unwatched
@@ -174,7 +176,7 @@ def read_ulog(
     wanted = [_PLACE, _ATTITUDE, _HOME, *_RECEIVERS]
     try:
         # Given a name, pyulog leaves the file open where it cannot read it.
-        with _quiet(path), Path(path).open("rb") as file:
+        with _quiet(path), open_foreign(path, MAX_MISSION_BYTES) as file:
             _check_formats(file)
             log = pyulog.ULog(_Watched(file, progress), wanted)
     except Cancelled:

@@ -7450,6 +7450,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: ya no tiene {1}</translation>
     </message>
     <message>
+        <location filename="../../core/capture/blocks/block.py"/>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>{0}: {1} cannot be read ({2})</source>
+        <translation>{0}: {1} no se puede leer ({2})</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <source>capture it first</source>
@@ -7825,6 +7831,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
+        <location filename="../../core/files.py"/>
         <location filename="../../core/stores.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
@@ -7891,6 +7898,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
         <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has {1:,} x {2:,} px, more than {3:,} in all</source>
+        <translation>imagen {0}: tiene {1:,} x {2:,} px, más de {3:,} en total</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -8282,6 +8294,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/stored.py"/>
         <source>folder {0}: the table does not say where in a shard {1} is</source>
         <translation>carpeta {0}: la tabla no dice en qué parte de un fragmento está {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>image {0}: is larger than {1:,.0f} MB, says the table</source>
+        <translation>imagen {0}: ocupa más de {1:,.0f} MB, según la tabla</translation>
     </message>
     <message>
         <location filename="../../core/dataset/stored.py"/>
@@ -8678,6 +8695,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/files.py"/>
+        <source>a line is longer than {0} kB</source>
+        <translation>una línea ocupa más de {0} kB</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>file {0}: cannot be read ({1})</source>
+        <translation>archivo {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
         <source>folder {0}: a file is in its place</source>
         <translation>carpeta {0}: hay un archivo en su lugar</translation>
     </message>
@@ -8700,11 +8727,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>image {0}: cannot be placed ({1})</source>
         <translation>imagen {0}: no se puede colocar ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>larger than {0:,.0f} MB</source>
-        <translation>mayor que {0:,.0f} MB</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
@@ -9433,11 +9455,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/mbtiles.py"/>
         <source>{0}: takes more than {1:g} s to look a tile up</source>
         <translation>{0}: tarda más de {1:g} s en buscar una tesela</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/mbtiles.py"/>
-        <source>{0}: {1} cannot be read ({2})</source>
-        <translation>{0}: {1} no se puede leer ({2})</translation>
     </message>
     <message>
         <location filename="../../core/imagery/opening.py"/>
@@ -14359,6 +14376,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>más de {0} MB o {1:,} elementos</translation>
     </message>
     <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>it holds more than {0:,} objects</source>
+        <translation>contiene más de {0:,} objetos</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>larger than {0:,.0f} MB</source>
+        <translation>mayor que {0:,.0f} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>only {0:,} bytes have come within {1:,.0f} s</source>
+        <translation>solo han llegado {0:,} bytes en {1:,.0f} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>the answer has not ended within {0:,.0f} s</source>
+        <translation>la respuesta no ha terminado en {0:,.0f} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>the answer is larger than {0} MB</source>
+        <translation>la respuesta ocupa más de {0} MB</translation>
+    </message>
+    <message>
         <location filename="../../core/stores.py"/>
         <source>address {0!r}: must be a folder, or begin with {1}</source>
         <translation>dirección {0!r}: debe ser una carpeta o empezar por {1}</translation>
@@ -14370,8 +14412,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/stores.py"/>
-        <source>file {0}: cannot be read ({1})</source>
-        <translation>archivo {0}: no se puede leer ({1})</translation>
+        <source>folder {0}: cannot be written ({1})</source>
+        <translation>carpeta {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
         <location filename="../../core/stores.py"/>

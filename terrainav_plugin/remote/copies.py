@@ -16,8 +16,9 @@ from qgis.core import QgsApplication
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import write_whole
+from ...core.files import read_limited, write_whole
 from ...core.imagery.http.client import NotThere
+from ...core.limits import MAX_SETTINGS_BYTES
 from ...core.mission.mission import Mission
 from ...core.safe_json import parse_json
 from ..i18n import tr
@@ -78,7 +79,7 @@ def _copies() -> Path:
 def address_of(folder: Path) -> Address | None:
     """Address that a folder is the copy of; None where it is no copy."""
     try:
-        found = parse_json((folder / ADDRESS_FILE).read_bytes())
+        found = parse_json(read_limited(folder / ADDRESS_FILE, MAX_SETTINGS_BYTES))
         return Address.of(str(found["address"]))
     except (OSError, InvalidInput, KeyError, TypeError):
         return None

@@ -18,7 +18,7 @@ from typing import Any
 from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
-from ...files import is_there
+from ...files import is_there, open_foreign
 from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
 from ..template import check_address, host_of
 
@@ -207,7 +207,7 @@ def _tiff_metadata(file: Path, head: bytes) -> bytes:
         if form is None:
             return b""
         offset_kind, offset_at, count_kind, entry_kind, entry_bytes = form
-        with file.open("rb") as opened:
+        with open_foreign(file) as opened:
             opened.seek(struct.unpack_from(order + offset_kind, head, offset_at)[0])
             (count,) = struct.unpack(order + count_kind, opened.read(struct.calcsize(count_kind)))
             entries = opened.read(min(count, _TIFF_ENTRIES) * entry_bytes)
@@ -267,7 +267,7 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
 
 def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
     try:
-        with file.open("rb") as opened:
+        with open_foreign(file) as opened:
             return opened.read(size)
     except OSError as wrong:
         raise InvalidInput("{0}: cannot be read ({1})", file.name, wrong.strerror) from wrong
