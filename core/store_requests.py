@@ -11,7 +11,6 @@ import asyncio
 import importlib
 import time
 from collections.abc import AsyncIterator, Awaitable, Sequence
-from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from typing import IO, Any, Callable, NamedTuple
 
@@ -23,8 +22,8 @@ from .limits import (
     MAX_STORE_SILENCE_S,
     MIN_STORE_BYTES_PER_S,
 )
+from .waiting import wait_for
 
-_POLL_S = 0.1
 _PIECE_BYTES = 1 << 18
 #: How often an object is asked for whose body breaks off.
 _TRIES = 3
@@ -169,27 +168,31 @@ def _ended(store: Any, work: Callable[[Moved], Awaitable[Any]], moved: Moved | N
 
     future = asyncio.run_coroutine_threadsafe(limited_work(), store.loop)
     try:
-        _wait(future, moved)
+        wait_for(future, _Watch(moved).look)
     except BaseException:
         future.cancel()
         raise
     return future.result()
 
 
-def _wait(future: Future[Any], moved: Moved) -> None:
-    began_s = since_s = time.monotonic()
-    before = 0
-    # Briefly at a time: on Windows Ctrl-C is heard in between.
-    while not wait([future], _POLL_S).done:
-        now_s = time.monotonic()
-        if now_s - began_s > MAX_STORE_S:
+class _Watch:
+    """Raises StoreLimitError where too little has come, or all takes too long."""
+
+    def __init__(self, moved: Moved) -> None:
+        self._moved, self._before = moved, 0
+        self._began_s = self._since_s = time.monotonic()
+
+    def look(self) -> None:
+        """Look at what has come."""
+        moved, now_s = self._moved, time.monotonic()
+        if now_s - self._began_s > MAX_STORE_S:
             raise StoreLimitError(Message("the answer has not ended within {0:,.0f} s", MAX_STORE_S))
-        past_s = now_s - since_s
+        past_s = now_s - self._since_s
         if past_s > MAX_STORE_SILENCE_S + moved.uncounted / MIN_STORE_BYTES_PER_S:
-            come = moved.come - before
+            come = moved.come - self._before
             if come < MIN_STORE_BYTES_PER_S * past_s:
                 raise StoreLimitError(Message("only {0:,} bytes have come within {1:,.0f} s", come, past_s))
-            since_s, before = now_s, moved.come
+            self._since_s, self._before = now_s, moved.come
 
 
 # --- Bodies of objects

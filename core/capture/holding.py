@@ -15,6 +15,7 @@ from ..errors import OutputError
 from ..files import open_locked, read_if_there
 from ..limits import MAX_SETTINGS_BYTES
 from ..stores import is_address, put, put_new, remove
+from ..waiting import check_cancelled
 from .folder import LOCK_FILE
 
 #: Seconds between a run's signs of life, and after how many without one it counts as dead.
@@ -79,6 +80,7 @@ class _Lease:
         found = read_if_there(self._path, MAX_SETTINGS_BYTES)
         until_s = time.monotonic() + DEAD_S
         while time.monotonic() < until_s:
+            check_cancelled()
             time.sleep(BEAT_S / 5.0)
             now = read_if_there(self._path, MAX_SETTINGS_BYTES)
             if now != found and now is not None:

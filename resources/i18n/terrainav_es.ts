@@ -14506,6 +14506,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>fracción</translation>
     </message>
     <message>
+        <location filename="../../core/waiting.py"/>
+        <source>stopped</source>
+        <translation>interrumpido</translation>
+    </message>
+    <message>
         <location filename="../../core/world/source.py"/>
         <source>CRS {0!r}: the synthetic world has {1}</source>
         <translation>SRC {0!r}: el mundo sintético tiene {1}</translation>

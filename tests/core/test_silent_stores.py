@@ -109,6 +109,16 @@ def hostile(way):
         server.close()
 
 
+#: A capture, which hears a first Ctrl-C and goes on, unless there is nothing yet.
+_CAPTURE = [
+    "capture",
+    "--coords",
+    "35.16_-89.90_35.158_-89.898_120",
+    "--max-px",
+    "200",
+    "--data-dir",
+    "s3://data/run",
+]
 #: The command, which does a piece of code after another in the place of its own work; each prints its code and line.
 _PROGRAM = f"""
 import os, resource, signal, sys
@@ -126,7 +136,7 @@ def run(code):
 def begin_cluster():
     with engines.open_engine("dask://" + os.environ["AWS_ENDPOINT_URL"].partition("//")[2]):
         pass
-cli._run = run
+real_run, cli._run = cli._run, run
 for text in sys.argv[1:]:
     port, code = text.split(" ", 1)
     os.environ["AWS_ENDPOINT_URL"] = f"http://127.0.0.1:{{port}}"
@@ -224,6 +234,7 @@ def test_a_scheduler_that_says_nothing_to_the_point_is_given_up():
         ("silent", "is_file(place)"),
         ("slow", "get(place, 1000)"),
         ("silent", "engines.MAX_SCHEDULER_SILENCE_S = 100.0; begin_cluster()"),
+        ("silent", f"real_run({_CAPTURE!r})"),
     ],
 )
 def test_ctrl_c_ends_what_waits(way, code):

@@ -9,7 +9,7 @@ import re
 import threading
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,11 +18,11 @@ from typing import Any
 
 from ...errors import InvalidInput, OutputError
 from ...limits import MAX_SCHEDULER_SILENCE_S
+from ...waiting import wait_for
 
 _DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
 _LOCAL = re.compile(r"local:(\d+)")
 _MOST_WORKERS = 1024
-_POLL_S = 0.1
 
 
 @dataclass
@@ -199,10 +199,13 @@ def _check_scheduler(address: str, what: str) -> None:
 
     threading.Thread(target=run, daemon=True).start()
     until_s = time.monotonic() + MAX_SCHEDULER_SILENCE_S
-    # Briefly at a time: on Windows Ctrl-C is heard in between.
-    while not wait([greeted], _POLL_S).done and time.monotonic() < until_s:
-        pass
-    if not greeted.done() or greeted.exception() is not None:
+
+    def look() -> None:
+        if time.monotonic() > until_s:
+            raise _no_scheduler(what)
+
+    wait_for(greeted, look)
+    if greeted.exception() is not None:
         raise _no_scheduler(what)
 
 
