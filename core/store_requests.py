@@ -146,7 +146,9 @@ def entries(store: Any, key: str) -> list[Entry]:
         if not listed and "/" in key:
             raise FileNotFoundError(key)
         return listed
-    found = ask(store, "ls", key, detail=True, sent_bytes=MAX_STORE_NAMES * _NAME_BYTES)
+    # Of others nothing is seen to come before all has; of those by HTTP it is one page, which is limited.
+    uncounted = 0 if _is_http(store) else MAX_STORE_NAMES * _NAME_BYTES
+    found = ask(store, "ls", key, detail=True, sent_bytes=uncounted)
     return [_entry(one) for one in found]
 
 

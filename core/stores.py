@@ -108,6 +108,12 @@ def store_path(place: Address) -> Path:
     return path
 
 
+def resolved(path: Path) -> Path:
+    """Path without dots and links; of an address by HTTP the address, whose server would be asked where it leads."""
+    by_http = is_address(path) and str(path).startswith(("http:", "https:"))
+    return path if by_http else path.resolve()
+
+
 def put(path: Path, data: bytes) -> None:
     """Put an object, whole or not at all; one that is there is replaced.
 

@@ -14,7 +14,7 @@ from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
 from ..files import json_bytes, open_foreign, text_lines, write_whole
 from ..limits import MAX_TABLE_BYTES
-from ..stores import Address
+from ..stores import Address, resolved
 from .huggingface import credit_of
 from .tables import chosen_sets, is_same, relative_folder
 
@@ -114,7 +114,7 @@ def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
 
 def name_of(dataset: Dataset) -> str:
     """What a dataset is called: as its folder."""
-    return dataset.folder.resolve().name or "dataset"
+    return resolved(dataset.folder).name or "dataset"
 
 
 def media_of(name: str) -> str:

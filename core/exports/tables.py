@@ -21,7 +21,7 @@ from ..errors import InvalidInput, OutputError
 from ..files import make_folder, new_folder, open_foreign, read_line, write_whole
 from ..limits import MAX_TABLE_BYTES
 from ..safe_json import parse_json
-from ..stores import Address, is_file, store_path
+from ..stores import Address, is_file, resolved, store_path
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -82,12 +82,12 @@ def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
 
 def relative_folder(dataset: Dataset, folder: Path) -> Path:
     """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own."""
-    return folder.resolve().relative_to(dataset.folder.resolve())
+    return resolved(folder).relative_to(resolved(dataset.folder))
 
 
 def is_same(folder: Path, other: Address) -> bool:
     """Whether two places are one folder."""
-    return folder.resolve() == store_path(other).resolve()
+    return resolved(folder) == resolved(store_path(other))
 
 
 def stem_of(name: str) -> str:

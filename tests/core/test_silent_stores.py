@@ -131,7 +131,8 @@ from terrainav.core.capture.blocks import engines
 from terrainav.core.files import open_foreign, read_limited
 from terrainav.core.stores import folders_in, get, get_range, is_file, put, sizes_in, store_path
 def run(code):
-    exec(code, {{**globals(), "place": store_path("s3://data/run")}})
+    by_http = store_path(os.environ["AWS_ENDPOINT_URL"] + "/run")
+    exec(code, {{**globals(), "place": store_path("s3://data/run"), "by_http": by_http}})
     return 0
 def begin_cluster():
     with engines.open_engine("dask://" + os.environ["AWS_ENDPOINT_URL"].partition("//")[2]):
@@ -183,11 +184,16 @@ def test_a_store_that_says_next_to_nothing_is_given_up():
             (slow, "get(place, 1000)"),
             (slow, "get_range(place, 0, 1000)"),
             (empty, "sizes_in(place)"),
+            (silent, "is_file(by_http)"),
+            (silent, "sizes_in(by_http)"),
+            (slow, "get(by_http, 1000)"),
         ]
         printed = printed_by(begun(*((server, few + code) for server, code in tasks)))
     assert printed[1::2] == ["ended 3"] * len(tasks), printed
     for line in printed[::2]:
-        assert re.fullmatch(r"terrainav: s3://data/run: only \d+ bytes have come within \d s", line), line
+        assert re.fullmatch(
+            r"terrainav: (s3://data|http://[\d.:]+)/run: only \d+ bytes have come within \d s", line
+        ), line
 
 
 def test_what_has_no_end_is_refused_before_it_fills_the_memory():
@@ -200,6 +206,8 @@ def test_what_has_no_end_is_refused_before_it_fills_the_memory():
                 (endless, "open_foreign(place, 1 << 20)"),
                 (endless, "sizes_in(place)"),
                 (endless, "folders_in(place)"),
+                (endless, "get(by_http, 1 << 20)"),
+                (endless, "sizes_in(by_http)"),
                 (listing, "requests.MAX_STORE_NAMES = 5000; sizes_in(place)"),
             )
         )
@@ -207,6 +215,10 @@ def test_what_has_no_end_is_refused_before_it_fills_the_memory():
         "ended 0",
         *["terrainav: larger than 1 MB", "ended 2"] * 3,
         *["terrainav: s3://data/run: the answer is larger than 8 MB", "ended 3"] * 2,
+        "terrainav: larger than 1 MB",
+        "ended 2",
+        f"terrainav: http://127.0.0.1:{endless.port}/run: the answer is larger than 8 MB",
+        "ended 3",
         "terrainav: s3://data/run: it holds more than 5,000 objects",
         "ended 3",
     ]
