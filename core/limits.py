@@ -112,6 +112,14 @@ MAX_JSON_DIGITS = 300
 MAX_SETTINGS_BYTES = 16 << 20
 #: Length of a line in a capture's journal, bytes: a name and a reason take a few hundred.
 MAX_JOURNAL_LINE_BYTES = 1 << 20
+#: Length of a line in a table or of a feature in a line, bytes: rows of a kB have some dozen columns.
+MAX_LINE_BYTES = 1 << 20
+#: Length of a table, a plan or a file of footprints, bytes: those of ten million images take some GB.
+MAX_TABLE_BYTES = 16 << 30
+#: Length of a record of a block in an object store, bytes: a block of 100,000 images takes some 40 MB.
+MAX_RECORD_BYTES = 256 << 20
+#: Length of the heights of a relief that a run leaves to its workers, bytes.
+MAX_RELIEF_BYTES = 4 << 30
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
 #: default, take 700 MB.
 MAX_MISSION_BYTES = 1 << 30
@@ -132,6 +140,22 @@ MAX_POLYGONS = 10_000
 MAX_PAIRS_OF_SIDES = 100_000_000
 #: Files in a KMZ, which is a zip; those of map programs hold a KML file and some hundred images.
 MAX_KMZ_FILES = 100_000
+
+
+# --- Object stores and clusters
+
+#: Seconds without an answer of an object store, until it is given up: three silences of 15 s, and the waits between.
+MAX_STORE_SILENCE_S = 60.0
+#: Bytes a second that come, or are sent, at least, over as many seconds: a tenth of a slow line.
+MIN_STORE_BYTES_PER_S = 10_000
+#: Seconds that one request to a store may take in all: a list of ten million names takes half an hour.
+MAX_STORE_S = 3600.0
+#: Answer of a store that is no object: a page of a list has a thousand names, of a kB each at most.
+MAX_STORE_ANSWER_BYTES = 8 << 20
+#: Objects in a folder of a store: a list of them takes 200 bytes each.
+MAX_STORE_NAMES = 10_000_000
+#: Seconds within which a scheduler of Dask's answers.
+MAX_SCHEDULER_SILENCE_S = 10.0
 
 
 # --- Missions

@@ -161,7 +161,7 @@ class Predictions:
         InvalidInput
             It cannot be read, has none of these columns, or names what is not there; the line is named.
         """
-        lines = read_rows(Path(path))
+        lines = read_rows(Path(path), named_by_user=True)
         _, header = next(lines)
         known = [name for name in ("references", *POSE) if name in header]
         if "query" not in header or not known:

@@ -12,8 +12,10 @@ from pathlib import Path
 
 from ..dataset.folder import JOURNAL_FILE
 from ..errors import OutputError
-from ..files import open_locked
-from ..stores import get, is_address, put, put_new, remove
+from ..files import open_locked, read_if_there
+from ..limits import MAX_SETTINGS_BYTES
+from ..stores import is_address, put, put_new, remove
+from ..waiting import check_cancelled
 from .folder import LOCK_FILE
 
 #: Seconds between a run's signs of life, and after how many without one it counts as dead.
@@ -63,7 +65,7 @@ class _Lease:
         self._ended.set()
         self._thread.join()
         # Another run may have taken over since the last beat.
-        if self._lost is None and self._is_own(get(self._path)):
+        if self._lost is None and self._is_own(read_if_there(self._path, MAX_SETTINGS_BYTES)):
             remove(self._path)
 
     def check(self) -> None:
@@ -75,11 +77,12 @@ class _Lease:
         return json.dumps({"run": self._token, "beat": self._beats}).encode("ascii")
 
     def _take_over(self) -> None:
-        found = get(self._path)
+        found = read_if_there(self._path, MAX_SETTINGS_BYTES)
         until_s = time.monotonic() + DEAD_S
         while time.monotonic() < until_s:
+            check_cancelled()
             time.sleep(BEAT_S / 5.0)
-            now = get(self._path)
+            now = read_if_there(self._path, MAX_SETTINGS_BYTES)
             if now != found and now is not None:
                 raise self._busy()
             if now is None:
@@ -89,7 +92,7 @@ class _Lease:
         # Of two that take over at once the last one to put has it; the other finds that out before it begins.
         put(self._path, self._content())
         time.sleep(BEAT_S / 5.0)
-        if get(self._path) != self._content():
+        if read_if_there(self._path, MAX_SETTINGS_BYTES) != self._content():
             raise self._busy()
 
     def _busy(self) -> OutputError:
@@ -113,7 +116,7 @@ class _Lease:
     def _signed(self) -> OutputError | None:
         """Give a sign of life, unless another run has taken over; what was wrong with that, if anything."""
         try:
-            found = get(self._path)
+            found = read_if_there(self._path, MAX_SETTINGS_BYTES)
             if found is not None and not self._is_own(found):
                 self._lost = OutputError(
                     "address {0}: another run has taken over, as this one gave no sign of life for {1:g} s",

@@ -17,6 +17,7 @@ from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..stores import is_address
 from ..text import printable
+from ..waiting import ended_where
 from .exits import DONE, INCOMPLETE, exit_code
 from .listing import opened_cache
 from .stopping import collected
@@ -71,7 +72,8 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
                 arguments.mission_file,
                 name.replace("_", "-"),
             )
-    return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
+    mission = Mission.load(arguments.mission_file, named_by_user=True)
+    return mission, {**resolve(given, config=arguments.config), NAMED: False}
 
 
 def _name_of(source: str) -> str:
@@ -350,7 +352,8 @@ def run_capture(arguments: argparse.Namespace) -> int:
                 sources[name] = opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
         mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.by_imagery or {"": mission}
-        how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
+        with ended_where(lambda: bool(signals)):
+            how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
         result = _run(mission, each, sources, values, arguments, lambda: bool(signals), how)
     if in_blocks and not result.cancelled and result.written + result.skipped:
         _describe(values["data_dir"])

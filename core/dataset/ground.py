@@ -9,7 +9,6 @@ ground whatever the blocks are like, as every image is compared with all that ar
 from __future__ import annotations
 
 import csv
-import io
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,16 +17,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..errors import InvalidInput
+from ..files import open_foreign, text_lines
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.reference import check_reference
+from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number
-from ..stores import is_file, opened
-from .dataset import UNREADABLE, ImageSet, open_bands, size_of
+from ..stores import is_file
+from .dataset import UNREADABLE, ImageSet, open_bands, picture_of, size_of
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
 from .stored import ImageFile, has_beside
@@ -271,7 +271,7 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
         if stored is not None:
             return not stored.is_placed
         try:
-            with Image.open(io.BytesIO(path.read_bytes())) as image:
+            with picture_of(path) as image:
                 return _PLACE_TAGS.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
@@ -293,8 +293,8 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
     corners = np.full((len(names), len(headers)), np.nan)
     missing = {name: at for at, name in enumerate(names)}
     try:
-        with io.TextIOWrapper(opened(plan), encoding="utf-8", newline="") as file:
-            reader = csv.reader(file, strict=True)
+        with open_foreign(plan, MAX_TABLE_BYTES) as file:
+            reader = csv.reader(text_lines(file, "utf-8"), strict=True)
             present = next(reader, [])
             name_at, *columns = (present.index(header) for header in ("name", *headers))
             for row in reader:

@@ -15,9 +15,9 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from ..errors import InvalidInput
-from ..files import open_foreign
+from ..files import open_foreign, read_if_there
 from ..limits import MAX_IMAGE_FILE_BYTES, MAX_IMAGE_MEMBERS
-from ..stores import get, get_range, is_address, is_file, sizes_in
+from ..stores import get_range, is_address, is_file, sizes_in
 from .table import Table
 
 #: Tars are of blocks, and a member's header is one.
@@ -88,7 +88,7 @@ class StoredImage:
             A store that cannot be asked.
         """
         if self.range is None:
-            data = get(self.place)
+            data = read_if_there(self.place, MAX_IMAGE_FILE_BYTES)
             if data is None:
                 raise InvalidInput("image {0}: is not there", self)
             return data

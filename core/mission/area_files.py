@@ -80,7 +80,7 @@ def load_polygons(
         A KML file, and lxml is not installed.
     """
     try:
-        body = read_limited(path, MAX_MISSION_BYTES)
+        body = read_limited(path, MAX_MISSION_BYTES, named_by_user=True)
     except OSError as wrong:
         raise InvalidInput("{0}: cannot be read ({1})", where, wrong.strerror or wrong) from wrong
     except InvalidInput as wrong:

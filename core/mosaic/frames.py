@@ -20,6 +20,7 @@ from ..dataset.ground import of_camera, plane_of
 from ..dataset.labels import middle_of
 from ..dataset.table import Table, taken
 from ..errors import InvalidInput
+from ..files import open_foreign, read_limited
 from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.local import axes_at, geocentric
@@ -27,11 +28,13 @@ from ..geodesy.mercator import MAX_LAT_DEG, Plane, WebMercator, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
+from ..limits import MAX_SETTINGS_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief import Heights
 from ..numbers import real_number
 from ..picture.heights import heights_of
+from ..safe_json import decoded
 from .raster import Block, Ground, places, positions
 
 Floats = NDArray[np.float64]
@@ -575,10 +578,10 @@ def _affine_of(path: Path) -> tuple[float, ...]:
     try:
         if path.suffix not in _WORLD_FILES:
             # Of a large file, its directory alone is read.
-            with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
+            with open_foreign(path) as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
                 found = affine_of(data)
         else:
-            text = path.with_suffix(_WORLD_FILES[path.suffix]).read_text("ascii")
+            text = decoded(read_limited(path.with_suffix(_WORLD_FILES[path.suffix]), MAX_SETTINGS_BYTES))
             xx, yx, xy, yy, x, y = map(real_number, text.split())
             found = (x - (xx + xy) / 2.0, xx, xy, y - (yx + yy) / 2.0, yx, yy)
     except (OSError, ValueError) as wrong:

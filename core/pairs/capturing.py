@@ -13,10 +13,11 @@ from ..capture.making import DEFAULT_CONNECTIONS, check_source
 from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
-from ..errors import Message, OptionName, OutputError
-from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, write_whole
+from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, read_limited, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
+from ..limits import MAX_MISSION_BYTES
 from ..text import table_cell
 from .parts import TEST, TRAIN
 from .planning import DRONE, SATELLITE, PairPlan
@@ -134,9 +135,14 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     """Refuse a folder that is not for these settings."""
     mark = path / SETTINGS_FILE
     try:
-        found = mark.read_bytes() if mark.exists() else None
-    except OSError as wrong:
-        raise OutputError("folder {0}: cannot read {1} ({2})", path, SETTINGS_FILE, wrong.strerror) from wrong
+        found = read_limited(mark, MAX_MISSION_BYTES) if mark.exists() else None
+    except (OSError, InvalidInput) as wrong:
+        raise OutputError(
+            "folder {0}: cannot read {1} ({2})",
+            path,
+            SETTINGS_FILE,
+            getattr(wrong, "strerror", None) or wrong,
+        ) from wrong
     if found is not None:
         if found != wanted:
             raise OutputError(

@@ -29,6 +29,7 @@ from ..limits import (
     MAX_LOG_FIELDS,
     MAX_LOG_KINDS,
     MAX_LOG_NAME_CHARACTERS,
+    MAX_MISSION_BYTES,
 )
 from ..mission.clock import CLOCKS, implausible, is_dated
 from .track import REPORT_EACH, Progress, Track, report, unwatched
@@ -190,7 +191,7 @@ def read_ulog(
     wanted = [_PLACE, _ATTITUDE, _HOME, *_RECEIVERS]
     try:
         # Given a name, pyulog leaves the file open where it cannot read it.
-        with _quiet(path), open_foreign(path) as file:
+        with _quiet(path), open_foreign(path, MAX_MISSION_BYTES) as file:
             log = _ulog_reader(pyulog)(_Watched(file, progress), wanted)
     except Cancelled:
         raise

@@ -24,7 +24,8 @@ from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import write_whole
+from ...core.files import open_foreign, write_whole
+from ...core.limits import MAX_JOURNAL_LINE_BYTES
 from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
@@ -176,9 +177,11 @@ class FailedImages:
             self._find_footprints()
             if not self._reasons:
                 self.path.unlink(missing_ok=True)
-        except OSError as wrong:
+        except (OSError, InvalidInput) as wrong:
             raise OutputError(
-                "failed images of {0}: cannot be written ({1})", self._folder, wrong.strerror
+                "failed images of {0}: cannot be written ({1})",
+                self._folder,
+                getattr(wrong, "strerror", None) or wrong,
             ) from wrong
         if self._reasons:
             write_whole(self.path, self._lines())
@@ -189,13 +192,15 @@ class FailedImages:
         path = self._folder / JOURNAL_FILE
         if not path.is_file():
             return
-        with path.open("rb") as file:
+        with open_foreign(path) as file:
             file.seek(self._read_bytes)
             rest = b""
             while chunk := file.read(_CHUNK_BYTES):
-                # What follows the last line's end is still being written.
+                # What follows the last line's end is still being written; what is longer than any line is none of ours.
                 whole, _, rest = (rest + chunk).rpartition(b"\n")
                 self._note(whole)
+                if len(rest) > MAX_JOURNAL_LINE_BYTES:
+                    rest = b""
                 self._read_bytes = file.tell() - len(rest)
 
     def _note(self, lines: bytes) -> None:

@@ -24,9 +24,10 @@ from ...core.capture.georeference import WEB_MERCATOR_WKT, wkt_1
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, InvalidInput, Message, OutputError
-from ...core.files import partial_file, write_whole
+from ...core.files import open_foreign, partial_file, read_limited, write_whole
 from ...core.geodesy.reference import read_reference
 from ...core.imagery.raster.place import named_crs
+from ...core.limits import MAX_VRT_BYTES
 from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of
 from ..i18n import tr
@@ -109,7 +110,7 @@ class Mosaic(NamedTuple):
                 raise _failed(self.path)
             return named_crs(read_reference(raster.GetProjection()))
         try:
-            with self.path.open("rb") as file:
+            with open_foreign(self.path) as file:
                 head = file.read(_HEAD_BYTES).decode("utf-8", "replace")
         except OSError as wrong:
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
@@ -471,7 +472,7 @@ def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterat
 
 def _shown_in(mosaic: Path) -> set[str]:
     """Files' names of the pictures that a virtual raster shows, of its last band."""
-    text = mosaic.read_bytes()
+    text = read_limited(mosaic, MAX_VRT_BYTES)
     band = text[text.rfind(b"<VRTRasterBand") :]
     return {Path(os.fsdecode(name)).name for name in _SOURCE.findall(band)}
 

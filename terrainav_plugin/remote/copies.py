@@ -17,8 +17,9 @@ from qgis.core import QgsApplication
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.dataset.vectors import checked_geojson
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import partial_file, write_whole
+from ...core.files import partial_file, read_limited, write_whole
 from ...core.imagery.http.client import NotThere
+from ...core.limits import MAX_SETTINGS_BYTES
 from ...core.mission.mission import Mission
 from ...core.safe_json import parse_json
 from ..foreign import check_driver
@@ -84,7 +85,7 @@ def address_of(folder: Path) -> Address | None:
     if _copies() not in folder.parents or ".." in folder.parts:
         return None
     try:
-        found = parse_json((folder / ADDRESS_FILE).read_bytes())
+        found = parse_json(read_limited(folder / ADDRESS_FILE, MAX_SETTINGS_BYTES))
         return Address.of(str(found["address"]))
     except (OSError, InvalidInput, KeyError, TypeError):
         return None

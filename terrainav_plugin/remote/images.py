@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ...core.dataset.stored import TAR_BLOCK_BYTES, holds_file, is_name, members
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import write_whole
+from ...core.files import open_foreign, write_whole
 from ...core.imagery.http.client import NotThere
 from ...core.limits import MAX_FETCHED_IMAGE_BYTES
 from ...core.text import whole_number
@@ -166,7 +166,7 @@ class Images:
         def read(start: int, length: int) -> bytes:
             if address is not None:
                 return self._store(address).part(name, start, length)
-            with (folder / map_type / part.shard).open("rb") as tar:
+            with open_foreign(folder / map_type / part.shard) as tar:
                 tar.seek(start)
                 return tar.read(length)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import platform
 import sys
 import threading
@@ -19,17 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import OutputError, PartError
-from ...files import write_whole
+from ...files import read_if_there, write_whole
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats, digests_of
 from ...imagery.source import Source
+from ...limits import MAX_RELIEF_BYTES
 from ...mission.parts import Terrain
 from ...mission.plan import Plan
 from ...picture.heights import heights_for, landscape_crs
 from ...picture.optics import Exposures
 from ...resources import version
 from ...safe_json import parse_json
-from ...stores import get, store_path
+from ...stores import store_path
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making
@@ -341,10 +343,29 @@ def _with_heights(block: Block) -> Plan:
 @lru_cache(maxsize=1)
 def _surface(destination: str, _run: str) -> NDArray[Any]:
     """Heights that a run has left for its workers."""
-    data = get(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE)
+    data = read_if_there(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
     if data is None:
         raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)
-    heights_m: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    try:
+        return _array_of(data)
+    except ValueError as wrong:
+        raise OutputError("{0}: {1} cannot be read ({2})", destination, RELIEF_FILE, wrong) from wrong
+
+
+def _array_of(data: bytes) -> NDArray[Any]:
+    """Heights of a file of numpy's, whose header may ask for more than there is; raises ValueError."""
+    file = io.BytesIO(data)
+    numpy_format: Any = np.lib.format
+    if numpy_format.read_magic(file) != (1, 0):
+        raise ValueError("it is of another version of numpy's format")
+    shape, in_columns, dtype = numpy_format.read_array_header_1_0(file)
+    if dtype.kind != "f" or len(shape) != 2:
+        raise ValueError("it holds no heights")
+    if math.prod(shape) * dtype.itemsize != len(data) - file.tell():
+        raise ValueError("it is cut short, or has more than it says")
+    heights_m: NDArray[Any] = np.frombuffer(data, dtype, offset=file.tell()).reshape(
+        shape, order="F" if in_columns else "C"
+    )
     return heights_m
 
 

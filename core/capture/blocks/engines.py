@@ -6,6 +6,8 @@ import asyncio
 import logging
 import os
 import re
+import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -15,12 +17,12 @@ from importlib.util import find_spec
 from typing import Any
 
 from ...errors import InvalidInput, OutputError
+from ...limits import MAX_SCHEDULER_SILENCE_S
+from ...waiting import wait_for
 
 _DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
 _LOCAL = re.compile(r"local:(\d+)")
 _MOST_WORKERS = 1024
-#: Seconds within which a scheduler answers that is there.
-_ANSWER_S = 10.0
 
 
 @dataclass
@@ -92,7 +94,9 @@ def open_engine(text: str) -> Iterator[Engine]:
         with _local_cluster(int(local[1])) as engine:
             yield engine
     elif remote is not None:
-        with _client(f"tcp://{remote[1]}:{remote[2]}", text) as client:
+        address = f"tcp://{remote[1]}:{remote[2]}"
+        _check_scheduler(address, text)
+        with _client(address, text) as client:
             yield _engine_of(client)
     else:
         raise InvalidInput(
@@ -168,13 +172,54 @@ async def _begin_no_worker_again(cluster: Any) -> None:
             await asyncio.sleep(0.01)
 
 
+def _check_scheduler(address: str, what: str) -> None:
+    """Greet a scheduler: Dask's client takes minutes to give up one that says nothing, and hears no Ctrl-C meanwhile.
+
+    Raises
+    ------
+    OutputError
+        There is none.
+    """
+    core, greeted = _distributed().core, Future[None]()
+
+    async def greet() -> None:
+        comm = await core.connect(address, timeout=MAX_SCHEDULER_SILENCE_S)
+        try:
+            await core.send_recv(comm, op="identity")
+        finally:
+            comm.abort()
+
+    def run() -> None:
+        try:
+            asyncio.run(greet())
+        except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+            greeted.set_exception(wrong)
+        else:
+            greeted.set_result(None)
+
+    threading.Thread(target=run, daemon=True).start()
+    until_s = time.monotonic() + MAX_SCHEDULER_SILENCE_S
+
+    def look() -> None:
+        if time.monotonic() > until_s:
+            raise _no_scheduler(what)
+
+    wait_for(greeted, look)
+    if greeted.exception() is not None:
+        raise _no_scheduler(what)
+
+
+def _no_scheduler(what: str) -> OutputError:
+    return OutputError("cluster {0}: no scheduler answers there", what)
+
+
 @contextmanager
 def _client(address: str, what: str) -> Iterator[Any]:
     distributed = _distributed()
     try:
-        client = distributed.Client(address, timeout=_ANSWER_S, set_as_default=False)
+        client = distributed.Client(address, timeout=MAX_SCHEDULER_SILENCE_S, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as wrong:
-        raise OutputError("cluster {0}: no scheduler answers there", what) from wrong
+        raise _no_scheduler(what) from wrong
     # What becomes of a connection is told in one line by who waits for blocks.
     log = logging.getLogger("distributed.client")
     level = log.level

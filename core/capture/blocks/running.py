@@ -23,6 +23,7 @@ from ...mission.plan import Plan
 from ...picture.heights import with_whole_paths
 from ...resources import version
 from ...stores import is_address
+from ...waiting import ended_where
 from ..choices import FOLDERS, IMAGES, WEBDATASET
 from ..holding import held
 from ..journal import FAILED, Outcome
@@ -107,14 +108,16 @@ def capture_in_blocks(
     with ExitStack() as opened:
         own = opened.enter_context(closing(source.open()))
         check_source(plan, own)
-        if only_failed:
-            check_in_blocks(destination)
-        place = Destination(destination, plan, resume=resume or only_failed)
-        check = opened.enter_context(held(place.root))
-        place.check_division(blocks.layout, blocks.images)
-        run = _Run(plan, source, own, place, engine, blocks, connections, listener, check)
-        run.notice = notice or (lambda _: None)
-        run.begin(only_failed=only_failed)
+        # Nothing is lost yet where a store that says nothing is given up at once.
+        with ended_where(cancelled):
+            if only_failed:
+                check_in_blocks(destination)
+            place = Destination(destination, plan, resume=resume or only_failed)
+            check = opened.enter_context(held(place.root))
+            place.check_division(blocks.layout, blocks.images)
+            run = _Run(plan, source, own, place, engine, blocks, connections, listener, check)
+            run.notice = notice or (lambda _: None)
+            run.begin(only_failed=only_failed)
         try:
             complete = run.make_all()
         finally:

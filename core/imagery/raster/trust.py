@@ -356,7 +356,7 @@ def _tiff_text(file: Path, head: bytes, wanted: int) -> bytes:
         if form is None:
             return b""
         offset_kind, offset_at, count_kind, entry_kind, entry_bytes = form
-        with file.open("rb") as opened:
+        with open_foreign(file) as opened:
             opened.seek(struct.unpack_from(order + offset_kind, head, offset_at)[0])
             (count,) = struct.unpack(order + count_kind, opened.read(struct.calcsize(count_kind)))
             entries = opened.read(min(count, _TIFF_ENTRIES) * entry_bytes)
@@ -416,7 +416,7 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
 
 def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
     try:
-        with file.open("rb") as opened:
+        with open_foreign(file) as opened:
             return opened.read(size)
     except OSError as wrong:
         raise InvalidInput("{0}: cannot be read ({1})", file.name, wrong.strerror) from wrong

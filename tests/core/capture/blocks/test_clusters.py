@@ -210,7 +210,7 @@ def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
 )
 def test_bad_input_is_one_line(options, said, bucket, tmp_path, monkeypatch, capsys):
     run = command(tmp_path, monkeypatch, capsys)
-    monkeypatch.setattr("terrainav.core.capture.blocks.engines._ANSWER_S", 0.5)
+    monkeypatch.setattr("terrainav.core.capture.blocks.engines.MAX_SCHEDULER_SILENCE_S", 0.5)
     places = () if "--data-dir" in options else ("--data-dir", "out")
     done = run("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", *places, *options)
     assert done.returncode in (2, 3), done.stderr
