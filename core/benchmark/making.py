@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..capture.begun import hold_to
 from ..capture.making import DEFAULT_CONNECTIONS
 from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
@@ -117,6 +118,7 @@ def make_benchmark(
     about = json.loads(json_bytes(worked_out.settings.to_dict()))
     _claim(path, about, resume=resume)
     with open_locked(path / _LOCK_FILE):
+        hold_to(path, BENCHMARK_FILE, about)
         results = capture_each(
             {name: (plan, sources[str(one)]) for name, (one, plan) in worked_out.captures.items()},
             path,

@@ -14,6 +14,7 @@ from ..geodesy.mercator import WebMercator
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..stores import get, is_address, put_new, sizes_in, store_path
+from .begun import edited_since
 from .choices import BLOCKS_FOLDER, DIVISION_FILE
 from .journal import Outcome
 
@@ -52,7 +53,9 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
     if not is_of(found, mission):
-        raise OutputError("folder {0}: holds another mission", folder, remedy="choose another folder")
+        raise edited_since(path, found, mission) or OutputError(
+            "folder {0}: holds another mission", folder, remedy="choose another folder"
+        )
     if not resume:
         raise OutputError(
             "folder {0}: already holds this mission",
@@ -85,7 +88,9 @@ def open_place(address: str | os.PathLike[str], mission: Mission, *, resume: boo
             return path
         found = get(path / MISSION_FILE) or b""
     if not is_of(found, mission):
-        raise OutputError("address {0}: holds another mission", address, remedy="choose another one")
+        raise edited_since(path, found, mission) or OutputError(
+            "address {0}: holds another mission", address, remedy="choose another one"
+        )
     if not resume:
         raise OutputError(
             "address {0}: already holds this mission",

@@ -23,6 +23,7 @@ from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..stores import is_address, store_path
+from .begun import hold_to_plan
 from .folder import (
     captured_mission,
     check_captured,
@@ -152,9 +153,11 @@ def capture(
         check_captured(folder)
     if has_blocks(folder):
         raise OutputError("folder {0}: was captured in blocks", folder, remedy="choose another folder")
-    path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
+    mission = captured_mission(plan)
+    path = open_folder(folder, mission, resume=resume or only_failed)
     listener = Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal:
+        hold_to_plan(path, plan, mission)
         run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)
         making = Making(
             plan,

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..capture.begun import hold_to
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.making import DEFAULT_CONNECTIONS, check_source
 from ..capture.progress import CaptureResult, Progress
@@ -117,6 +118,7 @@ def capture_pairs(
     with open_locked(path / CAPTURES_FOLDER / _LOCK_FILE):
         # Another run may have made the folder its own meanwhile.
         _refuse(path, wanted, resume=resume, ours=True)
+        hold_to(path, SETTINGS_FILE, worked_out.to_dict())
         write_whole(path / SETTINGS_FILE, wanted, durable=True)
         results = capture_each(
             captures,

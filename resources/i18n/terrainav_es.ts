@@ -7254,6 +7254,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/begun.py"/>
         <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
@@ -7445,6 +7446,84 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: clasifican {1}, que es de otra parte que las consultas</translation>
     </message>
     <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>another one</source>
+        <translation>otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it holds no mission</source>
+        <translation>no contiene ninguna misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it holds no settings of this version</source>
+        <translation>no contiene ajustes de esta versión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it plans fewer images</source>
+        <translation>planifica menos imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it plans more images</source>
+        <translation>planifica más imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/systems.py"/>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>none</source>
+        <translation>ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>others</source>
+        <translation>otros</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>put it back as it was or choose another folder</source>
+        <translation>vuelva a dejarlo como estaba o elija otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0:,} values</source>
+        <translation>{0:,} valores</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>{0} and {1:,} more</source>
+        <translation>{0} y {1:,} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0} from {1} to {2}</source>
+        <translation>{0} de {1} a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0} that differ</source>
+        <translation>{0} que difieren</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>{0}: its {1} cannot be read ({2}), so it is not known how it was begun</source>
+        <translation>{0}: su {1} no se puede leer ({2}), por lo que no se sabe cómo se empezó</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0}: its {1} was edited since the capture began: {2}</source>
+        <translation>{0}: su {1} se modificó después de comenzar la captura: {2}</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/blocks/block.py"/>
         <source>{0}: has no {1} any more</source>
         <translation>{0}: ya no tiene {1}</translation>
@@ -7480,11 +7559,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/destination.py"/>
         <source>{0}: holds this mission with other images, because the source or the version was another</source>
         <translation>{0}: contiene esta misión con otras imágenes, porque la fuente o la versión era otra</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/blocks/destination.py"/>
-        <source>{0}: its {1} cannot be read ({2}), so it is not known how it was begun</source>
-        <translation>{0}: su {1} no se puede leer ({2}), por lo que no se sabe cómo se empezó</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
@@ -7972,11 +8046,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>take the dtype stored, or capture with a stretch{0}</source>
         <translation>use el dtype stored, o capture con un realce{0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/dataset.py"/>
-        <source>{0} and {1:,} more</source>
-        <translation>{0} y {1:,} más</translation>
     </message>
     <message>
         <location filename="../../core/dataset/entropy.py"/>
@@ -8944,16 +9013,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/cameras.py"/>
         <source>did you mean {0}? </source>
         <translation>¿se quería decir {0}? </translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue.py"/>
-        <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <location filename="../../core/imagery/services/ogc.py"/>
-        <location filename="../../core/imagery/systems.py"/>
-        <location filename="../../core/mission/cameras.py"/>
-        <source>none</source>
-        <translation>ninguno</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>

@@ -13,6 +13,7 @@ from ...files import json_bytes, write_whole
 from ...mission.plan import Plan
 from ...safe_json import parse_json
 from ...stores import get, is_address, sizes_in, store_path
+from ..begun import hold_to_plan
 from ..choices import BLOCKS_FOLDER, DIVISION_FILE, FOLDERS, WEBDATASET
 from ..folder import captured_mission, is_complete, open_place, sizes_of_pictures
 from ..journal import FAILED
@@ -41,7 +42,8 @@ class Destination:
 
     def __init__(self, address: str, plan: Plan, *, resume: bool) -> None:
         self._address, self._plan = address, plan
-        self.root = open_place(address, captured_mission(plan), resume=resume)
+        self._mission = captured_mission(plan)
+        self.root = open_place(address, self._mission, resume=resume)
         self._layout = FOLDERS
 
     def records(self, map_type: str, divided: Sequence[Numbers]) -> dict[int, Record]:
@@ -81,7 +83,7 @@ class Destination:
         )
 
     def check_division(self, layout: str, images: int) -> None:
-        """Note how it is divided, or refuse to go on in another way than it was begun: asked once, before all else.
+        """Note how it is begun and divided, or refuse to go on in another way: asked once, before all else.
 
         Parameters
         ----------
@@ -96,6 +98,10 @@ class Destination:
             It was begun in another way, or captured without blocks.
         """
         self._layout = layout
+        self._check_blocks(layout, images)
+        hold_to_plan(self.root, self._plan, self._mission)
+
+    def _check_blocks(self, layout: str, images: int) -> None:
         wanted: dict[str, Any] = {
             "layout_of_files": layout,
             "images": images,

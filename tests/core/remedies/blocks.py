@@ -8,6 +8,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from uuid import uuid4
 
 from terrainav.core.capture import holding
+from terrainav.core.capture.begun import BEGUN_FILE
 from terrainav.core.capture.blocks.engines import Engine, open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
@@ -149,6 +150,37 @@ def _at_work(case: Case) -> None:
         captured(address, resume=True)
 
     case.follow("wait until it has ended", ended)
+
+
+@remedy(
+    "capture/begun.py",
+    "{}: its {} cannot be read ({}), so it is not known how it was begun; choose another folder",
+)
+def _torn_settings(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    (case.tmp_path / "out" / BEGUN_FILE).write_bytes(b"{")
+    case.refused(lambda: captured(case.tmp_path / "out", resume=True))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
+
+
+@remedy(
+    "capture/begun.py",
+    "{}: its {} was edited since the capture began: {}; put it back as it was or choose another folder",
+)
+def _edited(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    mark = case.tmp_path / "out" / "mission.json"
+    text = mark.read_bytes()
+    other = MISSION.with_(seed=8)
+    other.save(mark)
+    case.refused(lambda: captured(case.tmp_path / "out", other, resume=True))
+
+    def put_back():
+        mark.write_bytes(text)
+        captured(case.tmp_path / "out", resume=True)
+
+    case.follow("put it back as it was", put_back)
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other", other))
 
 
 @remedy(
