@@ -7412,11 +7412,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
-        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
-    </message>
-    <message>
-        <location filename="../../core/benchmark/running.py"/>
         <source>method {0}: returns {1!r}, which is no function of a query</source>
         <translation>método {0}: devuelve {1!r}, que no es una función de una consulta</translation>
     </message>
@@ -7713,8 +7708,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
-        <source>address {0}: another run has taken over, as this one gave no sign of life for {1:g} s</source>
-        <translation>dirección {0}: otra ejecución ha tomado el relevo, porque esta no dio señales de vida durante {1:g} s</translation>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>address</source>
+        <translation>dirección</translation>
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
@@ -7723,15 +7719,42 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
-        <source>wait until it has ended</source>
-        <translation>espere a que termine</translation>
+        <source>folder</source>
+        <translation>carpeta</translation>
     </message>
     <message>
+        <location filename="../../core/capture/holding.py"/>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: another run is at work in it</source>
+        <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
         <location filename="../../core/capture/journal.py"/>
         <location filename="../../core/files.py"/>
         <location filename="../../core/mission/export/geopackage.py"/>
         <source>folder {0}: cannot write {1} ({2})</source>
         <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>folder {0}: its {1} was replaced or removed, so that another run may be at work in it</source>
+        <translation>carpeta {0}: su {1} se sustituyó o se eliminó, de modo que otra ejecución puede estar trabajando en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>wait until it has ended</source>
+        <translation>espere a que termine</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>{0} {1}: another run has taken over, as this one gave no sign of life for {2:g} s</source>
+        <translation>{0} {1}: otra ejecución ha tomado el relevo, ya que esta no dio señales de vida durante {2:g} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/journal.py"/>
+        <source>folder {0}: another run has taken over, as its {1} tells</source>
+        <translation>carpeta {0}: otra ejecución ha tomado el relevo, según su {1}</translation>
     </message>
     <message>
         <location filename="../../core/capture/journal.py"/>
@@ -8749,11 +8772,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>folder {0}: a file is in its place</source>
         <translation>carpeta {0}: hay un archivo en su lugar</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>folder {0}: another run is at work in it</source>
-        <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
@@ -10043,11 +10061,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>{0} {1!r}: {2} offers {3}</source>
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/detecting.py"/>
-        <source>address</source>
-        <translation>dirección</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/detecting.py"/>
@@ -14521,6 +14534,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>share</source>
         <translation>fracción</translation>
+    </message>
+    <message>
+        <location filename="../../core/user_code.py"/>
+        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
+        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>
