@@ -7567,6 +7567,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cannot import TerrAInav ({0}: {1})</source>
+        <translation>no puede importar TerrAInav ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
         <source>cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT</source>
         <translation>clúster {0!r}: debe ser local:N, N procesos de este equipo hasta {1:,}, o dask://HOST:PORT</translation>
     </message>
@@ -7577,6 +7582,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cluster: {0:,} of {1:,} workers cannot make blocks: {2} {3}</source>
+        <translation>clúster: {0:,} de {1:,} procesos no pueden hacer bloques: {2} {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
         <source>clusters: Dask's distributed cannot be imported ({0})</source>
         <translation>clústeres: no se puede importar distributed de Dask ({0})</translation>
     </message>
@@ -7584,6 +7594,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/engines.py"/>
         <source>get it with: pip install 'terrainav[cluster]'</source>
         <translation>instálelo con: pip install 'terrainav[cluster]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has Python {0}, and the run has {1}</source>
+        <translation>tiene Python {0}, y la ejecución tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has TerrAInav {0}, and the run has {1}</source>
+        <translation>tiene TerrAInav {0}, y la ejecución tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has no TerrAInav</source>
+        <translation>no tiene TerrAInav</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has no {0}, which TerrAInav needs</source>
+        <translation>no tiene {0}, que TerrAInav necesita</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>install it there: pip install 'terrainav[cluster]=={0}'</source>
+        <translation>instálelo allí: pip install 'terrainav[cluster]=={0}'</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
@@ -7599,6 +7634,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/running.py"/>
         <source>block {0}: {1}: it is begun again</source>
         <translation>bloque {0}: {1}: se empieza de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>install it on each</source>
+        <translation>instálelo en cada uno</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
@@ -7629,6 +7669,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/running.py"/>
         <source>workers: not all have TerrAInav {0}</source>
         <translation>procesos de trabajo: no todos tienen TerrAInav {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: not all have what TerrAInav needs ({0})</source>
+        <translation>procesos: no todos tienen lo que TerrAInav necesita ({0})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>

@@ -311,6 +311,10 @@ class _Run:
                 version(),
                 remedy="install it on each, of the same version",
             ) from wrong
+        if isinstance(wrong, ImportError) and not self._engine.in_process:
+            raise OutputError(
+                "workers: not all have what TerrAInav needs ({0})", wrong, remedy="install it on each"
+            ) from wrong
         reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
         key, name = (map_type, number), block_name(map_type, number)
         self._tries[key] = self._tries.get(key, 1) + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import platform
 import sys
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -9,13 +10,14 @@ from uuid import uuid4
 
 from terrainav.core.capture import holding
 from terrainav.core.capture.begun import BEGUN_FILE
-from terrainav.core.capture.blocks.engines import Engine, open_engine
+from terrainav.core.capture.blocks.engines import Engine, _Workers, open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
 from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.resources import version
 from terrainav.core.stores import put, store_path
 
 from tests.core.remedies.files import extra_brings
@@ -127,6 +129,48 @@ def _not_installed(case: Case) -> None:
         case.refused(go)
         workers.wrong = None
         case.follow("install it on each, of the same version", go)
+
+
+@remedy("capture/blocks/running.py", "workers: not all have what TerrAInav needs ({}); install it on each")
+def _not_whole(case: Case) -> None:
+    with Failing(ModuleNotFoundError("No module named 'pyproj'")) as workers:
+        engine = Engine(workers, lambda: 1)
+        place = case.tmp_path / "out"
+
+        def go():
+            return capture(
+                plan(MISSION, SOURCE.grid), SOURCE, place, executor=engine, blocks=Blocks(), resume=True
+            )
+
+        case.refused(go)
+        workers.wrong = None
+        case.follow("install it on each", go)
+
+
+class _Asked:
+    """A client of a cluster of one worker."""
+
+    answer: object
+
+    def nthreads(self):
+        return {"tcp://127.0.0.1:1": 1}
+
+    def run(self, *_, **__):
+        return {"tcp://127.0.0.1:1": self.answer}
+
+
+@remedy(
+    "capture/blocks/engines.py",
+    "cluster: {} of {} workers cannot make blocks: {} {}; install it there: pip install 'terrainav[cluster]=={}'",
+)
+def _worker_without(case: Case) -> None:
+    client = _Asked()
+    client.answer = ModuleNotFoundError("No module named 'terrainav'", name="terrainav")
+    case.refused(lambda: _Workers(client).slots())
+    client.answer = (platform.python_version(), version(), True)
+    case.follow(
+        f"install it there: pip install 'terrainav[cluster]=={version()}'", lambda: _Workers(client).slots()
+    )
 
 
 @remedy("capture/holding.py", "address {}: another run is at work there; wait until it has ended")
