@@ -83,7 +83,8 @@ class Answer:
 
     def __post_init__(self) -> None:
         """Fail where it is made, rather than where it is judged."""
-        iter(self.references)
+        # What makes them one by one is the method's, and may fail.
+        object.__setattr__(self, "references", tuple(self.references))
         for name in POSE:
             float(getattr(self, name))
 

@@ -6,14 +6,14 @@ import importlib
 import math
 import sys
 import time
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput, TerrAInavError
+from ..errors import InvalidInput
+from ..user_code import called, is_ctrl_c, output_apart
 from .answers import Answer, Locate, Method, Numbers, Predictions, Query, query_of
 from .choices import METHODS
 from .folder import Benchmark
@@ -51,40 +51,29 @@ def method_named(name: str) -> Method:
     # As with `python -m`: modules of the current folder are found.
     if "" not in sys.path:
         sys.path.insert(0, "")
-    try:
-        found = getattr(importlib.import_module(module), function)
-    except Exception as wrong:
-        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, wrong) from wrong
+    found = _imported(name, module, function)
     if not callable(found):
         raise InvalidInput("method {0!r}: is not a function", name)
 
     def prepared(benchmark: Benchmark, gallery: Numbers) -> Locate:
-        locate = _called(name, found, benchmark, gallery)
+        locate = called(name, found, benchmark, gallery)
         if not callable(locate):
             raise InvalidInput("method {0}: returns {1!r}, which is no function of a query", name, locate)
-        return lambda query: _called(name, locate, query)
+        return lambda query: called(name, locate, query)
 
     return prepared
 
 
-def _called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
-    """What a function of the user's returns; its faults are told in one line, with their place in the user's module."""
+def _imported(name: str, module: str, function: str) -> Any:
+    """Function of a module of the user's; raises InvalidInput."""
     try:
-        return function(*arguments)
-    except (TerrAInavError, MemoryError):
-        raise
-    except Exception as wrong:
-        frames = traceback.extract_tb(wrong.__traceback__)
-        own = getattr(sys.modules[name.partition(":")[0]], "__file__", None)
-        last = next((frame for frame in reversed(frames) if frame.filename == own), frames[-1])
-        raise InvalidInput(
-            "method {0}: failed with {1}: {2} ({3}, line {4})",
-            name,
-            type(wrong).__name__,
-            wrong,
-            Path(last.filename).name,
-            last.lineno,
-        ) from wrong
+        with output_apart:
+            return getattr(importlib.import_module(module), function)
+    except BaseException as wrong:
+        if is_ctrl_c(wrong):
+            raise
+        said = wrong if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
+        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, said) from wrong
 
 
 def run_method(

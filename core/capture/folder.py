@@ -15,6 +15,7 @@ from ..limits import MAX_MISSION_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..stores import is_address, put_new, sizes_in, store_path
+from .begun import edited_since
 from .choices import BLOCKS_FOLDER, DIVISION_FILE
 from .journal import Outcome
 
@@ -53,7 +54,9 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
     if not is_of(found, mission):
-        raise OutputError("folder {0}: holds another mission", folder, remedy="choose another folder")
+        raise edited_since(path, found, mission) or OutputError(
+            "folder {0}: holds another mission", folder, remedy="choose another folder"
+        )
     if not resume:
         raise OutputError(
             "folder {0}: already holds this mission",
@@ -86,7 +89,9 @@ def open_place(address: str | os.PathLike[str], mission: Mission, *, resume: boo
             return path
         found = read_if_there(path / MISSION_FILE, MAX_MISSION_BYTES) or b""
     if not is_of(found, mission):
-        raise OutputError("address {0}: holds another mission", address, remedy="choose another one")
+        raise edited_since(path, found, mission) or OutputError(
+            "address {0}: holds another mission", address, remedy="choose another one"
+        )
     if not resume:
         raise OutputError(
             "address {0}: already holds this mission",

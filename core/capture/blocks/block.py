@@ -186,6 +186,8 @@ class Control:
     stopped: threading.Event = field(default_factory=threading.Event)
     held: threading.Event = field(default_factory=threading.Event)
     made: dict[str, int] = field(default_factory=dict)
+    #: Raises OutputError where another run has taken the place.
+    check: Callable[[], None] = lambda: None
 
 
 #: Of the runs of this process, by name. Blocks of other processes find none, and go on to their end.
@@ -273,6 +275,10 @@ def make_block(block: Block) -> BlockResult:
         if outcome.status != FAILED:
             control.made[block.name] = control.made.get(block.name, 0) + 1
 
+    def write_checked(path: Path, data: bytes) -> None:
+        control.check()
+        write_whole(path, data)
+
     destination = store_path(block.destination)
     gathered = Gathered() if block.layout == WEBDATASET else None
     with closing(block.source.open()) as source:
@@ -285,19 +291,21 @@ def make_block(block: Block) -> BlockResult:
             block.workers,
             note,
             exposures=block.exposures,
-            write=write_whole if gathered is None else gathered.write,
+            write=write_checked if gathered is None else gathered.write,
         )
         repeats = Repeats(plan.grid)
         complete = making.make(block.map_type, np.arange(len(plan)), go_on, control.held.is_set, repeats.note)
-        # What another worker may have committed meanwhile is left alone.
+        # What another worker, or another run, may have committed meanwhile is left alone.
         if not (complete and go_on()):
             raise Stopped
+        control.check()
         # In the order of the plan, whatever order they were made in.
         done = {name: outcomes[name] for name in plan.names}
         shard_bytes = 0
         if gathered is not None:
             shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
     record = Record(done, shard_bytes, repeats.noted())
+    control.check()
     record.commit(destination, block.name)
     return BlockResult(record, making.requests, making.unique_parts)
 

@@ -13,6 +13,7 @@ from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
 from ...mission.plan import Plan
 from ...safe_json import parse_json
 from ...stores import is_address, is_file, sizes_in, store_path
+from ..begun import hold_to_plan
 from ..choices import BLOCKS_FOLDER, DIVISION_FILE, FOLDERS, WEBDATASET
 from ..folder import captured_mission, is_complete, open_place, sizes_of_pictures
 from ..journal import FAILED
@@ -38,7 +39,8 @@ class Destination:
 
     def __init__(self, address: str, plan: Plan, *, resume: bool) -> None:
         self._address, self._plan = address, plan
-        self.root = open_place(address, captured_mission(plan), resume=resume)
+        self._mission = captured_mission(plan)
+        self.root = open_place(address, self._mission, resume=resume)
         self._layout = FOLDERS
 
     def records(self, map_type: str, divided: Sequence[Numbers]) -> dict[int, Record]:
@@ -78,7 +80,7 @@ class Destination:
         )
 
     def check_division(self, layout: str, images: int) -> None:
-        """Note how it is divided, or refuse to go on in another way than it was begun: asked once, before all else.
+        """Note how it is begun and divided, or refuse to go on in another way: asked once, before all else.
 
         Parameters
         ----------
@@ -93,6 +95,10 @@ class Destination:
             It was begun in another way, or captured without blocks.
         """
         self._layout = layout
+        self._check_blocks(layout, images)
+        hold_to_plan(self.root, self._plan, self._mission)
+
+    def _check_blocks(self, layout: str, images: int) -> None:
         wanted: dict[str, Any] = {
             "layout_of_files": layout,
             "images": images,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import platform
 import re
 import threading
 import time
@@ -13,16 +14,21 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from importlib.util import find_spec
+from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from ...errors import InvalidInput, OutputError
+from ...errors import InvalidInput, Message, OutputError
 from ...limits import MAX_SCHEDULER_SILENCE_S
+from ...resources import version
 from ...waiting import wait_for
 
 _DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
 _LOCAL = re.compile(r"local:(\d+)")
 _MOST_WORKERS = 1024
+#: What makes blocks, with all that it needs.
+_MAKING = f"{__package__}.block"
 
 
 @dataclass
@@ -97,7 +103,7 @@ def open_engine(text: str) -> Iterator[Engine]:
         address = f"tcp://{remote[1]}:{remote[2]}"
         _check_scheduler(address, text)
         with _client(address, text) as client:
-            yield _engine_of(client)
+            yield replace(_engine_of(client), slots=_Workers(client).slots)
     else:
         raise InvalidInput(
             "cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT",
@@ -256,6 +262,74 @@ class _Calls(Executor):
         task.add_done_callback(end)
         future.add_done_callback(lambda it: it.cancelled() and task.cancel())
         return future
+
+
+class _Later:
+    """Call whose pickle makes it where that is read: by names alone, so that a worker need not know this module."""
+
+    def __init__(self, function: Callable[..., Any], *arguments: object) -> None:
+        self._call = function, arguments
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[object, ...]]:
+        return self._call
+
+
+class _Workers:
+    """Workers that others have begun, each of which is asked once whether it can make blocks."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._asked: set[str] = set()
+
+    def slots(self) -> int:
+        """How many blocks they make at once, now; raises OutputError where one that has come cannot make any."""
+        there: dict[str, int] = self._client.nthreads()
+        new = sorted(there.keys() - self._asked)
+        if new:
+            self._ask(new)
+        return sum(there.values())
+
+    def _ask(self, workers: list[str]) -> None:
+        asked = _Later(platform.python_version), _Later(version), _Later(bool, _Later(import_module, _MAKING))
+        answers: dict[str, Any] = self._client.run(
+            ForkingPickler.loads, bytes(ForkingPickler.dumps(asked)), workers=workers, on_error="return"
+        )
+        wrong = {worker: problem for worker, one in sorted(answers.items()) if (problem := _problem(one))}
+        if wrong:
+            worker, problem = next(iter(wrong.items()))
+            raise OutputError(
+                "cluster: {0:,} of {1:,} workers cannot make blocks: {2} {3}",
+                len(wrong),
+                len(answers),
+                worker,
+                problem,
+                remedy=Message("install it there: pip install 'terrainav[cluster]=={0}'", version()),
+            )
+        # One that was not to be reached has gone, or is asked again.
+        self._asked.update(worker for worker, one in answers.items() if not isinstance(one, OSError))
+
+
+def _problem(answer: Any) -> Message | None:
+    """What a worker that has answered lacks, or has in another version; None where it can make blocks."""
+    if isinstance(answer, OSError):
+        return None
+    if isinstance(answer, ImportError):
+        is_own = (answer.name or "").partition(".")[0] == _MAKING.partition(".")[0]
+        return (
+            Message("has no TerrAInav")
+            if is_own
+            else Message("has no {0}, which TerrAInav needs", answer.name)
+        )
+    if isinstance(answer, BaseException):
+        return Message(
+            "cannot import TerrAInav ({0}: {1})", type(answer).__name__, str(answer).partition("\n")[0]
+        )
+    python, own, _ = answer
+    if own != version():
+        return Message("has TerrAInav {0}, and the run has {1}", own, version())
+    if python.split(".")[:2] != platform.python_version().split(".")[:2]:
+        return Message("has Python {0}, and the run has {1}", python, platform.python_version())
+    return None
 
 
 def _engine_of(client: Any, dashboard: str | None = None) -> Engine:
