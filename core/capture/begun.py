@@ -191,7 +191,7 @@ def _check_planned(root: Path, plan: Plan) -> None:
         return
     try:
         with open_foreign(path, MAX_TABLE_BYTES) as file:
-            _compare(root, csv.DictReader(text_lines(file)), plan)
+            _compare(root, csv.DictReader(text_lines(file, "utf-8")), plan)
     except (OSError, ValueError, csv.Error) as wrong:
         raise _unreadable(path, getattr(wrong, "strerror", None) or wrong) from wrong
 

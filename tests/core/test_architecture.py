@@ -308,6 +308,9 @@ OWN_READS = {
         "sqlite3.connect(database_uri(path, mode), uri=True, timeout=wait_s, isolation_level=None, "
         "check_same_thread=False)": "callers ask whether it is a file; SQLite itself reads as it needs"
     },
+    "core/imagery/raster/trust.py": {
+        "sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)": "of a file that open_foreign has opened"
+    },
     "core/mission/area_files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
     "core/mission/export/flown.py": {
         "zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"
