@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 from terrainav.core import native_calls
@@ -132,6 +133,8 @@ def test_signals_are_heard_while_gdal_reads(tmp_path, slow, arguments, number, c
     )
     try:
         assert process.stdout.readline() == "reading\n", process.stderr.read()
+        # By then GDAL is at it.
+        time.sleep(1.0)
         process.send_signal(number)
         # GDAL alone would be at work for much longer than this.
         _, errors = process.communicate(timeout=60)
