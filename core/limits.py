@@ -93,6 +93,19 @@ MAX_XML_INHERITED = 40_000_000
 MAX_VRT_BYTES = 64 << 20
 #: How deep one may read another.
 MAX_VRT_DEPTH = 8
+#: Parts of a VRT that name data, those within the VRTs that it reads among them: 50,000 files with three bands.
+MAX_VRT_SOURCES = 150_000
+#: Bands of a raster, some of which make a picture: stacks of many dates have hundreds.
+MAX_RASTER_BANDS = 10_000
+#: Overviews of a raster: those of halves of a raster as wide as GDAL reads are 31.
+MAX_RASTER_OVERVIEWS = 100
+#: Bytes of a block of a raster, which is decoded whole for one pixel: strips and tiles have some hundred kB, heights
+#: of a square degree in one strip 26 MB.
+MAX_RASTER_BLOCK_BYTES = 256 << 20
+#: Items of metadata of a raster, or points that place it: GDAL looks each one up among those before it.
+MAX_RASTER_ITEMS = 50_000
+#: Directories of a TIFF, each an image, a mask or an overview: all of them are looked through when it is opened.
+MAX_TIFF_DIRECTORIES = 1_000
 #: Seconds that a look-up in an MBTiles file may take: an index makes them milliseconds.
 MAX_QUERY_S = 5.0
 #: Characters of a line of metadata, of an MBTiles file or a raster.

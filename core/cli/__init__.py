@@ -39,6 +39,14 @@ _COMMANDS = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
+    code = _main(argv)
+    from ..native_calls import end_with
+
+    end_with(code)
+    return code
+
+
+def _main(argv: Sequence[str] | None) -> int:
     signals: list[int] = []
     try:
         from .stopping import raised
@@ -51,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stopped:
         return _fail("stopped", getattr(stopped, "code", STOPPED))
     except Exception as wrong:  # noqa: BLE001 (the last door)
-        if signals:
+        if signals and (isinstance(wrong, Cancelled) or not isinstance(wrong, TerrAInavError)):
             # Modules written in C that a signal met while they were imported raise something else instead.
             return _fail("stopped", exit_code(signals[0]))
         return _failed(wrong)

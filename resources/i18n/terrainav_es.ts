@@ -9999,6 +9999,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: su servidor solo envía archivos enteros, y un ráster se lee por partes (HTTP Range)</translation>
     </message>
     <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>has {0:,} bands: must be at most {1:,}</source>
+        <translation>tiene {0:,} bandas: deben ser como máximo {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>has {0:,} overviews: must be at most {1:,}</source>
+        <translation>tiene {0:,} vistas generales: deben ser como máximo {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>is decoded in blocks of {0:,}x{1:,} px, {2:,.0f} MB each: must be at most {3:,} MB</source>
+        <translation>se descodifica en bloques de {0:,}x{1:,} px, de {2:,.0f} MB cada uno: deben ser como máximo {3:,} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy in tiles, with gdal_translate -co TILED=YES</source>
+        <translation>haga una copia en teselas, con gdal_translate -co TILED=YES</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy of its first image, with gdal_translate</source>
+        <translation>haga una copia de su primera imagen, con gdal_translate</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy of those that you need, with gdal_translate -b</source>
+        <translation>haga una copia con las que necesita, con gdal_translate -b</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy without them, with gdal_translate</source>
+        <translation>haga una copia sin ellas, con gdal_translate</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>{0} has more than {1:,} directories</source>
+        <translation>{0} tiene más de {1:,} directorios</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>{0} has {1:,} ground control points: must be at most {2:,}</source>
+        <translation>{0} tiene {1:,} puntos de control sobre el terreno: deben ser como máximo {2:,}</translation>
+    </message>
+    <message>
         <location filename="../../core/imagery/raster/source.py"/>
         <source>date {0!r}: must be YYYY-MM-DD, YYYY-MM or YYYY</source>
         <translation>fecha {0!r}: debe ser AAAA-MM-DD, AAAA-MM o AAAA</translation>
@@ -10085,6 +10130,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>bands</source>
+        <translation>bandas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>ground control points</source>
+        <translation>puntos de control sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>items of metadata</source>
+        <translation>elementos de metadatos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>make one raster of it, with gdal_translate</source>
+        <translation>haga un solo ráster de él, con gdal_translate</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>name the service itself: wms:URL, wmts:URL or a URL template</source>
         <translation>nombre el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
     </message>
@@ -10092,6 +10158,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>names another file for its overviews, which is not read</source>
         <translation>nombra otro archivo para sus vistas generales, que no se lee</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>overviews of a band</source>
+        <translation>vistas generales de una banda</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -10115,6 +10186,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} has {1:,} {2} or more: must be at most {3:,}</source>
+        <translation>{0} tiene {1:,} {2} o más: deben ser como máximo {3:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} holds more than {1} MB of metadata</source>
         <translation>{0} contiene más de {1} MB de metadatos</translation>
     </message>
@@ -10127,6 +10203,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} names other files, which are not read</source>
         <translation>{0} nombra otros archivos, que no se leen</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} reads files more than {1:,} times</source>
+        <translation>{0} lee archivos más de {1:,} veces</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -10147,6 +10228,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: has a view in place of its coordinate reference systems</source>
         <translation>{0}: tiene una vista en lugar de sus sistemas de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is a VRT of more than {1:,} elements, or of more than {2:,} within each other</source>
+        <translation>{0}: es un VRT de más de {1:,} elementos, o de más de {2:,} unos dentro de otros</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -12772,11 +12858,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
-        <source>bands</source>
-        <translation>bandas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
         <source>bands of a raster file, by name or by number from 1, in the order to write them in: 4 1 2 is infrared, red and green of a file with red, green, blue and infrared; left out, GeoTIFF has all of them, and JPEG and PNG the colours</source>
         <translation>bandas de un archivo ráster, por nombre o por número desde 1, en el orden en que se han de escribir: 4 1 2 son infrarrojo, rojo y verde de un archivo con rojo, verde, azul e infrarrojo; si se omite, GeoTIFF las tiene todas, y JPEG y PNG las de color</translation>
     </message>
@@ -13664,6 +13745,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic: stopped</source>
         <translation>mosaico: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../core/native_calls.py"/>
+        <source>stopped while a raster was read</source>
+        <translation>detenido mientras se leía un ráster</translation>
     </message>
     <message>
         <location filename="../../core/picture/camera_frame.py"/>

@@ -14,6 +14,7 @@ import os
 import re
 import struct
 import time
+from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 from pathlib import Path
@@ -23,9 +24,21 @@ from urllib.parse import quote, unquote
 from ...errors import InvalidInput, Message
 from ...files import is_there, open_foreign
 from ...geodesy.reference import check_reference, file_named
-from ...limits import MAX_CRS_CHARACTERS, MAX_QUERY_S, MAX_VRT_BYTES, MAX_VRT_DEPTH
+from ...limits import (
+    MAX_CRS_CHARACTERS,
+    MAX_QUERY_S,
+    MAX_RASTER_BANDS,
+    MAX_RASTER_ITEMS,
+    MAX_RASTER_OVERVIEWS,
+    MAX_VRT_BYTES,
+    MAX_VRT_DEPTH,
+    MAX_VRT_SOURCES,
+    MAX_XML_DEPTH,
+    MAX_XML_ELEMENTS,
+)
 from ...text import one_line
 from ..template import check_address, host_of
+from .sizes import check_directories
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
@@ -69,6 +82,14 @@ _NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
 _REFUSED = frozenset({"pixelfunctionlanguage", "pixelfunctioncode", "key"})
 #: Options of formats that a VRT may set: those of others are names of files, and statements of SQL.
 _OPTIONS = frozenset({"overview_level", "num_threads", "numthreads"})
+#: Elements of a VRT, or of metadata beside a raster, of which there may be so many; those of overviews are a band's.
+_MOST = {
+    "vrtrasterband": (MAX_RASTER_BANDS, Message("bands")),
+    "overview": (MAX_RASTER_OVERVIEWS, Message("overviews of a band")),
+    "mdi": (MAX_RASTER_ITEMS, Message("items of metadata")),
+    "gcp": (MAX_RASTER_ITEMS, Message("ground control points")),
+}
+_ITEMS = re.compile(rb"<(mdi|gcp|item)\b", re.IGNORECASE)
 #: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys, and how a directory is written: in classic files,
 #: and in those of 64 bits.
 _TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
@@ -182,7 +203,8 @@ def drivers_for(path: str) -> list[str]:
     part = file_of_part(path)
     file = Path(part or path)
     # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
-    _check(file, (file.parent, _real(file).parent, *_folders()), 0, set())
+    folders = (file.parent, _real(file).parent, *_folders())
+    _check(file, tuple(dict.fromkeys(map(_real, folders))), 0, {})
     return [name for name in DRIVERS if name != "VRT"] if part else list(DRIVERS)
 
 
@@ -192,19 +214,26 @@ def _folders() -> Iterator[Path]:
             yield Path(one)
 
 
-def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
-    """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named."""
+def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]) -> int:
+    """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named.
+
+    Returns
+    -------
+    int
+        How often it reads other files, and these others; ``seen`` has that of those that were looked through.
+    """
     whole = _real(file)
     if whole in seen:
-        return
-    seen.add(whole)
+        return seen[whole]
+    seen[whole] = 0
     if depth > MAX_VRT_DEPTH:
         raise InvalidInput("reads {0} within more than {1} others", file.name, MAX_VRT_DEPTH)
     head = _head(file)
     if _VRT.search(head):
-        for name, relative in _named(file):
-            for source in _places(file, name, relative):
-                _check_source(file, source, folders, depth, seen)
+        for (name, relative), times in Counter(_named(file)).items():
+            each = [_check_source(file, at, folders, depth, seen) for at in _places(file, name, relative)]
+            seen[whole] += times * (1 + max(each))
+            _check_reads(file, seen[whole])
     elif _DESCRIPTIONS.search(head):
         raise InvalidInput(
             "{0} describes a service or a collection, whose requests keep to no terms",
@@ -218,11 +247,40 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         if is_there(beside):
             _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
-    if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if is_there(aux) else b""):
+    notes = _head(aux, MAX_VRT_BYTES + 1) if is_there(aux) else b""
+    if len(notes) > MAX_VRT_BYTES:
+        raise InvalidInput("{0} holds more than {1} MB of metadata", aux.name, MAX_VRT_BYTES >> 20)
+    if _names(_NAMED_BESIDE, notes):
         raise InvalidInput("{0} names other files, which are not read", aux.name)
-    if _names(_NAMED_WITHIN, _tiff_text(file, head, _TIFF_METADATA)):
+    check_directories(file, head)
+    within = _tiff_text(file, head, _TIFF_METADATA)
+    if _names(_NAMED_WITHIN, within):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
+    _check_items(aux, notes)
+    _check_items(file, within)
     check_references(file)
+    return seen[whole]
+
+
+def _check_reads(vrt: Path, count: int) -> None:
+    if count > MAX_VRT_SOURCES:
+        raise InvalidInput(
+            "{0} reads files more than {1:,} times",
+            vrt.name,
+            MAX_VRT_SOURCES,
+            remedy="make one raster of it, with gdal_translate",
+        )
+
+
+def _check_items(file: Path, metadata: bytes) -> None:
+    """Refuse metadata of so many items that GDAL is busy with them for long."""
+    count = sum(1 for _ in _ITEMS.finditer(metadata))
+    if count > MAX_RASTER_ITEMS:
+        _refuse_number(file, count, MAX_RASTER_ITEMS, Message("items of metadata"))
+
+
+def _refuse_number(file: Path, count: int, most: int, what: str) -> None:
+    raise InvalidInput("{0} has {1:,} {2} or more: must be at most {3:,}", file.name, count, what, most)
 
 
 def _is_srtm(file: Path) -> bool:
@@ -377,17 +435,19 @@ def _tiff_text(file: Path, head: bytes, wanted: int) -> bytes:
     return b""
 
 
-def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
+def _check_source(
+    vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]
+) -> int:
+    """Look through a file that a VRT reads, as `_check`; ``folders`` are those that links lead to."""
     within = _real(source)
-    if not any(_is_within(within, _real(folder)) for folder in folders):
+    if not any(_is_within(within, folder) for folder in folders):
         raise InvalidInput(
             "{0} reads {1}, which is not beside it",
             vrt.name,
             source,
             remedy=Message("set {0}={1} if that is right", FOLDERS_ENV, source.parent),
         )
-    if is_there(source):
-        _check(source, folders, depth + 1, seen)
+    return _check(source, folders, depth + 1, seen) if is_there(source) else 0
 
 
 def _real(path: Path) -> Path:
@@ -486,9 +546,12 @@ class _Reader(_References):
         self.found: list[tuple[str, str | None]] = []
         self._vrt = vrt
         self._open: list[tuple[str, dict[str, str]]] = []
+        self._counts: Counter[str] = Counter()
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
         self._take_text()
+        self._count(name.lower())
+        _check_reads(self._vrt, len(self.found))
         name, given = name.lower(), {one.lower(): value for one, value in attributes.items()}
         if self._is_name(self._open[-1]) if self._open else False:
             self.refuse()
@@ -501,6 +564,24 @@ class _Reader(_References):
                 self.found.append((value, None))
             elif name not in _TEXTS and one != "key" and _ELSEWHERE.search(value):
                 self.refuse()
+
+    def _count(self, name: str) -> None:
+        self._counts[""] += 1
+        if self._counts[""] > MAX_XML_ELEMENTS or len(self._open) >= MAX_XML_DEPTH:
+            raise InvalidInput(
+                "{0}: is a VRT of more than {1:,} elements, or of more than {2:,} within each other",
+                self._vrt.name,
+                MAX_XML_ELEMENTS,
+                MAX_XML_DEPTH,
+            )
+        if name not in _MOST:
+            return
+        if name == "vrtrasterband":
+            self._counts["overview"] = 0
+        self._counts[name] += 1
+        most, what = _MOST[name]
+        if self._counts[name] > most:
+            _refuse_number(self._vrt, self._counts[name], most, what)
 
     def end(self, _name: str) -> None:
         self._take_text()
