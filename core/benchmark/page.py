@@ -14,7 +14,20 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from ..dataset.dataset import open_image
-from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, SKY, VERMILION, dress, new_figure, png
+from ..drawing import (
+    BLACK,
+    BLUE,
+    FONT,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    dress,
+    logarithmic,
+    new_figure,
+    png,
+)
 from ..files import json_bytes, make_folder, write_whole
 from ..markup import Markup, document, element, figure, pairs, table
 from ..text import shortened
@@ -175,7 +188,7 @@ def _within(errors: Errors, title: str) -> bytes:
         share = 100.0 * np.arange(1, len(known) + 1) / len(own)
         ends = [_LEAST_M, *known, _GREATEST_M], [0.0, *share, share[-1] if len(share) else 0.0]
         axes.step(*ends, where="post", color=colour, linewidth=1.8, label=name)
-    axes.set_xscale("log")
+    logarithmic(axes, "x")
     axes.set_xlim(_LEAST_M, _GREATEST_M)
     axes.set_ylim(0.0, 103.0)
     dress(axes, f"Queries found within an error, {title}", "error along the ground in m", "queries in %")

@@ -284,3 +284,31 @@ def test_the_options_need_no_numerics():
 def test_importing_the_package_imports_nothing_else_of_it():
     loaded = in_fresh_interpreter("import sys, terrainav\nprint(*sys.modules)")
     assert [name for name in loaded if name.startswith("terrainav.")] == []
+
+
+#: Readers of JSON that is ours: resources that ship, and texts that were made a line before.
+OWN_JSON = {
+    "core/resources.py": 1,
+    "core/benchmark/making.py": 1,
+    "core/cli/datasets.py": 1,
+    "core/mission/export/flown.py": 1,
+    "terrainav_plugin/processing/datasets.py": 1,
+    "terrainav_plugin/remote/geoparquet.py": 1,
+}
+
+
+def test_json_of_others_is_read_within_limits():
+    """By `safe_json` alone: Python's own reader takes numbers and depths that end the program later."""
+    found = {}
+    for path in (*MODULES, *PLUGIN_MODULES):
+        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        calls = [
+            node
+            for node in nodes
+            if isinstance(node, ast.Attribute)
+            and node.attr in ("load", "loads")
+            and isinstance(node.value, ast.Name)
+            and node.value.id == "json"
+        ]
+        found[path.relative_to(ROOT).as_posix()] = len(calls)
+    assert {name: count for name, count in found.items() if count > OWN_JSON.get(name, 0)} == {}

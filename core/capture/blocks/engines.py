@@ -15,10 +15,15 @@ from importlib.util import find_spec
 from typing import Any
 
 from ...errors import InvalidInput, OutputError
+from ...text import one_line, words_of
 
-_DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
-_LOCAL = re.compile(r"local:(\d+)")
-_MOST_WORKERS = 1024
+_log = logging.getLogger(__name__)
+
+_DASK = re.compile(r"dask://([^\s/]+):([0-9]{1,5})/?")
+_LOCAL = re.compile(r"local:([0-9]{1,4})")
+_MOST_WORKERS, _MOST_PORT = 1024, 65535
+#: Of what Dask says, which may be pages.
+_SAID_CHARACTERS = 120
 #: Seconds within which a scheduler answers that is there.
 _ANSWER_S = 10.0
 
@@ -91,7 +96,7 @@ def open_engine(text: str) -> Iterator[Engine]:
     if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
         with _local_cluster(int(local[1])) as engine:
             yield engine
-    elif remote is not None:
+    elif remote is not None and 1 <= int(remote[2]) <= _MOST_PORT:
         with _client(f"tcp://{remote[1]}:{remote[2]}", text) as client:
             yield _engine_of(client)
     else:
@@ -128,14 +133,25 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
     with dask.config.set(settings):
-        cluster = distributed.LocalCluster(
-            n_workers=processes,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            silence_logs=50,
-        )
+        try:
+            cluster = distributed.LocalCluster(
+                n_workers=processes,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                silence_logs=50,
+            )
+        except MemoryError:
+            raise
+        except Exception as wrong:
+            # Dask has no error of its own for processes, ports and threads that the system does not give it.
+            raise OutputError(
+                "cluster local:{0}: its processes cannot be started ({1}: {2})",
+                processes,
+                type(wrong).__name__,
+                one_line(words_of(wrong), _SAID_CHARACTERS),
+            ) from wrong
         try:
             with _client(cluster.scheduler_address, "local cluster") as client:
                 engine = _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
@@ -149,8 +165,16 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
 
                 yield replace(engine, slots=slots)
         finally:
-            cluster.sync(_begin_no_worker_again, cluster)
-            cluster.close()
+            _end(lambda: cluster.sync(_begin_no_worker_again, cluster))
+            _end(cluster.close)
+
+
+def _end(close: Callable[[], object]) -> None:
+    """Close something of Dask's. What has been made is whole by then: a fault of its ending is none of the run."""
+    try:
+        close()
+    except Exception as wrong:  # noqa: BLE001  (Dask hands on whatever its processes end of)
+        _log.debug("the cluster did not end by itself: %s", words_of(wrong))
 
 
 async def _begin_no_worker_again(cluster: Any) -> None:
@@ -171,9 +195,14 @@ async def _begin_no_worker_again(cluster: Any) -> None:
 @contextmanager
 def _client(address: str, what: str) -> Iterator[Any]:
     distributed = _distributed()
+    # In hand before it connects: one that fails at that, and is left to be collected, tries to end what it never began.
+    client = distributed.Client.__new__(distributed.Client)
     try:
-        client = distributed.Client(address, timeout=_ANSWER_S, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as wrong:
+        client.__init__(address, timeout=_ANSWER_S, set_as_default=False)
+    except Exception as wrong:
+        # What is there may be anything: its answer ends in errors of sockets, of msgpack or of Dask's own, and where it
+        # announces more than there is memory, in that one.
+        client.status = "closed"
         raise OutputError("cluster {0}: no scheduler answers there", what) from wrong
     # What becomes of a connection is told in one line by who waits for blocks.
     log = logging.getLogger("distributed.client")
@@ -182,7 +211,7 @@ def _client(address: str, what: str) -> Iterator[Any]:
     try:
         yield client
     finally:
-        client.close()
+        _end(client.close)
         log.setLevel(level)
 
 
