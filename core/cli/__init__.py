@@ -80,7 +80,7 @@ def _failed(wrong: Exception) -> int:
         part = wrong.object[max(wrong.start - _AROUND, 0) : wrong.end + _AROUND]
         return _fail(f"{part!a}: cannot be written, as it is no text in {wrong.encoding.upper()}", FAILED)
     if _is_out_of_threads(wrong):
-        return _fail(f"cannot go on ({wrong}); ask for less at a time: fewer connections", FAILED)
+        return _fail(f"the system gives no more threads ({wrong})", FAILED)
     if isinstance(wrong, OSError):
         _drop_output()
         # The reader of our output may have gone away, as `| head` does: nothing is left to be said.
@@ -91,7 +91,7 @@ def _failed(wrong: Exception) -> int:
 
 def _is_out_of_threads(wrong: Exception) -> bool:
     """Whether the system has given no thread, for which Python has no error of its own."""
-    return isinstance(wrong, RuntimeError) and "start new thread" in str(wrong)
+    return isinstance(wrong, RuntimeError) and "new thread" in str(wrong)
 
 
 def _run(argv: Sequence[str]) -> int:
