@@ -119,7 +119,7 @@ MAX_STORED_TILE_BYTES = 32 << 20
 MAX_CRS_CHARACTERS = 1 << 16
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
 MAX_JSON_DEPTH = 100
-#: Digits of a whole number in a JSON text: every such number has a float, and takes no time to be read.
+#: Digits of a whole number in a text: every such number has a float, and takes no time to be read.
 MAX_JSON_DIGITS = 300
 #: Length of a file of settings, sources, cameras or labels, bytes: a hundred times the largest that is known.
 MAX_SETTINGS_BYTES = 16 << 20

@@ -25,6 +25,7 @@ from ..drawing import (
     VERMILION,
     dress,
     label_of,
+    logarithmic,
     new_figure,
     png,
 )
@@ -188,7 +189,7 @@ def _within(errors: Errors, title: str) -> bytes:
         share = 100.0 * np.arange(1, len(known) + 1) / len(own)
         ends = [_LEAST_M, *known, _GREATEST_M], [0.0, *share, share[-1] if len(share) else 0.0]
         axes.step(*ends, where="post", color=colour, linewidth=1.8, label=label_of(name))
-    axes.set_xscale("log")
+    logarithmic(axes, "x")
     axes.set_xlim(_LEAST_M, _GREATEST_M)
     axes.set_ylim(0.0, 103.0)
     dress(axes, f"Queries found within an error, {title}", "error along the ground in m", "queries in %")

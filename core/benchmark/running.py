@@ -7,14 +7,16 @@ import math
 import sys
 import time
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput
+from ..errors import InvalidInput, Message, TerrAInavError
+from ..text import words_of
 from ..user_code import called, is_ctrl_c, output_apart
-from .answers import Answer, Locate, Method, Numbers, Predictions, Query, query_of
+from .answers import POSE, Answer, Locate, Method, Numbers, Predictions, Query, checked_pose, query_of
 from .choices import METHODS
 from .folder import Benchmark
 
@@ -58,7 +60,9 @@ def method_named(name: str) -> Method:
     def prepared(benchmark: Benchmark, gallery: Numbers) -> Locate:
         locate = called(name, found, benchmark, gallery)
         if not callable(locate):
-            raise InvalidInput("method {0}: returns {1!r}, which is no function of a query", name, locate)
+            raise InvalidInput(
+                "method {0}: returns {1}, which is no function of a query", name, words_of(locate, repr)
+            )
         return lambda query: called(name, locate, query)
 
     return prepared
@@ -72,7 +76,7 @@ def _imported(name: str, module: str, function: str) -> Any:
     except BaseException as wrong:
         if is_ctrl_c(wrong):
             raise
-        said = wrong if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
+        said = words_of(wrong) if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
         raise InvalidInput("method {0!r}: cannot be imported ({1})", name, said) from wrong
 
 
@@ -108,18 +112,43 @@ def run_method(
         if cancelled is not None and cancelled():
             return None
         begun = time.perf_counter()
-        answers.append(_answered(locate, query_of(benchmark, row)))
+        answers.append(_answered(locate, query_of(benchmark, row), len(benchmark.references)))
         seconds.append(time.perf_counter() - begun)
         if progress is not None:
             progress(len(answers), len(rows))
     return Predictions.of(benchmark, rows, answers, seconds)
 
 
-def _answered(locate: Locate, query: Query) -> Answer:
+def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
+    """Answer of a method as plain values: those of a user's may be of any type."""
     answer = locate(query)
     if not isinstance(answer, Answer):
-        raise InvalidInput("method: answers {0} with {1!r}, which is no Answer", query.id, answer)
-    return answer
+        raise InvalidInput(
+            "method: answers {0} with {1}, which is no Answer", query.id, words_of(answer, repr)
+        )
+    try:
+        # One more than there are is enough to be refused: a generator may have no end.
+        references = tuple(islice(iter(answer.references), tiles + 1))
+        pose = {name: float(getattr(answer, name)) for name in POSE}
+    except (TerrAInavError, MemoryError):
+        raise
+    except Exception as wrong:
+        raise InvalidInput(
+            "method: answers {0} with what cannot be read: {1}: {2}",
+            query.id,
+            type(wrong).__name__,
+            words_of(wrong),
+        ) from wrong
+    if len(references) > tiles:
+        raise InvalidInput("method: answers {0} with more references than there are: {1:,}", query.id, tiles)
+    for reference in references:
+        if not isinstance(reference, str):
+            raise InvalidInput(
+                "method: answers {0} with the reference {1}, which is no text",
+                query.id,
+                words_of(reference, repr),
+            )
+    return Answer(references, **checked_pose(pose, Message("method: answer to {0}:", query.id)))
 
 
 def scores_folder(folder: Path, name: str, part: str = "") -> Path:

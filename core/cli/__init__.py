@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 #: Set, the trace of a fault of the program is printed.
 DEBUG_ENV = "TERRAINAV_DEBUG"
 _SAID_CHARACTERS = 200
+#: Characters shown before and after one that cannot be written.
+_AROUND = 60
 _ISSUES = "https://github.com/terrainav/terrainav/issues"
 #: The module of each command and its function there; only the one that is run is imported.
 _COMMANDS = {
@@ -49,9 +51,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _main(argv: Sequence[str] | None) -> int:
     signals: list[int] = []
     try:
+        from .printing import anything_printed
         from .stopping import raised
 
-        with raised(signals):
+        with raised(signals), anything_printed():
             code = _run(sys.argv[1:] if argv is None else argv)
             if sys.stdout is not None:
                 # What cannot be printed is found out here, and not when Python ends.
@@ -77,12 +80,26 @@ def _failed(wrong: Exception) -> int:
         return _fail(wrong, FAILED)
     if isinstance(wrong, MemoryError):
         return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
+    if isinstance(wrong, ValueError) and "embedded null" in str(wrong):
+        # Of a name in a file of settings: no argument can have it.
+        return _fail("the name of a file holds a null character, which no name has", BAD_INPUT)
+    if isinstance(wrong, UnicodeEncodeError):
+        # Python has halves of characters for bytes of names that are no text in UTF-8, which no file takes.
+        part = wrong.object[max(wrong.start - _AROUND, 0) : wrong.end + _AROUND]
+        return _fail(f"{part!a}: cannot be written, as it is no text in {wrong.encoding.upper()}", FAILED)
+    if _is_out_of_threads(wrong):
+        return _fail(f"the system gives no more threads ({wrong})", FAILED)
     if isinstance(wrong, OSError):
         _drop_output()
         # The reader of our output may have gone away, as `| head` does: nothing is left to be said.
         gone = isinstance(wrong, BrokenPipeError)
         return DONE if gone else _fail(f"cannot go on ({wrong})", FAILED)
     return _fault(wrong)
+
+
+def _is_out_of_threads(wrong: Exception) -> bool:
+    """Whether the system has given no thread, for which Python has no error of its own."""
+    return isinstance(wrong, RuntimeError) and "new thread" in str(wrong)
 
 
 def _run(argv: Sequence[str]) -> int:

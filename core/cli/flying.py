@@ -276,7 +276,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
         return DONE
     for number, (name, worked_out) in enumerate(plans.items()):
         if each:
-            print("\n" * bool(number) + f"{'imagery':24s}{name}")
+            print("\n" * bool(number) + printable(f"{'imagery':24s}{name}"))
         _print_figures(worked_out, sources[name], values)
     for file in files:
         print(printable(f"{'written':24s}{file}"))
@@ -452,9 +452,8 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
         print(json.dumps({"total": result.total, **document_of(result, "map_type")}, indent=1))
         return
     print_written(result)
-    print(
-        f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
-    )
+    requests = f"{result.requests:,} requests for {result.unique_parts:,} unique parts"
+    print(printable(f"{requests}; dataset in {result.folder}"))
     print_failed(result.failed, result.folder)
     print_repeated(result.repeated)
 
@@ -522,5 +521,5 @@ def run_report(arguments: argparse.Namespace) -> int:
         worked_out = _planned(mission, values, source)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)
-    print(f"report in {page}")
+    print(printable(f"report in {page}"))
     return DONE

@@ -15,8 +15,9 @@ from ..errors import InvalidInput
 from ..files import json_bytes, open_foreign, text_lines, write_whole
 from ..limits import MAX_TABLE_BYTES
 from ..stores import Address, resolved
+from ..text import writable
 from .huggingface import credit_of
-from .tables import chosen_sets, is_same, relative_folder
+from .tables import chosen_sets, described_folder, is_same
 
 CROISSANT_FILE = "croissant.json"
 DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
@@ -114,7 +115,7 @@ def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
 
 def name_of(dataset: Dataset) -> str:
     """What a dataset is called: as its folder."""
-    return resolved(dataset.folder).name or "dataset"
+    return writable(resolved(dataset.folder).name) or "dataset"
 
 
 def media_of(name: str) -> str:
@@ -150,7 +151,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
     """The table of a map type, with its checksum, and the sets of its images and shards."""
-    place = relative_folder(dataset, images.folder)
+    place = described_folder(dataset, images.folder)
     endings = {PurePosixPath(one).suffix: media_of(one) for one in images.table.img_names}
     table = {
         "@type": "cr:FileObject",
@@ -167,7 +168,7 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
         "encodingFormat": [*endings.values()],
     }
     if not images.shards:
-        pictures = relative_folder(dataset, images.files or images.folder)
+        pictures = described_folder(dataset, images.files or images.folder)
         return [table, {**files, "includes": [(pictures / f"*{one}").as_posix() for one in endings]}]
     shards = {
         "@type": "cr:FileSet",

@@ -21,7 +21,8 @@ from ..errors import InvalidInput, OutputError
 from ..files import make_folder, new_folder, open_foreign, read_line, write_whole
 from ..limits import MAX_TABLE_BYTES
 from ..safe_json import parse_json
-from ..stores import Address, is_file, resolved, store_path
+from ..stores import Address, is_address, is_file, resolved, store_path
+from ..text import writable
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -81,8 +82,23 @@ def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
 
 
 def relative_folder(dataset: Dataset, folder: Path) -> Path:
-    """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own."""
-    return resolved(folder).relative_to(resolved(dataset.folder))
+    """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own.
+
+    It goes by its name there: links, as of a map type that lies on another disk, are not followed.
+    """
+    if is_address(folder):
+        return folder.relative_to(dataset.folder)
+    return Path(os.path.abspath(folder)).relative_to(os.path.abspath(dataset.folder))  # noqa: PTH100
+
+
+def described_folder(dataset: Dataset, folder: Path) -> Path:
+    """The same for a file that describes others, which is UTF-8; raises InvalidInput of a name that is not."""
+    found = relative_folder(dataset, folder)
+    if writable(str(found)) != str(found):
+        raise InvalidInput(
+            "folder {0}: its name is no text in UTF-8, as a description of files needs it", folder
+        )
+    return found
 
 
 def is_same(folder: Path, other: Address) -> bool:

@@ -7165,6 +7165,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1:g}, {2:g} no está en la Tierra</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>{0} {1} {2:g}: must be a finite number</source>
+        <translation>{0} {1} {2:g}: debe ser un número finito</translation>
+    </message>
+    <message>
         <location filename="../../core/benchmark/features.py"/>
         <source>OpenCV, which finds and matches features, is not installed</source>
         <translation>OpenCV, que encuentra y empareja puntos característicos, no está instalado</translation>
@@ -7462,13 +7467,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method {0}: returns {1!r}, which is no function of a query</source>
-        <translation>método {0}: devuelve {1!r}, que no es una función de una consulta</translation>
+        <source>method {0}: returns {1}, which is no function of a query</source>
+        <translation>método {0}: devuelve {1}, que no es una función de una consulta</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method: answers {0} with {1!r}, which is no Answer</source>
-        <translation>método: responde a {0} con {1!r}, que no es un Answer</translation>
+        <source>method: answer to {0}:</source>
+        <translation>método: respuesta a {0}:</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with more references than there are: {1:,}</source>
+        <translation>método: responde a {0} con más referencias de las que hay: {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with the reference {1}, which is no text</source>
+        <translation>método: responde a {0} con la referencia {1}, que no es un texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with what cannot be read: {1}: {2}</source>
+        <translation>método: responde a {0} con algo que no se puede leer: {1}: {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with {1}, which is no Answer</source>
+        <translation>método: responde a {0} con {1}, que no es un Answer</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/scoring.py"/>
@@ -7625,6 +7650,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/engines.py"/>
         <source>cannot import TerrAInav ({0}: {1})</source>
         <translation>no puede importar TerrAInav ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cluster local:{0}: its processes cannot be started ({1}: {2})</source>
+        <translation>clúster local:{0}: no se pueden iniciar sus procesos ({1}: {2})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
@@ -8829,6 +8859,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/views.py"/>
         <source>folder {0}: has no image to export</source>
         <translation>carpeta {0}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/tables.py"/>
+        <source>folder {0}: its name is no text in UTF-8, as a description of files needs it</source>
+        <translation>carpeta {0}: su nombre no es texto en UTF-8, como lo necesita una descripción de archivos</translation>
     </message>
     <message>
         <location filename="../../core/exports/tables.py"/>

@@ -353,3 +353,31 @@ def reads(path: Path) -> Iterator[str]:
 def test_files_of_others_are_opened_one_way(path):
     """By `files.open_foreign` and `files.read_limited`: no device and no pipe, and up to a limit."""
     assert set(reads(path)) == set(OWN_READS.get(identify(path), ()))
+
+
+#: Readers of JSON that is ours: resources that ship, and texts that were made a line before.
+OWN_JSON = {
+    "core/resources.py": 1,
+    "core/benchmark/making.py": 1,
+    "core/cli/datasets.py": 1,
+    "core/mission/export/flown.py": 1,
+    "terrainav_plugin/processing/datasets.py": 1,
+    "terrainav_plugin/remote/geoparquet.py": 1,
+}
+
+
+def test_json_of_others_is_read_within_limits():
+    """By `safe_json` alone: Python's own reader takes numbers and depths that end the program later."""
+    found = {}
+    for path in (*MODULES, *PLUGIN_MODULES):
+        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        calls = [
+            node
+            for node in nodes
+            if isinstance(node, ast.Attribute)
+            and node.attr in ("load", "loads")
+            and isinstance(node.value, ast.Name)
+            and node.value.id == "json"
+        ]
+        found[path.relative_to(ROOT).as_posix()] = len(calls)
+    assert {name: count for name, count in found.items() if count > OWN_JSON.get(name, 0)} == {}

@@ -22,13 +22,18 @@ from typing import Any
 from ...errors import InvalidInput, Message, OutputError
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
+from ...text import one_line, words_of
 from ...waiting import wait_for
 
-_DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
-_LOCAL = re.compile(r"local:(\d+)")
-_MOST_WORKERS = 1024
+_log = logging.getLogger(__name__)
+
+_DASK = re.compile(r"dask://([^\s/]+):([0-9]{1,5})/?")
+_LOCAL = re.compile(r"local:([0-9]{1,4})")
+_MOST_WORKERS, _MOST_PORT = 1024, 65535
 #: What makes blocks, with all that it needs.
 _MAKING = f"{__package__}.block"
+#: Of what Dask says, which may be pages.
+_SAID_CHARACTERS = 120
 
 
 @dataclass
@@ -99,7 +104,7 @@ def open_engine(text: str) -> Iterator[Engine]:
     if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
         with _local_cluster(int(local[1])) as engine:
             yield engine
-    elif remote is not None:
+    elif remote is not None and 1 <= int(remote[2]) <= _MOST_PORT:
         address = f"tcp://{remote[1]}:{remote[2]}"
         _check_scheduler(address, text)
         with _client(address, text) as client:
@@ -138,14 +143,25 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
     with dask.config.set(settings):
-        cluster = distributed.LocalCluster(
-            n_workers=processes,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            silence_logs=50,
-        )
+        try:
+            cluster = distributed.LocalCluster(
+                n_workers=processes,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                silence_logs=50,
+            )
+        except MemoryError:
+            raise
+        except Exception as wrong:
+            # Dask has no error of its own for processes, ports and threads that the system does not give it.
+            raise OutputError(
+                "cluster local:{0}: its processes cannot be started ({1}: {2})",
+                processes,
+                type(wrong).__name__,
+                one_line(words_of(wrong), _SAID_CHARACTERS),
+            ) from wrong
         try:
             with _client(cluster.scheduler_address, "local cluster") as client:
                 engine = _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
@@ -159,8 +175,16 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
 
                 yield replace(engine, slots=slots)
         finally:
-            cluster.sync(_begin_no_worker_again, cluster)
-            cluster.close()
+            _end(lambda: cluster.sync(_begin_no_worker_again, cluster))
+            _end(cluster.close)
+
+
+def _end(close: Callable[[], object]) -> None:
+    """Close something of Dask's. What has been made is whole by then: a fault of its ending is none of the run."""
+    try:
+        close()
+    except Exception as wrong:  # noqa: BLE001  (Dask hands on whatever its processes end of)
+        _log.debug("the cluster did not end by itself: %s", words_of(wrong))
 
 
 async def _begin_no_worker_again(cluster: Any) -> None:
@@ -224,7 +248,7 @@ def _client(address: str, what: str) -> Iterator[Any]:
     distributed = _distributed()
     try:
         client = distributed.Client(address, timeout=MAX_SCHEDULER_SILENCE_S, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as wrong:
+    except Exception as wrong:
         raise _no_scheduler(what) from wrong
     # What becomes of a connection is told in one line by who waits for blocks.
     log = logging.getLogger("distributed.client")
@@ -233,7 +257,7 @@ def _client(address: str, what: str) -> Iterator[Any]:
     try:
         yield client
     finally:
-        client.close()
+        _end(client.close)
         log.setLevel(level)
 
 
