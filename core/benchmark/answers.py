@@ -83,8 +83,7 @@ class Answer:
 
     def __post_init__(self) -> None:
         """Fail where it is made, rather than where it is judged."""
-        # What makes them one by one is the method's, and may fail.
-        object.__setattr__(self, "references", tuple(self.references))
+        iter(self.references)
         for name in POSE:
             float(getattr(self, name))
 
