@@ -292,6 +292,20 @@ def test_what_is_wrong_at_an_address_is_one_line(desk, server, folder, monkeypat
             desk.iface.messageBar().clearWidgets()
 
 
+def test_a_store_that_leads_to_another_server_is_not_followed(desk, server, folder, monkeypatch):
+    serve(server, folder)
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(name, SECRET)
+    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+    with RangeServer() as store:
+        monkeypatch.setenv("AWS_ENDPOINT_URL", store.url)
+        store.redirects["/data/run/mission.json"] = f"{server.url}/data/run/mission.json"
+        open_address(desk, "s3://data/run")
+        assert "s3://data: its server leads to another one, which is not asked" in desk.messages()[0]
+        assert len(store.asked) == 1
+    assert server.asked == []
+
+
 @pytest.mark.parametrize("wrong", ["gone", "torn", "other", "whole files only", "no shard", "refused"])
 def test_what_is_wrong_with_an_image_is_said_in_its_place(desk, viewing, server, folder, tmp_path, wrong):
     serve(server, write_shards(tmp_path / "run", folder))

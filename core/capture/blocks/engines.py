@@ -14,7 +14,8 @@ from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
-from ...errors import InvalidInput, OutputError
+from ...errors import InvalidInput, Message, OutputError
+from ...stores import check_no_credentials
 
 _DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
 _LOCAL = re.compile(r"local:(\d+)")
@@ -83,10 +84,13 @@ def open_engine(text: str) -> Iterator[Engine]:
     Raises
     ------
     InvalidInput
-        Another text.
+        Another text, or one with credentials in it, which are not quoted.
     OutputError
         Dask is not installed, or no scheduler is there.
     """
+    check_no_credentials(
+        text, "cluster", Message("credentials are taken from Dask's own configuration"), field="cluster"
+    )
     local, remote = _LOCAL.fullmatch(text), _DASK.fullmatch(text)
     if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
         with _local_cluster(int(local[1])) as engine:
