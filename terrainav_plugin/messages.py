@@ -21,6 +21,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..core.addresses import without_credentials
 from .compat import LOG_IS_PLAIN
 from .i18n import tr
 from .plain import escaped
@@ -38,6 +39,7 @@ _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab, as it is."""
+    text = without_credentials(text)
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
@@ -176,6 +178,7 @@ class Messages(QObject):
         other: tuple[str, Callable[[], None]] | None = None,
         lasts: bool = False,
     ) -> QgsMessageBarItem:
+        text = without_credentials(text)
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
         item = QgsMessageBarItem(TITLE, escaped(text), level, 0 if lasts else _SECONDS.get(level, 0))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from osgeo import gdal, ogr
-from qgis.core import QgsApplication, QgsProject
+from qgis.core import QgsApplication, QgsProject, QgsSettings
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.mission.area import Box
@@ -243,6 +243,13 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
     ("text", "said"),
     [
         ("", "is missing"),
+        ("s3://KEY:hidden@data/run", "holds a user's name or password"),
+        ("s3://KEY:a/hidden@data/run", "holds a user's name or password"),
+        ("s3://KEY:hidden/run", "holds a user's name or password"),
+        ("s3://KEY%3Ahidden%40data/run", "holds a user's name or password"),
+        ("https://host/run?sig=hidden", "holds ? or #"),
+        ("ftp://u:a/hidden@host/run", "must begin with https://, http:// or s3://"),
+        ("az://data/run;AccountKey=hidden", "must begin with https://, http:// or s3://"),
         ("ftp://host/run", "must begin with https://, http:// or s3://"),
         ("no such folder", "must begin with https://, http:// or s3://"),
         ("https://me:hidden@host/run", "QGIS's authentication is for these"),
@@ -254,8 +261,13 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
 def test_a_bad_address_is_said_at_its_field(desk, text, said):
     found = open_address(desk, text)
     assert said in found
-    assert "hidden" not in found
+    assert not any("hidden" in one for one in (found, *desk.messages(), *_settings()))
     assert "\n" not in found
+
+
+def _settings():
+    settings = QgsSettings()
+    return [f"{name}={settings.value(name)}" for name in settings.allKeys() if "TerrAInav" in name]
 
 
 @pytest.mark.parametrize(
