@@ -22,6 +22,7 @@ from .limits import (
     MAX_STORE_SILENCE_S,
     MIN_STORE_BYTES_PER_S,
 )
+from .redirects import same_server
 from .waiting import wait_for
 
 _PIECE_BYTES = 1 << 18
@@ -345,7 +346,7 @@ async def limited(content: Any) -> bytes:
 
 
 async def http_client(**options: Any) -> Any:
-    """Client of a store by HTTP, which reads answers up to the limit."""
+    """Client of a store by HTTP, which reads answers up to the limit, and is not led to other servers."""
     import aiohttp
 
     class Limited(aiohttp.ClientResponse):
@@ -354,7 +355,8 @@ async def http_client(**options: Any) -> Any:
                 self._body = await limited(self.content)
             return self._body
 
-    return aiohttp.ClientSession(response_class=Limited, **options)
+    traces = [*options.pop("trace_configs", ()), same_server()]
+    return aiohttp.ClientSession(response_class=Limited, trace_configs=traces, **options)
 
 
 def _is_s3(store: Any) -> bool:

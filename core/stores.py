@@ -19,8 +19,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Union
 
+from .addresses import holds_credentials
 from .errors import InvalidInput, Message, OutputError, TerrAInavError
 from .limits import MAX_MISSION_BYTES
+from .redirects import follow_none, is_redirect, led_elsewhere, unredirected
 from .store_requests import (
     Entry,
     StoreLimitError,
@@ -70,6 +72,33 @@ def is_address(place: Address) -> bool:
     return not isinstance(place, Path) and hasattr(place, "storage_options")
 
 
+def check_no_credentials(place: object, what: str, instead: str, field: str = "") -> None:
+    """Refuse an address of a store or a cluster that holds a user's name, a password, a key or a signature.
+
+    Parameters
+    ----------
+    place : str or path
+        What is no address is left alone.
+    what, instead : str
+        What it is, and where credentials are taken from instead, as the error says it.
+    field : str
+        As of errors.
+
+    Raises
+    ------
+    InvalidInput
+        Quotes nothing of the address but its scheme.
+    """
+    if holds_credentials(str(place)):
+        raise InvalidInput(
+            "{0} {1}://…: no user name, password, key or signature may stand in it ({2})",
+            what,
+            str(place).partition(":")[0],
+            instead,
+            field=field,
+        )
+
+
 def store_path(place: Address) -> Path:
     """Path of a folder or file of this machine, or of an address such as ``s3://bucket/folder``.
 
@@ -78,10 +107,13 @@ def store_path(place: Address) -> Path:
     Raises
     ------
     InvalidInput
-        An address of a kind that fsspec does not know.
+        An address of a kind that fsspec does not know, or with credentials in it, which are not quoted.
     OutputError
         A package that it needs is missing, or there are no credentials.
     """
+    check_no_credentials(
+        place, "address", Message("credentials are taken from where the store's own tools have them")
+    )
     if not isinstance(place, str):
         return place if is_address(place) else Path(place)  # type: ignore[return-value]
     scheme = _SCHEME.match(place)
@@ -100,11 +132,11 @@ def store_path(place: Address) -> Path:
         for log in map(logging.getLogger, _TALKATIVE):
             if log.level == logging.NOTSET:
                 log.setLevel(logging.CRITICAL)
-    options = {"get_client": http_client} if kind in ("http", "https") else {}
+    options = {"get_client": http_client} if kind in ("http", "https") else unredirected(kind)
     path: Path = upath.UPath(place, **options)
     with store_errors(path):
         # Asks for nothing, but makes what will ask.
-        _ = path.fs  # type: ignore[attr-defined]
+        follow_none(path.fs)  # type: ignore[attr-defined]
     return path
 
 
@@ -312,8 +344,8 @@ def store_errors(path: Path) -> Iterator[None]:
         _let_go(wrong)
     else:
         return
-    # Out here, where what was raised, which may quote a key, is no part of it.
-    raise problem
+    # What was raised may quote a key.
+    raise problem from None
 
 
 @contextmanager
@@ -323,6 +355,8 @@ def _if_there(path: Path) -> Iterator[None]:
         try:
             yield
         except FileNotFoundError as wrong:
+            if is_redirect(wrong):
+                raise
             _let_go(wrong)
 
 
@@ -341,6 +375,8 @@ def _problem(path: Path, wrong: Exception) -> OutputError:
     if isinstance(wrong, StoreLimitError):
         return OutputError("{0}: {1}", what, wrong.message)
     said = f"{type(wrong).__name__} {wrong}"
+    if is_redirect(wrong):
+        return led_elsewhere(what)
     if _EXPIRED.search(said):
         return OutputError(
             "{0}: the credentials have expired: new ones are taken from where the store's own tools have them",
@@ -369,9 +405,9 @@ def _root(path: Path) -> str:
 def _of_store(path: Any) -> Any:
     store = path.fs
     if getattr(store, "_pid", os.getpid()) == os.getpid():
-        return store
+        return follow_none(store)
     # What asks a store is of one process; those that were forked from it make their own.
-    return type(store)(**path.storage_options)
+    return follow_none(type(store)(**path.storage_options))
 
 
 def _key(path: Any) -> str:

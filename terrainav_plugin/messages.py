@@ -21,6 +21,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..core.addresses import without_credentials
 from ..core.limits import MAX_TEXT_CHARACTERS
 from ..core.text import shortened as cut
 from .compat import LOG_IS_PLAIN
@@ -42,7 +43,7 @@ _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab, as it is."""
-    text = cut(text, MAX_TEXT_CHARACTERS)
+    text = without_credentials(cut(text, MAX_TEXT_CHARACTERS))
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
@@ -181,6 +182,7 @@ class Messages(QObject):
         other: tuple[str, Callable[[], None]] | None = None,
         lasts: bool = False,
     ) -> QgsMessageBarItem:
+        text = without_credentials(text)
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
         shown = escaped(cut(text, _MOST_SHOWN))

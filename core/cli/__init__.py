@@ -11,7 +11,7 @@ from .exits import BAD_INPUT, DONE, FAILED, FAULT, STOPPED, exit_code
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 #: Set, the trace of a fault of the program is printed.
 DEBUG_ENV = "TERRAINAV_DEBUG"
@@ -19,6 +19,8 @@ _SAID_CHARACTERS = 200
 #: Characters shown before and after one that cannot be written.
 _AROUND = 60
 _ISSUES = "https://github.com/terrainav/terrainav/issues"
+#: Options that name sources.
+_SOURCES = ("source", "url", "imagery", "elevation", "surface", "cluster")
 #: The module of each command and its function there; only the one that is run is imported.
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
@@ -117,9 +119,25 @@ def _run(argv: Sequence[str]) -> int:
     if arguments.command is None:
         reader.print_help()
         return DONE
+    _check_addresses(vars(arguments))
     module, function = _COMMANDS[arguments.command]
     code: int = getattr(importlib.import_module(f".{module}", __name__), function)(arguments)
     return code
+
+
+def _check_addresses(values: Mapping[str, object]) -> None:
+    """Refuse passwords and keys in what is to be a file, a folder or an address; sources refuse theirs themselves."""
+    from ..errors import Message
+    from ..stores import check_no_credentials
+
+    for name, value in values.items():
+        for text in value if isinstance(value, list) else [value]:
+            if isinstance(text, str) and name not in _SOURCES:
+                check_no_credentials(
+                    text,
+                    "address",
+                    Message("credentials are taken from where the store's own tools have them"),
+                )
 
 
 def _print_version() -> int:
@@ -144,7 +162,10 @@ def _fault(error: Exception) -> int:
     from pathlib import Path
 
     if os.environ.get(DEBUG_ENV):
-        traceback.print_exception(type(error), error, error.__traceback__)
+        from ..addresses import without_credentials
+
+        trace = traceback.format_exception(type(error), error, error.__traceback__)
+        print(without_credentials("".join(trace)), end="", file=sys.stderr)
     *_, last = traceback.extract_tb(error.__traceback__)
     said = str(error)[:_SAID_CHARACTERS]
     return _fail(
@@ -157,11 +178,12 @@ def _fault(error: Exception) -> int:
 def _fail(error: object, code: int) -> int:
     import contextlib
 
+    from ..addresses import without_credentials
     from ..limits import MAX_TEXT_CHARACTERS
     from ..text import printable, shortened
 
     # Names of files and words of servers may hold line ends and the terminal's control characters, without end.
-    said = shortened(printable(str(error)), MAX_TEXT_CHARACTERS)
+    said = without_credentials(shortened(printable(str(error)), MAX_TEXT_CHARACTERS))
     with contextlib.suppress(OSError):
         print(f"terrainav: {said}", file=sys.stderr)
     return code

@@ -7678,6 +7678,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
+        <source>credentials are taken from Dask's own configuration</source>
+        <translation>las credenciales se toman de la configuración de Dask</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
         <source>get it with: pip install 'terrainav[cluster]'</source>
         <translation>instálelo con: pip install 'terrainav[cluster]'</translation>
     </message>
@@ -14681,6 +14686,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: el cuaternión de la pose {1:,} tiene la longitud {2:.3g}, y no 1</translation>
     </message>
     <message>
+        <location filename="../../core/redirects.py"/>
+        <source>{0}: its server leads to another one, which is not asked (name that one if it is meant)</source>
+        <translation>{0}: su servidor lleva a otro, al que no se pregunta (indique ese si es el deseado)</translation>
+    </message>
+    <message>
         <location filename="../../core/report/measure.py"/>
         <source>an image</source>
         <translation>una imagen</translation>
@@ -14827,6 +14837,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/stores.py"/>
+        <source>credentials are taken from where the store's own tools have them</source>
+        <translation>las credenciales se toman de donde las tienen las herramientas del propio almacén</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
         <source>folder {0}: cannot be written ({1})</source>
         <translation>carpeta {0}: no se puede escribir ({1})</translation>
     </message>
@@ -14839,6 +14854,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/stores.py"/>
         <source>make the bucket first</source>
         <translation>cree antes el «bucket»</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0} {1}://…: no user name, password, key or signature may stand in it ({2})</source>
+        <translation>{0} {1}://…: no puede contener nombre de usuario, contraseña, clave ni firma ({2})</translation>
     </message>
     <message>
         <location filename="../../core/stores.py"/>

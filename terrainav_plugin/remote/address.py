@@ -15,6 +15,7 @@ from urllib.parse import quote, urlsplit
 
 from osgeo import gdal
 
+from ...core.addresses import holds_credentials
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.errors import InvalidInput, OutputError
 from ...core.limits import MAX_HEADER_CHARACTERS
@@ -70,10 +71,13 @@ class Address(NamedTuple):
         if scheme not in _SCHEMES:
             raise InvalidInput(
                 tr("address {address}: must begin with https://, http:// or s3://").format(
-                    address=re.sub(r"//[^/]*@", "//", text.partition("?")[0])
+                    address=f"{scheme}://…"
+                    if holds_credentials(text)
+                    else text.partition("?")[0].rpartition("@")[2]
                 )
             )
-        if "@" in parts.netloc:
+        bare = re.split(r"[?#]", text)[0]
+        if "@" in parts.netloc or holds_credentials(bare):
             raise InvalidInput(
                 tr(
                     "address: holds a user's name or password; it must not, as QGIS's authentication is for these"

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from osgeo import gdal, ogr
-from qgis.core import QgsApplication, QgsProject
+from qgis.core import QgsApplication, QgsProject, QgsSettings
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
 from terrainav.core.errors import InvalidInput
@@ -246,6 +246,13 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
     ("text", "said"),
     [
         ("", "is missing"),
+        ("s3://KEY:hidden@data/run", "holds a user's name or password"),
+        ("s3://KEY:a/hidden@data/run", "holds a user's name or password"),
+        ("s3://KEY:hidden/run", "holds a user's name or password"),
+        ("s3://KEY%3Ahidden%40data/run", "holds a user's name or password"),
+        ("https://host/run?sig=hidden", "holds ? or #"),
+        ("ftp://u:a/hidden@host/run", "must begin with https://, http:// or s3://"),
+        ("az://data/run;AccountKey=hidden", "must begin with https://, http:// or s3://"),
         ("ftp://host/run", "must begin with https://, http:// or s3://"),
         ("no such folder", "must begin with https://, http:// or s3://"),
         ("https://me:hidden@host/run", "QGIS's authentication is for these"),
@@ -257,8 +264,13 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
 def test_a_bad_address_is_said_at_its_field(desk, text, said):
     found = open_address(desk, text)
     assert said in found
-    assert "hidden" not in found
+    assert not any("hidden" in one for one in (found, *desk.messages(), *_settings()))
     assert "\n" not in found
+
+
+def _settings():
+    settings = QgsSettings()
+    return [f"{name}={settings.value(name)}" for name in settings.allKeys() if "TerrAInav" in name]
 
 
 @pytest.mark.parametrize(
@@ -293,6 +305,20 @@ def test_what_is_wrong_at_an_address_is_one_line(desk, server, folder, monkeypat
             open_address(desk, text)
             assert said in desk.messages()[0]
             desk.iface.messageBar().clearWidgets()
+
+
+def test_a_store_that_leads_to_another_server_is_not_followed(desk, server, folder, monkeypatch):
+    serve(server, folder)
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(name, SECRET)
+    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+    with RangeServer() as store:
+        monkeypatch.setenv("AWS_ENDPOINT_URL", store.url)
+        store.redirects["/data/run/mission.json"] = f"{server.url}/data/run/mission.json"
+        open_address(desk, "s3://data/run")
+        assert "s3://data: its server leads to another one, which is not asked" in desk.messages()[0]
+        assert len(store.asked) == 1
+    assert server.asked == []
 
 
 @pytest.mark.parametrize("wrong", ["gone", "torn", "other", "whole files only", "no shard", "refused"])

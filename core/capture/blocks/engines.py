@@ -22,6 +22,7 @@ from typing import Any
 from ...errors import InvalidInput, Message, OutputError
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
+from ...stores import check_no_credentials
 from ...text import one_line, words_of
 from ...waiting import wait_for
 
@@ -96,10 +97,13 @@ def open_engine(text: str) -> Iterator[Engine]:
     Raises
     ------
     InvalidInput
-        Another text.
+        Another text, or one with credentials in it, which are not quoted.
     OutputError
         Dask is not installed, or no scheduler is there.
     """
+    check_no_credentials(
+        text, "cluster", Message("credentials are taken from Dask's own configuration"), field="cluster"
+    )
     local, remote = _LOCAL.fullmatch(text), _DASK.fullmatch(text)
     if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
         with _local_cluster(int(local[1])) as engine:
