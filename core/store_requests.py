@@ -295,8 +295,8 @@ async def _pages(store: Any, key: str, moved: Moved) -> list[Entry]:
                 raise StoreLimitError(Message("it holds more than {0:,} objects", MAX_STORE_NAMES))
     except StoreLimitError:
         raise
-    except Exception as wrong:  # noqa: BLE001 (made into one of Python's, as fsspec's methods do)
-        raise errors.translate_boto_error(wrong) from None
+    except Exception as wrong:
+        raise errors.translate_boto_error(wrong) from wrong
     return found
 
 

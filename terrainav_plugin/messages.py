@@ -21,9 +21,6 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..core.addresses import without_credentials
-from ..core.limits import MAX_TEXT_CHARACTERS
-from ..core.text import shortened as cut
 from .compat import LOG_IS_PLAIN
 from .i18n import tr
 from .plain import escaped
@@ -38,12 +35,23 @@ _NARROW_PX = 700
 _PART_ENDS = ("; ", ". ", ": ", ", ")
 #: Characters of a message that the bar shows: some lines on any map. Qt takes minutes to lay out a million.
 _MOST_SHOWN = 2000
+#: Those of it that the log has.
+_MOST_LOGGED = 16384
 _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
+
+
+def _masked(text: str, most: int) -> str:
+    """Text without the credentials of an address in it, of so many characters at most."""
+    # Of the core, which is loaded when it is first used.
+    from ..core.addresses import without_credentials
+    from ..core.text import shortened
+
+    return shortened(without_credentials(text), most)
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab, as it is."""
-    text = without_credentials(cut(text, MAX_TEXT_CHARACTERS))
+    text = _masked(text, _MOST_LOGGED)
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
@@ -182,10 +190,9 @@ class Messages(QObject):
         other: tuple[str, Callable[[], None]] | None = None,
         lasts: bool = False,
     ) -> QgsMessageBarItem:
-        text = without_credentials(text)
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
-        shown = escaped(cut(text, _MOST_SHOWN))
+        shown = escaped(_masked(text, _MOST_SHOWN))
         item = QgsMessageBarItem(TITLE, shown, level, 0 if lasts else _SECONDS.get(level, 0))
         fitting = _Fitting(item)
         for offered in filter(None, (action, other)):
