@@ -8275,8 +8275,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: its table has no {1} of it</source>
+        <translation>imagen {0}: su tabla no tiene {1} para ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
         <source>image {0}: {1}</source>
         <translation>imagen {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: {1} {2:g} in its table: must be from {3:,g} to {4:,g}</source>
+        <translation>imagen {0}: {1} {2:g} en su tabla: debe estar entre {3:,g} y {4:,g}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
@@ -10288,6 +10298,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: is a VRT with more in it than bands of files</source>
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is no regular file, and lies beside {1}</source>
+        <translation>{0}: no es un archivo normal y está junto a {1}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
