@@ -216,8 +216,42 @@ class ReliefBelow:
 
     @property
     def is_level(self) -> bool:
-        """Whether there is no relief at all."""
-        return self.highest_m - self.lowest_m <= _LEVEL_M and self._ground.heights_m.size > 0
+        """Whether there is no relief at all, neither in images nor below the ways to and around them."""
+        if self._ground.heights_m.size == 0 or self.highest_m - self.lowest_m > _LEVEL_M:
+            return False
+        ways = self._ways()
+        if ways is None:
+            return True
+        for heights in {id(one): one for one in (self.heights.ground, self.heights.surface)}.values():
+            surface = heights.surface(*ways)
+            highest, lowest = (float(f(surface.heights_m)) for f in (np.nanmax, np.nanmin))
+            if max(highest, self.highest_m) - min(lowest, self.lowest_m) > _LEVEL_M:
+                return False
+            if not _is_finest_of(surface, *ways):
+                # Something narrow may stand between its cells.
+                return False
+        return True
+
+    def _ways(self) -> tuple[Floats, Floats] | None:
+        """Positions around all that a path may lead over beside its captures; None where it leads to no other place."""
+        route = self.mission.route
+        (lat, lon), middle = self._stand, float(self._stand[1].min() + self._stand[1].max()) / 2.0
+        further = route.turnaround_m + route.lead_in_m
+        if route.takeoff is not None:
+            lat, lon = np.append(lat, route.takeoff[0]), np.append(lon, _next_to(middle, route.takeoff[1]))
+        elif not (further or self.mission.no_fly):
+            return None
+        south, north, west, east = (float(f(at)) for at in (lat, lon) for f in (np.min, np.max))
+        for polygon in self.mission.no_fly:
+            box = polygon.bounds
+            box_west = _next_to(middle, box.west_deg)
+            box_east = box_west + box.span_deg
+            if box.south_deg < north and box.north_deg > south and box_west < east and box_east > west:
+                # The way around it leads along its edges.
+                lat = np.append(lat, (box.south_deg, box.north_deg))
+                lon = np.append(lon, (box_west, box_east))
+        room_m = self.radius_m + further + self.mission.terrain.clearance_distance_m
+        return _widened(np.array([lat.min(), lat.max()]), np.array([lon.min(), lon.max()]), room_m)
 
     @cached_property
     def filled(self) -> tuple[int, int, int]:
@@ -705,6 +739,11 @@ def _ends(mission: Mission) -> tuple[Floats, Floats]:
     east = box.east_deg + (360.0 if box.east_deg < box.west_deg else 0.0)
     lat, lon = np.meshgrid(np.linspace(box.south_deg, box.north_deg, 5), np.linspace(box.west_deg, east, 5))
     return lat.ravel(), lon.ravel()
+
+
+def _next_to(middle_deg: float, lon_deg: float) -> float:
+    """Longitude as it runs on from another across the antimeridian, in degrees."""
+    return lon_deg - 360.0 * round((lon_deg - middle_deg) / 360.0)
 
 
 def _widened(lat: Floats, lon: Floats, room_m: float) -> tuple[Floats, Floats]:

@@ -322,6 +322,29 @@ def random_mission(rng, dem):
 
 
 @pytest.mark.parametrize(
+    ("places", "takeoff", "no_fly"),
+    [
+        (((300.0, 475.0), (310.0, 475.0)), placed(700.0, 475.0), ()),
+        (((300.0, 500.0), (700.0, 500.0)), None, (square(500.0, 500.0, 20.0),)),
+    ],
+    ids=["home", "around a no-fly area"],
+)
+def test_level_ground_below_images_says_nothing_of_the_ways_between(dem, tmp_path, places, takeoff, no_fly):
+    """Masts of 50 m stand where no image is taken, and 37 m above the ground is not above them."""
+    mission = Mission(
+        Points(tuple((*placed(*at), 37.0) for at in places)),
+        37.0,
+        Camera(20.0, 1.0),
+        elevation=(dem["masts"],),
+        takeoff=takeoff,
+        no_fly=no_fly,
+    )
+    found = shortfalls(worked_out(mission), tmp_path)
+    assert len(found) >= 3
+    assert min(least for least, _ in found.values()) >= LEAST_M
+
+
+@pytest.mark.parametrize(
     "seeds",
     [(6, 8, 12, 19, 24, 35), pytest.param(range(400), marks=pytest.mark.thorough)],
     ids=["few", "many"],
