@@ -33,9 +33,15 @@ _ADDRESS = re.compile(
     re.IGNORECASE,
 )
 #: Path of a file that another machine has, as Windows writes it.
-_SHARE = re.compile(r"[\\/]{2}[^\\/?.][^\\/]*")
+_SHARE = re.compile(r"[\\/]{2}(?:[?.][\\/]+UNC[\\/]+)?[^\\/?.][^\\/]*", re.IGNORECASE)
 #: What GDAL reads more than the one file of.
 _VIRTUAL = re.compile(r"[\\/]vsi|\.vrt$", re.IGNORECASE)
+#: Names that lead to their address alone: in others it may be part of a bucket's key, or of an option that is not used.
+_BY_ADDRESS = re.compile(
+    r"(?:/vsi(?:zip|gzip|tar)/+){0,8}(?:/vsicurl(?:_streaming)?/|[a-z]+:)?https?:"
+    r"|/vsicurl\?url=https?(?::|%(?:25)?3A)[^&]*$",
+    re.IGNORECASE,
+)
 #: How often an address within an address is decoded.
 _MOST_DECODED = 3
 
@@ -118,6 +124,6 @@ def _places(text: str) -> Iterator[str]:
     share = _SHARE.match(text)
     if share is not None:
         found.append(share[0].replace("\\", "/").lower())
-    if not found and _VIRTUAL.search(text):
+    if _VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text)):
         found.append(text)
     yield from found

@@ -25,6 +25,8 @@ from tests.support.ranges import RangeServer
 from tests.support.shards import write_folders
 
 BOX = Box(35.16, -89.90, 35.158, -89.897)
+# A server of the shipped catalogue.
+KNOWN = "https://tile.openstreetmap.org"
 # Entries of a mission that lead to a server, by what they are.
 LEADING = {
     "wms": {"source": "wms:{url}/ows?layers=x"},
@@ -228,6 +230,15 @@ def test_a_mission_file_asks_its_source_once_that_is_allowed(desk, monkeypatch, 
         ("/data/x.VRT", ("/data/x.VRT",)),
         ("\\\\host\\share\\x.tif", ("//host",)),
         ("//host/share/x.tif", ("//host",)),
+        ("\\\\?\\UNC\\host\\share\\x.tif", ("//?/unc/host",)),
+        ("//./unc/host/share/x.tif", ("//./unc/host",)),
+        # What looks like an address that is known is a key in a bucket, part of a path, or an option.
+        (f"/vsis3/bucket/{KNOWN}/x.tif", (f"/vsis3/bucket/{KNOWN}/x.tif",)),
+        (f"/vsigs/bucket/x.tif?{KNOWN}", (f"/vsigs/bucket/x.tif?{KNOWN}",)),
+        (f"/vsizip//vsis3/bucket/{KNOWN}", (f"/vsizip//vsis3/bucket/{KNOWN}",)),
+        (f"/vsicurl?url=host/x.tif&a={KNOWN}", (f"/vsicurl?url=host/x.tif&a={KNOWN}",)),
+        (f"/data/{KNOWN}/x.vrt", (f"/data/{KNOWN}/x.vrt",)),
+        (f"/vsizip//vsicurl/{KNOWN}/x.zip/x.tif", ()),
         ("s3://bucket/run", ("s3://bucket",)),
         ("wms:https://a/x?map=https://b/y", ("https://a", "https://b")),
     ],
