@@ -10286,6 +10286,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is no regular file, and lies beside {1}</source>
+        <translation>{0}: no es un archivo normal y está junto a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: its coordinate reference system names the file {1}, which is not opened; must be a code such as EPSG:25832, or WKT without files</source>
         <translation>{0}: su sistema de referencia de coordenadas nombra el archivo {1}, que no se abre; debe ser un código como EPSG:25832, o WKT sin archivos</translation>
     </message>

@@ -9,7 +9,7 @@ from osgeo import gdal
 
 from ...core.bands import shown_of
 from ...core.capture.writers import DISPLAY_RANGE
-from ...core.imagery.raster.trust import VIRTUAL, check_references
+from ...core.imagery.raster.trust import VIRTUAL, drivers_for
 
 _COLOURS = 3
 _DARKEST, _BRIGHTEST = 0.0, 255.0
@@ -75,10 +75,10 @@ def open_image(path: str | Path) -> gdal.Dataset | None:
     Raises
     ------
     InvalidInput
-        Where its CRS names files for PROJ.
+        Where it, or a file beside it that GDAL opens with it, leads elsewhere, or where its CRS names files for PROJ.
     """
     if not str(path).startswith(VIRTUAL):
-        check_references(Path(path))
+        drivers_for(str(path))
     return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=_DRIVERS)
 
 

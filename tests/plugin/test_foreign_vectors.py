@@ -226,3 +226,46 @@ def test_an_image_of_a_dataset_is_an_image(tmp_path, other, ending):
     assert read_depth(path, 100).problem
     assert read_picture(path, 100, path.read_bytes()).problem
     assert other.asked == []
+
+
+# What may lie beside an image that GDAL opens with it, and leads to a server.
+_TMS = (
+    "<GDAL_WMS><Service name='TMS'><ServerUrl>{url}/${{z}}/${{x}}/${{y}}.png</ServerUrl></Service><DataWindow>"
+    "<UpperLeftX>0</UpperLeftX><UpperLeftY>0</UpperLeftY><LowerRightX>1</LowerRightX><LowerRightY>1</LowerRightY>"
+    "<TileLevel>1</TileLevel><TileCountX>1</TileCountX><TileCountY>1</TileCountY></DataWindow>"
+    "<BandsCount>3</BandsCount><BlockSizeX>256</BlockSizeX><BlockSizeY>256</BlockSizeY></GDAL_WMS>"
+)
+_VIRTUAL = (
+    "<VRTDataset rasterXSize='200' rasterYSize='200'><VRTRasterBand dataType='Byte' band='1'><SimpleSource>"
+    "<SourceFilename>/vsicurl/{url}/x.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>"
+)
+BESIDE = {
+    "service": (".ovr", _TMS),
+    "service, upper case": (".OVR", _TMS),
+    "virtual": (".ovr", _VIRTUAL),
+    "mask": (".msk", _TMS),
+    "metadata": (
+        ".aux.xml",
+        "<PAMDataset><Metadata domain='OVERVIEWS'><MDI key='OVERVIEW_FILE'>/vsicurl/{url}/x.tif</MDI></Metadata></PAMDataset>",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", BESIDE)
+@pytest.mark.parametrize("ending", ["png", "tif", "jpg"])
+def test_overviews_beside_an_image_lead_nowhere(tmp_path, other, ending, kind):
+    """GDAL opens them as whatever they are, by whatever driver, as soon as less than all pixels are read."""
+    from osgeo import gdal
+
+    path = tmp_path / f"1_1.{ending}"
+    driver = {"png": "PNG", "tif": "GTiff", "jpg": "JPEG"}[ending]
+    image = gdal.GetDriverByName("MEM").Create("", 400, 400, 3)
+    gdal.GetDriverByName(driver).CreateCopy(str(path), image)
+    del image
+    beside, text = BESIDE[kind]
+    name = path.name if beside.islower() else path.name.upper()
+    path.with_name(name + beside).write_text(text.format(url=other.url), "utf-8")
+    picture, depth = read_picture(path, 100), read_depth(path, 100)
+    assert other.asked == []
+    assert picture.problem
+    assert depth.problem

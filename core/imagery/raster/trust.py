@@ -16,6 +16,7 @@ import struct
 import time
 from collections import Counter
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -242,10 +243,8 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
         )
     elif depth and head and not (head.startswith(_MAGIC) or _is_srtm(file)):
         raise InvalidInput("{0} is of no format of images that a VRT may read here", file.name)
-    for ending in _COMPANIONS:
-        beside = file.with_name(file.name + ending)
-        if is_there(beside):
-            _check(beside, folders, depth + 1, seen)
+    for beside in _companions(file):
+        _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
     notes = _head(aux, MAX_VRT_BYTES + 1) if is_there(aux) else b""
     if len(notes) > MAX_VRT_BYTES:
@@ -260,6 +259,38 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
     _check_items(file, within)
     check_references(file)
     return seen[whole]
+
+
+def _companions(file: Path) -> list[Path]:
+    """Files that GDAL opens with a raster; refuses pipes and the like in the place of one, which it waits for."""
+    try:
+        companions, odd = _beside(str(file.parent), file.parent.stat().st_mtime_ns)
+    except OSError:
+        # A folder that may be searched and not listed.
+        companions, odd = {}, ()
+    for name in odd:
+        if name.lower().startswith(file.stem.lower()):
+            raise InvalidInput("{0}: is no regular file, and lies beside {1}", name, file.name)
+    found = [name for ending in _COMPANIONS for name in companions.get((file.name + ending).lower(), ())]
+    there = [file.with_name(file.name + ending) for ending in _COMPANIONS]
+    return [*dict.fromkeys([*(one for one in there if is_there(one)), *map(file.with_name, found)])]
+
+
+@lru_cache(maxsize=16)
+def _beside(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[str, ...]]:
+    """Overviews and masks in a folder, by their names in lower case, and what there is no file.
+
+    GDAL looks for them in a list of the folder, in any case of letters. Kept while the folder is as it was.
+    """
+    companions: dict[str, list[str]] = {}
+    odd = []
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.lower().endswith(_COMPANIONS):
+                companions.setdefault(entry.name.lower(), []).append(entry.name)
+            if not (entry.is_file() or entry.is_dir()) and Path(entry.path).exists():
+                odd.append(entry.name)
+    return companions, tuple(odd)
 
 
 def _check_reads(vrt: Path, count: int) -> None:
