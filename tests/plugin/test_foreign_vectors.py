@@ -239,6 +239,10 @@ _VIRTUAL = (
     "<VRTDataset rasterXSize='200' rasterYSize='200'><VRTRasterBand dataType='Byte' band='1'><SimpleSource>"
     "<SourceFilename>/vsicurl/{url}/x.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>"
 )
+_NOTES = (
+    "<PAMDataset><Metadata domain='OVERVIEWS'><MDI key='OVERVIEW_FILE'>/vsicurl/{url}/x.tif</MDI></Metadata>"
+    "</PAMDataset>"
+)
 BESIDE = {
     "service": (".ovr", _TMS),
     "service, upper case": (".OVR", _TMS),
@@ -246,10 +250,7 @@ BESIDE = {
     "mask": (".msk", _TMS),
     "metadata": (
         ".aux.xml",
-        (
-            "<PAMDataset><Metadata domain='OVERVIEWS'><MDI key='OVERVIEW_FILE'>/vsicurl/{url}/x.tif</MDI>"
-            "</Metadata></PAMDataset>"
-        ),
+        _NOTES,
     ),
 }
 
