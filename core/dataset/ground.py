@@ -43,6 +43,16 @@ _SAME_PX = 1.0
 _PLACE_TAGS = frozenset((33550, 34264))
 _WORLD_FILES = (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
 _CORNERS = ("nw", "ne", "se", "sw")
+#: How far from zero poses are at most: longitudes are continuous along a flight, and wind adds to angles.
+_MOST_OF_POSES = {
+    "pose_lat_deg": 90.0,
+    "pose_lon_deg": 720.0,
+    "agl_m": 1e9,
+    "height_m": 1e9,
+    "yaw_deg": 720.0,
+    "tilt_deg": 720.0,
+    "roll_deg": 720.0,
+}
 _QUARTER_DEG = 90.0
 #: Map frames stand for images that are turned from the map by less than this: one of 640 x 480 px is then wrong by up
 #: to 35 px, which no error budget that means something lets pass.
@@ -245,6 +255,32 @@ def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, mi
     u = u - np.round(u - middle_u)
     edges = (u + west / 360.0 - more_u, u + east / 360.0 + more_u, south - more_lat, north + more_lat)
     return Boxes(*(np.where(known, edge, np.nan) for edge in edges))
+
+
+def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> None:
+    """Raise InvalidInput for poses that are nowhere, in a table that others may have written.
+
+    Parameters
+    ----------
+    needed : bool
+        Whether a pose that is not known is refused, too; cameras over level ground have no height above the ellipsoid.
+    """
+    for name, most in _MOST_OF_POSES.items():
+        values = getattr(images.table, name)[rows]
+        unknown = np.isnan(values)
+        wrong = np.flatnonzero(~(np.abs(values) <= most) & (~unknown | (needed and name != "height_m")))
+        if len(wrong):
+            image, value = images.table.img_names[rows[wrong[0]]], values[wrong[0]]
+            if np.isnan(value):
+                raise InvalidInput("image {0}: its table has no {1} of it", image, name)
+            raise InvalidInput(
+                "image {0}: {1} {2:g} in its table: must be from {3:,g} to {4:,g}",
+                image,
+                name,
+                value,
+                -most,
+                most,
+            )
 
 
 def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:

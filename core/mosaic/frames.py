@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.geotiff import affine_of
-from ..dataset.ground import of_camera, plane_of
+from ..dataset.ground import check_poses, of_camera, plane_of
 from ..dataset.labels import middle_of
 from ..dataset.table import Table, taken
 from ..errors import InvalidInput
@@ -521,6 +521,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     """
     if not (folder / MISSION_FILE).is_file():
         raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
+    check_poses(images, rows, needed=True)
     mission, table = Mission.load(folder / MISSION_FILE), images.table
     lat, agl = table.pose_lat_deg[rows], table.agl_m[rows]
     _, middle = middle_of(lat, table.pose_lon_deg[rows])
@@ -551,6 +552,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
 
 
 def _map_frames(images: ImageSet, rows: Numbers) -> MapFrames:
+    check_poses(images, rows, needed=False)
     table, plane = images.table, _plane_of(images.table, rows)
     paths = tuple(images.path(row) for row in rows.tolist())
     affines = np.array([_affine_of(path) for path in paths])
