@@ -31,7 +31,10 @@ class Redirected(OSError):
 def is_redirect(wrong: BaseException) -> bool:
     """Whether an error of a store's library, or one that it was raised from, is of a redirect that is not followed."""
     each: BaseException | None = wrong
-    while each is not None:
+    # Libraries raise errors from themselves, too.
+    seen: set[int] = set()
+    while each is not None and id(each) not in seen:
+        seen.add(id(each))
         if isinstance(each, Redirected) or _REDIRECT.search(f"{type(each).__name__} {each}"):
             return True
         each = each.__cause__
