@@ -229,6 +229,7 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
     if depth > MAX_VRT_DEPTH:
         raise InvalidInput("reads {0} within more than {1} others", file.name, MAX_VRT_DEPTH)
     head = _head(file)
+    _check_beside(file)
     if _VRT.search(head):
         for (name, relative), times in Counter(_named(file)).items():
             each = [_check_source(file, at, folders, depth, seen) for at in _places(file, name, relative)]
@@ -260,6 +261,16 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
     _check_items(file, within)
     check_references(file)
     return seen[whole]
+
+
+def _check_beside(file: Path) -> None:
+    """Refuse a raster with a pipe or a device beside it, which GDAL would open: it waits for good, deaf to any end."""
+    beside = [file.with_name(file.name + ending) for ending in (*_COMPANIONS, ".aux.xml", *_BEHIND)]
+    for ending in (*_IN_PLACE, ".xml") if file.suffix else ():
+        beside += [file.with_suffix(ending), file.with_suffix(ending.upper())]
+    for place in beside:
+        if place.exists() and not (is_there(place) or place.is_dir()):
+            raise InvalidInput("{0}: is no regular file", place.name)
 
 
 def _check_reads(vrt: Path, count: int) -> None:
