@@ -296,7 +296,10 @@ async def _pages(store: Any, key: str, moved: Moved) -> list[Entry]:
     except StoreLimitError:
         raise
     except Exception as wrong:
-        raise errors.translate_boto_error(wrong) from wrong
+        # It is one already, raised from what has its reason, where s3fs has made it.
+        if (made := errors.translate_boto_error(wrong)) is wrong:
+            raise
+        raise made from wrong
     return found
 
 

@@ -140,8 +140,8 @@ def test_rooms_below_the_windows_know_no_widget(module):
     assert "widgets" not in GRAPH[module]
 
 
-# Shows the terms of a provider as HTML, which it makes of escaped texts.
-_OF_HTML = {"capture.questions"}
+# Show the terms of a provider, and why methods were chosen, as HTML, which they make of escaped texts.
+_OF_HTML = {"capture.questions", "panel.figures"}
 _TIPS = {"setToolTip", "setStatusTip", "setWhatsThis"}
 _BOXES = {"question", "warning", "information", "critical", "about"}
 

@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 from ..errors import InvalidInput
 from ..limits import MAX_CRS_CHARACTERS
 from ..safe_json import parse_json
-from ..text import one_line
 
 if TYPE_CHECKING:
     from pyproj import CRS
@@ -77,6 +76,8 @@ def check_reference(text: str) -> None:
     InvalidInput
         It names a file, is too long, or is neither a code nor a definition.
     """
+    from ..text import one_line
+
     if len(text) > MAX_CRS_CHARACTERS:
         raise InvalidInput(
             "coordinate reference system: {0} characters: must be no more than {1}",
@@ -115,6 +116,8 @@ def read_reference(text: str) -> CRS:
     """
     from pyproj import CRS
     from pyproj.exceptions import CRSError
+
+    from ..text import one_line
 
     check_reference(text)
     try:

@@ -17,7 +17,6 @@ from ...core.mission.estimate import percent, size_text
 from ...core.mission.methods import bound_text
 from ..dataset.mosaic import MOST_PICTURES
 from ..i18n import begun, number_text, tr, translate
-from ..plain import shown_plain
 from ..units import METRES, area_text, duration_text, gsd_text, length_text
 from ..widgets import named, tool_button
 
@@ -94,7 +93,7 @@ class Figures(QScrollArea):
         self._show(
             warnings="<br>".join(warnings), estimates=readout.figures_html(), details=readout.details_html()
         )
-        self.details.setToolTip(shown_plain(readout.why))
+        self.details.setToolTip(readout.why)
 
     def show_outdated(self) -> None:
         """Grey what is shown: it is of what was entered before."""
