@@ -15,7 +15,8 @@ from pathlib import Path
 import pytest
 from terrainav.core.capture import holding
 from terrainav.core.errors import OutputError
-from terrainav.core.stores import get, is_address, put, store_path
+from terrainav.core.files import read_if_there
+from terrainav.core.stores import is_address, put, store_path
 
 from tests.support.forks import ROOT
 from tests.support.objects import s3_store
@@ -146,7 +147,7 @@ def test_a_run_into_a_store_that_was_overtaken_ends(tmp_path, monkeypatch):
             code, printed, words = ended(first)
         assert (code, printed) == (3, "")
         assert "another run has taken over" in words
-        assert get(store_path(place) / "run.lock") is None
+        assert read_if_there(store_path(place) / "run.lock", 10_000) is None
 
 
 # --- leases, beside clocks that others set
@@ -190,10 +191,10 @@ def test_a_lease_that_is_stolen_is_found_without_any_beat(root, monkeypatch):
         monkeypatch.setattr(holding, "_steady_s", lambda: steady() + 60.0)
         with pytest.raises(OutputError, match="another run has taken over"):
             lease.check()
-    assert get(root / "it") == stolen
+    assert read_if_there(root / "it", 10_000) == stolen
 
 
 def test_a_lease_that_is_stolen_in_the_last_moment_is_found_at_the_end(root):
     with pytest.raises(OutputError, match="another run has taken over"), holding._Lease(root / "it"):
         stolen = steal(root / "it")
-    assert get(root / "it") == stolen
+    assert read_if_there(root / "it", 10_000) == stolen
