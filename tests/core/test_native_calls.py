@@ -19,7 +19,9 @@ PLACE = "47.8206_11.5450_47.8200_11.5460_60"
 WIDE_PX, TIMES = 30_000, 400
 #: Says when GDAL begins to read pixels.
 PROGRAM = """
-import sys
+import signal, sys
+# Shells have what runs in the background ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from terrainav.core.cli import main
 from terrainav.core.imagery.raster import reading
 
