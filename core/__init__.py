@@ -14,4 +14,5 @@ units       what numbers are in, in words and as they are typed
 resources   what ships beside the code
 drawing     what all diagrams have in common
 unexpected  errors that nobody foresaw
+native_calls  calls into libraries in C, which Ctrl-C must not wait for
 """

@@ -60,7 +60,8 @@ class Message(str):
         taken_over = template if isinstance(template, Message) else None
         if taken_over is not None:
             template, values = taken_over.template, taken_over.values
-        text = str(template)
+        text = str(template) if values or taken_over is not None else _without_credentials(str(template))
+        values = tuple(map(_without_credentials, values))
         made = super().__new__(cls, text.format(*values) if values else text)
         made.template = text
         made.values = tuple(_kept(value) for value in values)
@@ -150,6 +151,19 @@ class OutputError(TerrAInavError):
 
 class Cancelled(TerrAInavError):
     """The user stopped a run; what was finished is kept."""
+
+
+def _without_credentials(value: Any) -> Any:
+    """Return a value of a message; of one that shows a password or a key in an address its text, with asterisks."""
+    if isinstance(value, (OptionName, Message, TerrAInavError, int, float)):
+        return value
+    text = str(value)
+    if ":/" not in text:
+        return value
+    from .addresses import without_credentials
+
+    plain = without_credentials(text)
+    return value if plain == text else plain
 
 
 def _kept(value: object) -> object:

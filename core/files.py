@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import csv
 import errno
@@ -15,11 +16,14 @@ from pathlib import Path
 from typing import IO, Any
 
 from .errors import InvalidInput, OutputError
-from .stores import get_range, is_address, put, store_path
+from .limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
+from .store_requests import larger_than
+from .stores import get, get_each, is_address, open_object, put, store_path
 
 #: Ending of a file while it is being written. It is the same every time, so that what a killed run left behind
 #: is overwritten by the next one.
 PARTIAL_ENDING = ".part"
+_BLOCK_BYTES = 1 << 20
 #: What the systems say where somebody else has the lock. Anything else means that the file system has no locks
 #: (some network drives), which is no reason to refuse a capture.
 _HELD = frozenset({errno.EACCES, errno.EAGAIN, errno.EWOULDBLOCK, errno.EDEADLK})
@@ -105,16 +109,57 @@ def open_own(path: Path, mode: str, buffering: int = -1) -> IO[bytes]:
     return file
 
 
-def open_foreign(path: str | os.PathLike[str], buffering: int = -1) -> IO[bytes]:
+def open_foreign(
+    path: str | os.PathLike[str], most_bytes: int | None = None, buffering: int = -1
+) -> IO[bytes]:
     """Open a file that somebody else may have made, to read it: no device and no pipe, which have no end.
+
+    An object of a store is copied to a temporary file first, see `stores.open_object`.
+
+    Parameters
+    ----------
+    most_bytes : int or None
+        How large it may be; None for a file of which little is read, whatever its size.
 
     Raises
     ------
+    InvalidInput
+        It is larger; says so in a few words.
     OSError
         Where it is no regular file, or cannot be opened.
+    OutputError
+        A store that cannot be asked.
     """
+    if is_address(path):
+        return open_object(store_path(path), most_bytes or MAX_TABLE_BYTES)
     file: IO[bytes] = open(path, "rb", buffering, opener=_open_regular)  # noqa: SIM115 (as above)
+    if most_bytes is not None and os.fstat(file.fileno()).st_size > most_bytes:
+        file.close()
+        raise larger_than(most_bytes)
     return file
+
+
+def read_line(file: IO[bytes]) -> bytes:
+    """Read a line of a file that somebody else may have made; raises InvalidInput of one that is too long."""
+    line = file.readline(MAX_LINE_BYTES + 1)
+    if len(line) > MAX_LINE_BYTES:
+        raise too_long_line()
+    return line
+
+
+def too_long_line() -> InvalidInput:
+    """Say in a few words that a line is too long."""
+    return InvalidInput("a line is longer than {0} kB", MAX_LINE_BYTES >> 10)
+
+
+def text_lines(file: IO[bytes], encoding: str) -> Iterator[str]:
+    """Lines of such a file as text, with their ends as they are; raises as `read_line` does, or UnicodeDecodeError."""
+    decode = codecs.getincrementaldecoder(encoding)().decode
+    while line := read_line(file):
+        text = decode(line)
+        # A carriage return alone ends a line as well.
+        yield from io.StringIO(text, newline="") if "\r" in text else (text,)
+    decode(b"", True)
 
 
 def _open_own(path: str, flags: int) -> int:
@@ -137,24 +182,68 @@ def _open_regular(path: str, flags: int) -> int:
     return descriptor
 
 
-def read_limited(path: str | os.PathLike[str], most_bytes: int) -> bytes:
-    """Content of a file that somebody else may have made: it may have no end, as a device has none.
+def read_limited(path: str | os.PathLike[str], most_bytes: int, *, named_by_user: bool = False) -> bytes:
+    """Content of a file, or object, that somebody else may have made.
+
+    Parameters
+    ----------
+    named_by_user : bool
+        It may be a pipe or a device: who names one, such as ``/dev/stdin``, waits for what comes out of it.
 
     Raises
     ------
     InvalidInput
-        Longer than that; says so in a few words, to be put into a message of what was read.
+        Larger than that; says so in a few words, to be put into a message of what was read.
     OSError
-        Where it cannot be read; an OutputError of an object.
+        Where it cannot be read; an OutputError of a store.
     """
     if is_address(path):
-        data = get_range(store_path(path), 0, most_bytes + 1)
-    else:
-        with Path(path).open("rb") as file:
-            data = file.read(most_bytes + 1)
-    if len(data) > most_bytes:
-        raise InvalidInput("larger than {0:,.0f} MB", most_bytes / 1000000.0)
-    return data
+        found = get(store_path(path), most_bytes)
+        if found is None:
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+        return found
+    with Path(path).open("rb") if named_by_user else open_foreign(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > most_bytes:
+            raise larger_than(most_bytes)
+        data = file.read(size + 1)
+        if len(data) <= size:
+            return data
+        # A pipe, which has no size, or a file that grows.
+        more = bytearray(data)
+        while block := file.read(_BLOCK_BYTES):
+            more += block
+            if len(more) > most_bytes:
+                raise larger_than(most_bytes)
+    return bytes(more)
+
+
+def read_if_there(path: str | os.PathLike[str], most_bytes: int) -> bytes | None:
+    """Content of a file, or object, as `read_limited` gives it; None where there is none.
+
+    Raises
+    ------
+    InvalidInput, OutputError
+        It is larger, or cannot be read; names it.
+    """
+    try:
+        return read_limited(path, most_bytes)
+    except FileNotFoundError:
+        return None
+    except InvalidInput as wrong:
+        raise InvalidInput("file {0}: cannot be read ({1})", path, wrong) from wrong
+    except OSError as wrong:
+        raise OutputError("file {0}: cannot be read ({1})", path, wrong.strerror) from wrong
+
+
+def read_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
+    """Content of files of one folder, or objects, as `read_if_there` gives it; objects are asked for together."""
+    if not (paths and is_address(paths[0])):
+        return [read_if_there(path, most_bytes) for path in paths]
+    try:
+        return get_each(paths, most_bytes)
+    except InvalidInput as wrong:
+        raise InvalidInput("folder {0}: cannot be read ({1})", paths[0].parent, wrong) from wrong
 
 
 def write_whole(
@@ -227,10 +316,10 @@ def link_or_copy(origin: Path, target: Path) -> None:
         raise OutputError("image {0}: cannot be placed ({1})", target, wrong.strerror) from wrong
     except OSError:
         try:
-            data = origin.read_bytes()
+            with open_foreign(origin) as file:
+                write_whole(target, iter(lambda: file.read(_BLOCK_BYTES), b""))
         except OSError as wrong:
             raise OutputError("image {0}: cannot be read ({1})", origin, wrong.strerror) from wrong
-        write_whole(target, data)
 
 
 @contextlib.contextmanager

@@ -49,6 +49,10 @@ MAX_JPEG_SCANS = 100
 MAX_PICTURE_PX = 200_000_000
 #: Bytes of the same with many bands, or of more than 8 bits: four of 16 bits.
 MAX_PICTURE_BYTES = 8 * MAX_PICTURE_PX
+#: Longest file of an image that is read: that of the largest picture, not packed; it is in memory.
+MAX_IMAGE_FILE_BYTES = MAX_PICTURE_BYTES + MAX_PICTURE_EXTRA_BYTES
+#: Files of one image in a shard: it, its row, what places it on the map, its products. There are ten kinds of them.
+MAX_IMAGE_MEMBERS = 100
 #: Pixels along its longer side.
 MAX_PICTURE_SIDE_PX = 20_000
 #: Bands of a picture: imaging spectrometers have some 250.
@@ -73,10 +77,12 @@ MAX_CAPABILITIES_BYTES = 32 << 20
 MAX_SERVICE_JSON_BYTES = 8 << 20
 #: Elements of a document in XML; the largest services have some 100,000.
 MAX_XML_ELEMENTS = 1_000_000
+#: Elements and attributes of a document together: lxml takes 220 bytes for each.
+MAX_XML_NODES = 3_000_000
 #: How deep they may be within each other; those of services are up to 20 deep.
 MAX_XML_DEPTH = 100
-#: Attributes of one of them; services write up to a dozen.
-MAX_XML_ATTRIBUTES = 1_000
+#: Attributes of one of them, each of which parsers compare with all others; services write up to a dozen.
+MAX_XML_ATTRIBUTES = 200
 #: Different names of elements and attributes; services use some hundred.
 MAX_XML_NAMES = 10_000
 #: Layers of a service and styles of layers: OWSLib takes 0.1 ms and 7 kB for each. The largest services have thousands.
@@ -87,6 +93,19 @@ MAX_XML_INHERITED = 40_000_000
 MAX_VRT_BYTES = 64 << 20
 #: How deep one may read another.
 MAX_VRT_DEPTH = 8
+#: Parts of a VRT that name data, those within the VRTs that it reads among them: 50,000 files with three bands.
+MAX_VRT_SOURCES = 150_000
+#: Bands of a raster, some of which make a picture: stacks of many dates have hundreds.
+MAX_RASTER_BANDS = 10_000
+#: Overviews of a raster: those of halves of a raster as wide as GDAL reads are 31.
+MAX_RASTER_OVERVIEWS = 100
+#: Bytes of a block of a raster, which is decoded whole for one pixel: strips and tiles have some hundred kB, heights
+#: of a square degree in one strip 26 MB.
+MAX_RASTER_BLOCK_BYTES = 256 << 20
+#: Items of metadata of a raster, or points that place it: GDAL looks each one up among those before it.
+MAX_RASTER_ITEMS = 50_000
+#: Directories of a TIFF, each an image, a mask or an overview: all of them are looked through when it is opened.
+MAX_TIFF_DIRECTORIES = 1_000
 #: Seconds that a look-up in an MBTiles file may take: an index makes them milliseconds.
 MAX_QUERY_S = 5.0
 #: Characters of a line of metadata, of an MBTiles file or a raster.
@@ -96,19 +115,60 @@ MAX_METADATA_CHARACTERS = 4096
 MAX_VIEW_CHARACTERS = 2000
 #: Bytes of a tile in an MBTiles file.
 MAX_STORED_TILE_BYTES = 32 << 20
+#: Characters of the definition of a coordinate reference system; compound ones take some 10,000.
+MAX_CRS_CHARACTERS = 1 << 16
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
 MAX_JSON_DEPTH = 100
-#: Digits of a whole number in a JSON text: every such number has a float, and takes no time to be read.
+#: Digits of a whole number in a text: every such number has a float, and takes no time to be read.
 MAX_JSON_DIGITS = 300
 #: Length of a file of settings, sources, cameras or labels, bytes: a hundred times the largest that is known.
 MAX_SETTINGS_BYTES = 16 << 20
 #: Length of a line in a capture's journal, bytes: a name and a reason take a few hundred.
 MAX_JOURNAL_LINE_BYTES = 1 << 20
+#: Length of a line in a table or of a feature in a line, bytes: rows of a kB have some dozen columns.
+MAX_LINE_BYTES = 1 << 20
+#: Length of a table, a plan or a file of footprints, bytes: those of ten million images take some GB.
+MAX_TABLE_BYTES = 16 << 30
+#: Length of a record of a block in an object store, bytes: a block of 100,000 images takes some 40 MB.
+MAX_RECORD_BYTES = 256 << 20
+#: Length of the heights of a relief that a run leaves to its workers, bytes.
+MAX_RELIEF_BYTES = 4 << 30
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by
 #: default, take 700 MB.
 MAX_MISSION_BYTES = 1 << 30
+#: Bytes of a flight log that belong to no message: readers go through them one by one, and print a line for each.
+MAX_LOG_DAMAGE_BYTES = 1 << 20
+#: Fields of all topics that a PX4 log defines, each array and nested type in full; flights have some 10,000.
+MAX_LOG_FIELDS = 100_000
+#: Characters of the name of such a field or topic; PX4 has up to some 50.
+MAX_LOG_NAME_CHARACTERS = 255
+#: How deep types of such fields may be within each other; PX4 has two.
+MAX_LOG_DEPTH = 5
+#: Kinds of messages of an ArduPilot log in text; binary ones have a byte to number them.
+MAX_LOG_KINDS = 512
+#: Polygons of an area or of no-fly areas, each of which is checked and laid out by itself; farms have some hundred.
+MAX_POLYGONS = 10_000
+#: Pairs of a polygon's sides that are looked at for crossings, as they share a longitude: 0.1 s for a million. Outlines
+#: of a million corners have some ten for each.
+MAX_PAIRS_OF_SIDES = 100_000_000
 #: Files in a KMZ, which is a zip; those of map programs hold a KML file and some hundred images.
 MAX_KMZ_FILES = 100_000
+
+
+# --- Object stores and clusters
+
+#: Seconds without an answer of an object store, until it is given up: three silences of 15 s, and the waits between.
+MAX_STORE_SILENCE_S = 60.0
+#: Bytes a second that come, or are sent, at least, over as many seconds: a tenth of a slow line.
+MIN_STORE_BYTES_PER_S = 10_000
+#: Seconds that one request to a store may take in all: a list of ten million names takes half an hour.
+MAX_STORE_S = 3600.0
+#: Answer of a store that is no object: a page of a list has a thousand names, of a kB each at most.
+MAX_STORE_ANSWER_BYTES = 8 << 20
+#: Objects in a folder of a store: a list of them takes 200 bytes each.
+MAX_STORE_NAMES = 10_000_000
+#: Seconds within which a scheduler of Dask's answers.
+MAX_SCHEDULER_SILENCE_S = 10.0
 
 
 # --- Missions

@@ -21,6 +21,7 @@ from .limits import (
     MAX_XML_ELEMENTS,
     MAX_XML_INHERITED,
     MAX_XML_NAMES,
+    MAX_XML_NODES,
 )
 from .text import one_line
 
@@ -177,10 +178,18 @@ def _without_wms_type(text: str) -> str:
 
 def _check_size(text: str) -> None:
     """Refuse what would take memory or time beyond measure, before it is parsed."""
-    if len(text) > MAX_CAPABILITIES_BYTES or text.count("<") > 2 * MAX_XML_ELEMENTS:
+    # Each element has one bracket that begins it; those within comments and attributes count as if they had begun one.
+    elements = text.count("<") - text.count("</")
+    if (
+        len(text) > MAX_CAPABILITIES_BYTES
+        or elements > MAX_XML_ELEMENTS
+        or text.count("</") > MAX_XML_ELEMENTS
+    ):
         raise UnreadableXMLError(
             Message("more than {0} MB or {1:,} elements", MAX_CAPABILITIES_BYTES >> 20, MAX_XML_ELEMENTS)
         )
+    if elements + text.count("=") > MAX_XML_NODES:
+        raise UnreadableXMLError(Message("more than {0:,} elements and attributes", MAX_XML_NODES))
     for piece in text.split("<"):
         # Parsers compare each attribute of an element with all others. None is shorter than `a=""` with its space.
         if len(piece) > 5 * MAX_XML_ATTRIBUTES and piece.count("=") > MAX_XML_ATTRIBUTES:

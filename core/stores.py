@@ -13,12 +13,26 @@ import io
 import logging
 import os
 import re
-from collections.abc import Iterator
+import tempfile
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Any, Union
 
-from .errors import InvalidInput, Message, OutputError
+from .addresses import holds_credentials
+from .errors import InvalidInput, Message, OutputError, TerrAInavError
+from .limits import MAX_MISSION_BYTES
+from .redirects import follow_none, is_redirect, led_elsewhere, unredirected
+from .store_requests import (
+    Entry,
+    StoreLimitError,
+    ask,
+    entries,
+    fetch,
+    fetch_each,
+    fetch_range,
+    http_client,
+)
 
 #: A folder or file of this machine or of an object store, as text or as a path.
 Address = Union[str, "os.PathLike[str]"]
@@ -58,6 +72,33 @@ def is_address(place: Address) -> bool:
     return not isinstance(place, Path) and hasattr(place, "storage_options")
 
 
+def check_no_credentials(place: object, what: str, instead: str, field: str = "") -> None:
+    """Refuse an address of a store or a cluster that holds a user's name, a password, a key or a signature.
+
+    Parameters
+    ----------
+    place : str or path
+        What is no address is left alone.
+    what, instead : str
+        What it is, and where credentials are taken from instead, as the error says it.
+    field : str
+        As of errors.
+
+    Raises
+    ------
+    InvalidInput
+        Quotes nothing of the address but its scheme.
+    """
+    if holds_credentials(str(place)):
+        raise InvalidInput(
+            "{0} {1}://…: no user name, password, key or signature may stand in it ({2})",
+            what,
+            str(place).partition(":")[0],
+            instead,
+            field=field,
+        )
+
+
 def store_path(place: Address) -> Path:
     """Path of a folder or file of this machine, or of an address such as ``s3://bucket/folder``.
 
@@ -66,10 +107,13 @@ def store_path(place: Address) -> Path:
     Raises
     ------
     InvalidInput
-        An address of a kind that fsspec does not know.
+        An address of a kind that fsspec does not know, or with credentials in it, which are not quoted.
     OutputError
         A package that it needs is missing, or there are no credentials.
     """
+    check_no_credentials(
+        place, "address", Message("credentials are taken from where the store's own tools have them")
+    )
     if not isinstance(place, str):
         return place if is_address(place) else Path(place)  # type: ignore[return-value]
     scheme = _SCHEME.match(place)
@@ -88,11 +132,18 @@ def store_path(place: Address) -> Path:
         for log in map(logging.getLogger, _TALKATIVE):
             if log.level == logging.NOTSET:
                 log.setLevel(logging.CRITICAL)
-    path: Path = upath.UPath(place)
+    options = {"get_client": http_client} if kind in ("http", "https") else unredirected(kind)
+    path: Path = upath.UPath(place, **options)
     with store_errors(path):
         # Asks for nothing, but makes what will ask.
-        _ = path.fs  # type: ignore[attr-defined]
+        follow_none(path.fs)  # type: ignore[attr-defined]
     return path
+
+
+def resolved(path: Path) -> Path:
+    """Path without dots and links; of an address by HTTP the address, whose server would be asked where it leads."""
+    by_http = is_address(path) and str(path).startswith(("http:", "https:"))
+    return path if by_http else path.resolve()
 
 
 def put(path: Path, data: bytes) -> None:
@@ -103,7 +154,7 @@ def put(path: Path, data: bytes) -> None:
     OutputError
     """
     with store_errors(path):
-        _of_store(path).pipe_file(_key(path), data)
+        ask(_of_store(path), "pipe_file", _key(path), data, sent_bytes=len(data))
 
 
 def put_new(path: Path, data: bytes) -> bool:
@@ -115,7 +166,7 @@ def put_new(path: Path, data: bytes) -> bool:
     """
     with store_errors(path):
         try:
-            _of_store(path).pipe_file(_key(path), data, mode="create")
+            ask(_of_store(path), "pipe_file", _key(path), data, mode="create", sent_bytes=len(data))
         except FileExistsError as wrong:
             _let_go(wrong)
             return False
@@ -128,54 +179,89 @@ def put_new(path: Path, data: bytes) -> bool:
         return True
 
 
-def get(path: Path) -> bytes | None:
-    """Content of an object, or of a file of this machine; None where there is none.
+def get(path: Path, most_bytes: int = MAX_MISSION_BYTES) -> bytes | None:
+    """Content of an object; None where there is none.
 
     Raises
     ------
+    InvalidInput
+        Larger than that; says so in a few words.
     OutputError
     """
-    if not is_address(path):
+    data = io.BytesIO()
+    with store_errors(path):
         try:
-            return path.read_bytes()
-        except FileNotFoundError:
+            fetch(_of_store(path), _key(path), data, most_bytes)
+        except FileNotFoundError as wrong:
+            _let_go(wrong)
             return None
-        except OSError as wrong:
-            raise OutputError("file {0}: cannot be read ({1})", path, wrong.strerror) from wrong
-    data = None
-    with _if_there(path):
-        data = _of_store(path).cat_file(_key(path))
-    return None if data is None else bytes(data)
+    return data.getvalue()
 
 
-def opened(path: Path, buffering: int = -1) -> IO[bytes]:
-    """File of this machine, or an object, which is taken into memory, to be read.
+def get_each(paths: Sequence[Path], most_bytes: int) -> list[bytes | None]:
+    """Content of objects of one store, asked for together; None for each that is not there.
 
     Raises
     ------
-    OSError
-        A file that cannot be opened, or no such object.
+    InvalidInput
+        One of them is larger than that; says so in a few words.
     OutputError
-        A store that cannot be asked.
     """
-    if not is_address(path):
-        return path.open("rb", buffering=buffering)
-    data = get(path)
-    if data is None:
-        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
-    return io.BytesIO(data)
+    if not paths:
+        return []
+    store = _of_store(paths[0])
+    if not store.async_impl:
+        return [get(path, most_bytes) for path in paths]
+    files = [io.BytesIO() for _ in paths]
+    with store_errors(paths[0].parent):
+        there = fetch_each(store, [_key(path) for path in paths], files, most_bytes)
+    return [file.getvalue() if found else None for file, found in zip(files, there)]
+
+
+def open_object(path: Path, most_bytes: int) -> IO[bytes]:
+    """Object to be read as a file: a copy in the folder for temporary files, which has no name.
+
+    Raises
+    ------
+    FileNotFoundError
+        No such object.
+    InvalidInput
+        Larger than that; says so in a few words.
+    OutputError
+        A store that cannot be asked, or no room for the copy.
+    """
+    found = False
+    try:
+        file: IO[bytes] = tempfile.TemporaryFile(prefix="terrainav-")  # noqa: SIM115 (the caller closes it)
+    except OSError as wrong:
+        raise OutputError(
+            "folder {0}: cannot be written ({1})", tempfile.gettempdir(), wrong.strerror
+        ) from wrong
+    try:
+        with _if_there(path):
+            fetch(_of_store(path), _key(path), file, most_bytes)
+            found = True
+        if not found:
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+        file.seek(0)
+    except BaseException:
+        file.close()
+        raise
+    return file
 
 
 def get_range(path: Path, start: int, length: int) -> bytes:
-    """Part of an object.
+    """Part of an object, no longer than was asked for.
 
     Raises
     ------
     OutputError
         Also where it is not there.
     """
+    data = io.BytesIO()
     with store_errors(path):
-        return bytes(_of_store(path).cat_file(_key(path), start=start, end=start + length))
+        fetch_range(_of_store(path), _key(path), start, length, data)
+    return data.getvalue()
 
 
 def sizes_in(folder: Path) -> dict[str, int]:
@@ -187,19 +273,16 @@ def sizes_in(folder: Path) -> dict[str, int]:
     """
     if not is_address(folder):
         try:
-            with os.scandir(folder) as entries:
-                return {one.name: one.stat().st_size for one in entries if one.is_file()}
+            with os.scandir(folder) as entries_here:
+                return {one.name: one.stat().st_size for one in entries_here if one.is_file()}
         except FileNotFoundError:
             return {}
         except OSError as wrong:
             raise OutputError("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong
-    found: list[dict[str, Any]] = []
+    found: list[Entry] = []
     with _if_there(folder):
-        store = _of_store(folder)
-        # What was listed before is of a moment ago, and others write as well.
-        store.invalidate_cache()
-        found = store.ls(_key(folder), detail=True)
-    return {one["name"].rpartition("/")[2]: int(one["size"]) for one in found if one["type"] == "file"}
+        found = entries(_of_store(folder), _key(folder))
+    return {one.name: one.size_bytes for one in found if not one.is_folder}
 
 
 def folders_in(folder: Path) -> list[Path]:
@@ -211,11 +294,8 @@ def folders_in(folder: Path) -> list[Path]:
         Also where there is nothing at all.
     """
     with store_errors(folder):
-        store = _of_store(folder)
-        store.invalidate_cache()
-        found = store.ls(_key(folder), detail=True)
-        names = sorted(one["name"].rstrip("/").rpartition("/")[2] for one in found if one["type"] != "file")
-    return [folder / name for name in names]
+        found = entries(_of_store(folder), _key(folder))
+    return [folder / name for name in sorted(one.name for one in found if one.is_folder)]
 
 
 def is_file(path: Path) -> bool:
@@ -232,7 +312,7 @@ def is_file(path: Path) -> bool:
     with _if_there(path):
         store = _of_store(path)
         store.invalidate_cache()
-        kind = store.info(_key(path))["type"]
+        kind = ask(store, "info", _key(path))["type"]
     return bool(kind == "file")
 
 
@@ -244,7 +324,7 @@ def remove(path: Path) -> None:
     OutputError
     """
     with _if_there(path):
-        _of_store(path).rm_file(_key(path))
+        ask(_of_store(path), "rm_file", _key(path))
 
 
 @contextmanager
@@ -257,15 +337,15 @@ def store_errors(path: Path) -> Iterator[None]:
     """
     try:
         yield
-    except OutputError:
+    except TerrAInavError:
         raise
     except Exception as wrong:  # noqa: BLE001  (each store's library has errors of its own)
         problem = _problem(path, wrong)
         _let_go(wrong)
     else:
         return
-    # Out here, where what was raised, which may quote a key, is no part of it.
-    raise problem
+    # What was raised may quote a key.
+    raise problem from None
 
 
 @contextmanager
@@ -275,6 +355,8 @@ def _if_there(path: Path) -> Iterator[None]:
         try:
             yield
         except FileNotFoundError as wrong:
+            if is_redirect(wrong):
+                raise
             _let_go(wrong)
 
 
@@ -290,7 +372,11 @@ def _let_go(wrong: Exception) -> None:
 def _problem(path: Path, wrong: Exception) -> OutputError:
     """One line for what a store's library has raised."""
     what, root = str(path), _root(path)
+    if isinstance(wrong, StoreLimitError):
+        return OutputError("{0}: {1}", what, wrong.message)
     said = f"{type(wrong).__name__} {wrong}"
+    if is_redirect(wrong):
+        return led_elsewhere(what)
     if _EXPIRED.search(said):
         return OutputError(
             "{0}: the credentials have expired: new ones are taken from where the store's own tools have them",
@@ -319,9 +405,9 @@ def _root(path: Path) -> str:
 def _of_store(path: Any) -> Any:
     store = path.fs
     if getattr(store, "_pid", os.getpid()) == os.getpid():
-        return store
+        return follow_none(store)
     # What asks a store is of one process; those that were forked from it make their own.
-    return type(store)(**path.storage_options)
+    return follow_none(type(store)(**path.storage_options))
 
 
 def _key(path: Any) -> str:

@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Iterable
 from datetime import datetime
-from typing import Callable
+from typing import Any, Callable
 from urllib.parse import quote, quote_plus
 
 from .errors import InvalidInput
@@ -34,6 +34,8 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _KEY_CHARACTERS = 4096
 #: A day, a time of it, decimals of a second, and a zone.
 _TIME = re.compile(r"(.{10})[T ](\d{2}:\d{2}(?::\d{2})?)(?:[.,](\d{1,9}))?\s*(Z|[+-]\d{2}:?\d{2})?")
+#: Halves of characters, which Python also has for bytes of names that are no UTF-8.
+_HALVES = re.compile("[\ud800-\udfff]")
 _TAG = re.compile(r"<(?:(!--)|/?([a-zA-Z][a-zA-Z0-9]*)|[!?/])")
 #: Tags within a line of text; others stand between lines.
 _INLINE = frozenset("a abbr b big cite code em font i img mark small span strong sub sup tt u".split())
@@ -95,6 +97,20 @@ def one_line(text: str | None, most: int = MAX_LINE_CHARACTERS) -> str:
     return shortened(" ".join(printable(plain).split()), most)
 
 
+def words_of(thing: object, shown: Callable[[Any], str] = str) -> str:
+    """Text of an object of somebody else's code, which may fail to make one.
+
+    Parameters
+    ----------
+    shown : callable
+        `str` or `repr`.
+    """
+    try:
+        return shown(thing)
+    except (Exception, SystemExit):  # noqa: BLE001  (whatever it is, it is theirs)
+        return f"<{type(thing).__name__}, which cannot be printed>"
+
+
 def listed(name: str, title: str) -> str:
     """What lists show of a thing that has a title and a name, and what it can be named by, too.
 
@@ -106,6 +122,11 @@ def listed(name: str, title: str) -> str:
 def printable(text: str) -> str:
     """Text with spaces for characters that steer terminals or the direction of writing, and other invisible ones."""
     return text if text.isprintable() else "".join(one if one.isprintable() else " " for one in text)
+
+
+def writable(name: str) -> str:
+    """Name of a file as text that can be written in UTF-8: what is none of it in the name is shown as U+FFFD."""
+    return _HALVES.sub("\ufffd", name)
 
 
 def table_cell(text: str) -> str:

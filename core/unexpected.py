@@ -23,7 +23,7 @@ class UnexpectedErrors:
         self._lock = threading.Lock()
         self._logged: set[tuple[type, str, int]] = set()
 
-    def failure(self, wrong: Exception, hide: Callable[[str], str] = str) -> PartError:
+    def failure(self, wrong: BaseException, hide: Callable[[str], str] = str) -> PartError:
         """Return the failure of a part.
 
         Parameters

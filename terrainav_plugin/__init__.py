@@ -20,5 +20,6 @@ form            what is entered, and the mission that it asks for
 map             the canvas, the layer tree's groups, what a plan draws
 network         requests over QGIS's own network stack
 
-and for all: settings, credentials, i18n, units, messages, help, plain, widgets, tasks, paths, packages, compat.
+and for all: settings, credentials, i18n, units, messages, help, plain, foreign, widgets, tasks, paths, packages and
+compat.
 """

@@ -77,9 +77,11 @@ def translate(message: object) -> str:
         if message.remedy is not None and not _names_no_entry(message.remedy):
             parts.append(message.remedy)
         return "; ".join(map(translate, parts))
+    template = message.template if isinstance(message, Message) else str(message)
+    # Half of a character, which a user can paste, is none of Qt's.
+    template = QCoreApplication.translate(_CORE, template.encode("utf-8", "replace").decode())
     if not isinstance(message, Message):
-        return QCoreApplication.translate(_CORE, str(message))
-    template = QCoreApplication.translate(_CORE, message.template)
+        return template
     if not message.values:
         return template
     return _FORMATTER.vformat(template, [_shown(value) for value in message.values], {})

@@ -33,11 +33,25 @@ _MOST_LETTERS = 140
 #: Width of a message below which its buttons stand below each other, and leave the text room.
 _NARROW_PX = 700
 _PART_ENDS = ("; ", ". ", ": ", ", ")
+#: Characters of a message that the bar shows: some lines on any map. Qt takes minutes to lay out a million.
+_MOST_SHOWN = 2000
+#: Those of it that the log has.
+_MOST_LOGGED = 16384
 _SECONDS = {Qgis.MessageLevel.Info: 8, Qgis.MessageLevel.Success: 12}
+
+
+def _masked(text: str, most: int) -> str:
+    """Text without the credentials of an address in it, of so many characters at most."""
+    # Of the core, which is loaded when it is first used.
+    from ..core.addresses import without_credentials
+    from ..core.text import shortened
+
+    return shortened(without_credentials(text), most)
 
 
 def log(text: str, level: Qgis.MessageLevel = Qgis.MessageLevel.Info) -> None:
     """Write a line to the log panel's TerrAInav tab, as it is."""
+    text = _masked(text, _MOST_LOGGED)
     shown = text if LOG_IS_PLAIN or "<" not in text else escaped(text)
     QgsMessageLog.logMessage(shown, TITLE, level, notifyUser=False)
 
@@ -178,7 +192,8 @@ class Messages(QObject):
     ) -> QgsMessageBarItem:
         log(logged or (f"{text}\n{details}" if details else text), level)
         # The bar reads every text as HTML.
-        item = QgsMessageBarItem(TITLE, escaped(text), level, 0 if lasts else _SECONDS.get(level, 0))
+        shown = escaped(_masked(text, _MOST_SHOWN))
+        item = QgsMessageBarItem(TITLE, shown, level, 0 if lasts else _SECONDS.get(level, 0))
         fitting = _Fitting(item)
         for offered in filter(None, (action, other)):
             fitting.buttons.addWidget(self._button(item, *offered))

@@ -32,3 +32,22 @@ def escaped_field(name: str) -> str:
     for sign, written in (("&", "&amp;"), ("<", "&lt;"), ('"', "&quot;")):
         field = f"replace({field}, '{sign}', '{written}')"
     return f"[% {field} %]"
+
+
+def path_inside(folder: str, name: str, ending: str) -> str:
+    """Return an expression for the path of a file in a folder; NULL where a field's value is no name of a file.
+
+    Such as one that leads elsewhere, as an address, by ``..`` or by signs that addresses are read with.
+
+    Parameters
+    ----------
+    folder : str
+        An expression.
+    name : str
+        The field.
+    ending : str
+        Of the file's name.
+    """
+    # Backslashes of the pattern are doubled for the expression's own text.
+    refused = r"[/\\\\:%?#<>|*\\x00-\\x1f]|^\\.*$"
+    return f"if(regexp_match(\"{name}\", '{refused}'), NULL, {folder} || '/' || \"{name}\" || '{ending}')"

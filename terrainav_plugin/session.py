@@ -40,6 +40,7 @@ from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
 from .remote.copies import why_unchangeable
+from .remote.trust import agree, sources_of
 from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
@@ -250,6 +251,8 @@ class Session(QObject):
         dock.test_shot_clicked.connect(self.take_test_shot)
         dock.hint_followed.connect(self._follow_hint)
         dock.capture_clicked.connect(self.capture)
+        # What is in the panel has been chosen or entered here, or agreed to.
+        self.planning.planned.connect(lambda planned: agree(sources_of(planned.mission)))
         self.planning.planned.connect(self._show_preview_of)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):

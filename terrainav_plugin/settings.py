@@ -88,6 +88,9 @@ class Settings:
     recent = _Text()
     """Mission files and datasets opened last, as JSON."""
 
+    agreed = _Text()
+    """Servers and files that the user has agreed to, as JSON; see `remote.trust`."""
+
     suggested_folder = _Text()
     """Folder that the panel has proposed last: it counts on where it is taken, and nobody is asked."""
 

@@ -52,6 +52,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
+from ..core.text import shortened
 from .i18n import localized, plain_number, tr
 from .plain import plain_label, shown_plain
 
@@ -78,6 +79,8 @@ _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
 _BESIDE_TEXT_PX = 5
 #: Characters of a text that its tooltip shows.
 _MOST_TIP = 200
+#: Characters of what is said below a field: some lines.
+_MOST_SAID = 1000
 #: Where windows come up, from the corner of the map.
 _CORNER_PX = (12, 36)
 #: A text with an underlined letter, and what gives it another.
@@ -576,7 +579,7 @@ class FieldMessage(QLabel):
     def say(self, text: str) -> None:
         """Show a text, or nothing."""
         self.setTextFormat(Qt.TextFormat.PlainText)
-        self.setText(text)
+        self.setText(shortened(text, _MOST_SAID))
         self.setVisible(bool(text))
         self._fit()
 

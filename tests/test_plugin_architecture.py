@@ -138,3 +138,38 @@ def test_rooms_below_the_windows_know_no_widget(module):
     origins = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     assert not any(origin.endswith(("QtWidgets", "qgis.gui")) for origin in origins)
     assert "widgets" not in GRAPH[module]
+
+
+# Show the terms of a provider, and why methods were chosen, as HTML, which they make of escaped texts.
+_OF_HTML = {"capture.questions", "panel.figures"}
+_TIPS = {"setToolTip", "setStatusTip", "setWhatsThis"}
+_BOXES = {"question", "warning", "information", "critical", "about"}
+
+
+def is_of_others(text: ast.expr) -> bool:
+    """Whether a text that Qt may take for HTML is put together of others, without `shown_plain`."""
+    if isinstance(text, ast.IfExp):
+        return is_of_others(text.body) or is_of_others(text.orelse)
+    if isinstance(text, ast.Call) and isinstance(text.func, ast.Name):
+        return False
+    if isinstance(text, ast.Call) and isinstance(text.func, ast.Attribute) and text.func.attr == "format":
+        # Numbers and keys of the keyboard are the program's own.
+        own = {"step", "shift", "page", "count", "text", "keys"}
+        return not {one.arg for one in text.keywords} <= own
+    return not isinstance(text, (ast.Constant, ast.Name))
+
+
+@pytest.mark.parametrize("module", sorted(PATHS.keys() - _OF_HTML))
+def test_tips_and_message_boxes_show_texts_of_others_as_they_are(module):
+    wrong = []
+    for node in ast.walk(ast.parse(PATHS[module].read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+            continue
+        of_box = isinstance(node.func.value, ast.Name) and node.func.value.id == "QMessageBox"
+        if of_box and node.func.attr in _BOXES:
+            shown = node.args[2]
+            is_safe = isinstance(shown, ast.Call) and getattr(shown.func, "id", "") in ("shown_plain", "tr")
+            wrong += [] if is_safe else [node.lineno]
+        elif node.func.attr in _TIPS and node.args and is_of_others(node.args[0]):
+            wrong.append(node.lineno)
+    assert wrong == []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -161,7 +161,7 @@ class Predictions:
         InvalidInput
             It cannot be read, has none of these columns, or names what is not there; the line is named.
         """
-        lines = read_rows(Path(path))
+        lines = read_rows(Path(path), named_by_user=True)
         _, header = next(lines)
         known = [name for name in ("references", *POSE) if name in header]
         if "query" not in header or not known:
@@ -184,11 +184,9 @@ class Predictions:
                 raise InvalidInput("{0} query {1!r} is not in the benchmark", where, name)
             if met.setdefault(name, number) != number:
                 raise InvalidInput("{0} query {1!r} is answered in line {2} already", where, name, met[name])
-            values = {one: number_of(cells.get(one, ""), f"{where} {one}") for one in POSE}
-            if abs(values["lat_deg"]) > 90.0 or abs(values["lon_deg"]) > 360.0:
-                raise InvalidInput(
-                    "{0} {1:g}, {2:g} is not on the Earth", where, values["lat_deg"], values["lon_deg"]
-                )
+            values = checked_pose(
+                {one: number_of(cells.get(one, ""), f"{where} {one}") for one in POSE}, where
+            )
             try:
                 references = tuple(cells.get("references", "").split())
                 _ranked(benchmark, references, name)
@@ -211,6 +209,16 @@ class Predictions:
         columns.update(zip(POSE, self.pose.T))
         columns[SECONDS] = self.seconds
         write_columns(path, columns)
+
+
+def checked_pose(pose: Mapping[str, float], where: str) -> Mapping[str, float]:
+    """Return a pose by the names of `POSE`, NaN where nothing is said; raises InvalidInput, which begins with where."""
+    if abs(pose["lat_deg"]) > 90.0 or abs(pose["lon_deg"]) > 360.0:
+        raise InvalidInput("{0} {1:g}, {2:g} is not on the Earth", where, pose["lat_deg"], pose["lon_deg"])
+    for name, value in pose.items():
+        if math.isinf(value):
+            raise InvalidInput("{0} {1} {2:g}: must be a finite number", where, name, value)
+    return pose
 
 
 def _ranked(benchmark: Benchmark, references: Sequence[str], query: str) -> list[int]:

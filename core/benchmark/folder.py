@@ -513,8 +513,8 @@ def _read_columns(path: Path, kinds: Mapping[str, bool]) -> dict[str, Any]:
     }
 
 
-def read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield line number and cells of a CSV's header and of each row, which has as many.
+def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int, list[str]]]:
+    """Yield line number and cells of a CSV's header and of each row, which has as many; it may be a pipe by name.
 
     Raises
     ------
@@ -522,7 +522,7 @@ def read_rows(path: Path) -> Iterator[tuple[int, list[str]]]:
         It cannot be read, has no header, or a row has more cells or fewer.
     """
     try:
-        text = decoded(read_limited(path, MAX_MISSION_BYTES))
+        text = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=named_by_user))
     except OSError as wrong:
         raise InvalidInput("table {0}: cannot be read ({1})", path, wrong.strerror) from wrong
     except InvalidInput as wrong:

@@ -13,6 +13,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..capture.begun import hold_to
+from ..capture.holding import kept
 from ..capture.making import DEFAULT_CONNECTIONS
 from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
@@ -116,17 +118,25 @@ def make_benchmark(
     # As it is read again: JSON has no tuples.
     about = json.loads(json_bytes(worked_out.settings.to_dict()))
     _claim(path, about, resume=resume)
-    with open_locked(path / _LOCK_FILE):
+    lock = path / _LOCK_FILE
+    with open_locked(lock) as file, kept(lock, file) as check:
+
+        def ends() -> bool:
+            check()
+            return cancelled is not None and cancelled()
+
+        hold_to(path, BENCHMARK_FILE, about)
         results = capture_each(
             {name: (plan, sources[str(one)]) for name, (one, plan) in worked_out.captures.items()},
             path,
             connections=connections,
             workers=workers,
             progress=progress,
-            cancelled=cancelled,
+            cancelled=ends,
         )
         if any(one.cancelled for one in results.values()):
             return Making(path, results, None)
+        check()
         hint = _write_truth(path, worked_out, about, shares)
     return Making(path, results, Benchmark.read(path), hint)
 

@@ -6,15 +6,17 @@ import importlib
 import math
 import sys
 import time
-import traceback
 from collections.abc import Callable
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InvalidInput, TerrAInavError
-from .answers import Answer, Locate, Method, Numbers, Predictions, Query, query_of
+from ..errors import InvalidInput, Message, TerrAInavError
+from ..text import words_of
+from ..user_code import called, is_ctrl_c, output_apart
+from .answers import POSE, Answer, Locate, Method, Numbers, Predictions, Query, checked_pose, query_of
 from .choices import METHODS
 from .folder import Benchmark
 
@@ -51,40 +53,32 @@ def method_named(name: str) -> Method:
     # As with `python -m`: modules of the current folder are found.
     if "" not in sys.path:
         sys.path.insert(0, "")
-    try:
-        found = getattr(importlib.import_module(module), function)
-    except Exception as wrong:
-        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, wrong) from wrong
+    found = _imported(name, module, function)
     if not callable(found):
         raise InvalidInput("method {0!r}: is not a function", name)
 
     def prepared(benchmark: Benchmark, gallery: Numbers) -> Locate:
-        locate = _called(name, found, benchmark, gallery)
+        locate = called(name, found, benchmark, gallery)
         if not callable(locate):
-            raise InvalidInput("method {0}: returns {1!r}, which is no function of a query", name, locate)
-        return lambda query: _called(name, locate, query)
+            raise InvalidInput(
+                "method {0}: returns {1}, which is no function of a query", name, words_of(locate, repr)
+            )
+        tiles = len(benchmark.references)
+        return lambda query: called(name, _answered, locate, query, tiles)
 
     return prepared
 
 
-def _called(name: str, function: Callable[..., Any], *arguments: object) -> Any:
-    """What a function of the user's returns; its faults are told in one line, with their place in the user's module."""
+def _imported(name: str, module: str, function: str) -> Any:
+    """Function of a module of the user's; raises InvalidInput."""
     try:
-        return function(*arguments)
-    except (TerrAInavError, MemoryError):
-        raise
-    except Exception as wrong:
-        frames = traceback.extract_tb(wrong.__traceback__)
-        own = getattr(sys.modules[name.partition(":")[0]], "__file__", None)
-        last = next((frame for frame in reversed(frames) if frame.filename == own), frames[-1])
-        raise InvalidInput(
-            "method {0}: failed with {1}: {2} ({3}, line {4})",
-            name,
-            type(wrong).__name__,
-            wrong,
-            Path(last.filename).name,
-            last.lineno,
-        ) from wrong
+        with output_apart:
+            return getattr(importlib.import_module(module), function)
+    except BaseException as wrong:
+        if is_ctrl_c(wrong):
+            raise
+        said = words_of(wrong) if isinstance(wrong, Exception) else f"{type(wrong).__name__}: {wrong}"
+        raise InvalidInput("method {0!r}: cannot be imported ({1})", name, said) from wrong
 
 
 def run_method(
@@ -119,18 +113,43 @@ def run_method(
         if cancelled is not None and cancelled():
             return None
         begun = time.perf_counter()
-        answers.append(_answered(locate, query_of(benchmark, row)))
+        answers.append(_answered(locate, query_of(benchmark, row), len(benchmark.references)))
         seconds.append(time.perf_counter() - begun)
         if progress is not None:
             progress(len(answers), len(rows))
     return Predictions.of(benchmark, rows, answers, seconds)
 
 
-def _answered(locate: Locate, query: Query) -> Answer:
+def _answered(locate: Locate, query: Query, tiles: int) -> Answer:
+    """Answer of a method as plain values: those of a user's may be of any type."""
     answer = locate(query)
     if not isinstance(answer, Answer):
-        raise InvalidInput("method: answers {0} with {1!r}, which is no Answer", query.id, answer)
-    return answer
+        raise InvalidInput(
+            "method: answers {0} with {1}, which is no Answer", query.id, words_of(answer, repr)
+        )
+    try:
+        # One more than there are is enough to be refused: a generator may have no end.
+        references = tuple(islice(iter(answer.references), tiles + 1))
+        pose = {name: float(getattr(answer, name)) for name in POSE}
+    except (TerrAInavError, MemoryError):
+        raise
+    except Exception as wrong:
+        raise InvalidInput(
+            "method: answers {0} with what cannot be read: {1}: {2}",
+            query.id,
+            type(wrong).__name__,
+            words_of(wrong),
+        ) from wrong
+    if len(references) > tiles:
+        raise InvalidInput("method: answers {0} with more references than there are: {1:,}", query.id, tiles)
+    for reference in references:
+        if not isinstance(reference, str):
+            raise InvalidInput(
+                "method: answers {0} with the reference {1}, which is no text",
+                query.id,
+                words_of(reference, repr),
+            )
+    return Answer(references, **checked_pose(pose, Message("method: answer to {0}:", query.id)))
 
 
 def scores_folder(folder: Path, name: str, part: str = "") -> Path:

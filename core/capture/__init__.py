@@ -5,6 +5,7 @@ In reading order:
 - `runner`: the run
 - `progress`: what it tells
 - `several`: runs beside each other in one folder
+- `begun`: what a capture was begun with, to which later runs are held
 - `folder`: the dataset's folder, and what it must not hold before
 - `journal`: what is done, for the next run
 - `pipeline`: fetching, assembling and writing at the same time

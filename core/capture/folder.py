@@ -9,11 +9,13 @@ from pathlib import Path
 
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, MISSION_FILE, PLAN_FILE, REJECTED_FOLDER
 from ..errors import InvalidInput, Message, OptionName, OutputError
-from ..files import PARTIAL_ENDING, make_folder, open_locked, write_whole
+from ..files import PARTIAL_ENDING, make_folder, open_locked, read_if_there, read_limited, write_whole
 from ..geodesy.mercator import WebMercator
+from ..limits import MAX_MISSION_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..stores import get, is_address, put_new, sizes_in, store_path
+from ..stores import is_address, put_new, sizes_in, store_path
+from .begun import edited_since
 from .choices import BLOCKS_FOLDER, DIVISION_FILE
 from .journal import Outcome
 
@@ -52,7 +54,9 @@ def open_folder(folder: str | os.PathLike[str], mission: Mission, *, resume: boo
                 write_whole(path / MISSION_FILE, wanted, durable=True)
                 found, resume = wanted, True
     if not is_of(found, mission):
-        raise OutputError("folder {0}: holds another mission", folder, remedy="choose another folder")
+        raise edited_since(path, found, mission) or OutputError(
+            "folder {0}: holds another mission", folder, remedy="choose another folder"
+        )
     if not resume:
         raise OutputError(
             "folder {0}: already holds this mission",
@@ -69,7 +73,7 @@ def open_place(address: str | os.PathLike[str], mission: Mission, *, resume: boo
     if not is_address(address):
         return open_folder(address, mission, resume=resume)
     path = store_path(address)
-    found, wanted = get(path / MISSION_FILE), mission.to_json().encode("utf-8")
+    found, wanted = read_if_there(path / MISSION_FILE, MAX_MISSION_BYTES), mission.to_json().encode("utf-8")
     if found is None:
         foreign = min((name for name in sizes_in(path) if name != LOCK_FILE), default=None)
         if foreign is not None:
@@ -83,9 +87,11 @@ def open_place(address: str | os.PathLike[str], mission: Mission, *, resume: boo
         # Of two runs that find nothing, one puts its mark and the other finds it.
         if put_new(path / MISSION_FILE, wanted):
             return path
-        found = get(path / MISSION_FILE) or b""
+        found = read_if_there(path / MISSION_FILE, MAX_MISSION_BYTES) or b""
     if not is_of(found, mission):
-        raise OutputError("address {0}: holds another mission", address, remedy="choose another one")
+        raise edited_since(path, found, mission) or OutputError(
+            "address {0}: holds another mission", address, remedy="choose another one"
+        )
     if not resume:
         raise OutputError(
             "address {0}: already holds this mission",
@@ -149,9 +155,11 @@ def check_captured(folder: str | os.PathLike[str]) -> None:
 def _mark_of(path: Path) -> bytes | None:
     mark = path / MISSION_FILE
     try:
-        return mark.read_bytes() if mark.exists() else None
-    except OSError as wrong:
-        raise OutputError("folder {0}: cannot read {1} ({2})", path, MISSION_FILE, wrong.strerror) from wrong
+        return read_limited(mark, MAX_MISSION_BYTES) if mark.exists() else None
+    except (OSError, InvalidInput) as wrong:
+        raise OutputError(
+            "folder {0}: cannot read {1} ({2})", path, MISSION_FILE, getattr(wrong, "strerror", None) or wrong
+        ) from wrong
 
 
 def _refuse_foreign(path: Path, folders: Iterable[str]) -> None:

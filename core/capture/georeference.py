@@ -9,11 +9,11 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import CRS
 
 from ..bands import RGB, Bands, unnamed
 from ..errors import InvalidInput
 from ..geodesy.mercator import WebMercator
+from ..geodesy.reference import read_reference
 from ..mission.plan import Plan
 from .metadata import degrees, metres, xml_text
 from .tiff import Kind, Tag
@@ -214,13 +214,13 @@ class ControlPoints:
 
 def _citation(crs: str) -> str:
     """WKT of a CRS as Esri and GDAL write and read it in a GeoTIFF where there is no code."""
-    return f"ESRI PE String = {CRS.from_user_input(crs).to_wkt('WKT1_ESRI')}|"
+    return f"ESRI PE String = {read_reference(crs).to_wkt('WKT1_ESRI')}|"
 
 
 @lru_cache(maxsize=8)
 def wkt_1(crs: str) -> str:
     """CRS as WKT 1, which every GDAL reads."""
-    return WEB_MERCATOR_WKT if crs == WebMercator.crs else str(CRS.from_user_input(crs).to_wkt("WKT1_GDAL"))
+    return WEB_MERCATOR_WKT if crs == WebMercator.crs else str(read_reference(crs).to_wkt("WKT1_GDAL"))
 
 
 def _geo_keys(keys: list[tuple[int, int]], citation: str = "") -> list[int]:

@@ -188,16 +188,33 @@ class Journal:
                 if error is None:
                     raise self._unwritable(wrong) from wrong
 
-    def add(self, outcome: Outcome) -> None:
-        """Append an outcome."""
+    @property
+    def file(self) -> IO[bytes]:
+        """Its file, while it is open; raises OutputError."""
         if self._file is None:
             raise OutputError("journal {0}: is not open", self._path)
+        return self._file
+
+    def check(self) -> None:
+        """Raise OutputError where another run has written to it, as its lock was lost; for the thread that adds."""
+        try:
+            size = os.fstat(self.file.fileno()).st_size
+        except OSError as wrong:
+            raise self._unwritable(wrong) from wrong
+        if size != self._whole_bytes:
+            raise OutputError(
+                "folder {0}: another run has taken over, as its {1} tells", self._path.parent, self._path.name
+            )
+
+    def add(self, outcome: Outcome) -> None:
+        """Append an outcome; raises OutputError."""
+        self.check()
         line = outcome.to_line()
         try:
-            written = self._file.write(line)
+            written = self.file.write(line)
             if written != len(line):
                 # A full disk may take a part of the line only; it is taken back so that no later line joins it.
-                self._file.truncate(self._whole_bytes)
+                self.file.truncate(self._whole_bytes)
                 raise OSError(None, "the disk took only a part of a line")
         except OSError as wrong:
             raise self._unwritable(wrong) from wrong

@@ -220,7 +220,8 @@ class Pipeline(Generic[Job, Result]):
             return self._fetch(window)
         except TerrAInavError:
             raise
-        except Exception as wrong:
+        except BaseException as wrong:
+            # What ends a program, such as sys.exit(), ends no thread of ours either.
             raise self._unexpected.failure(wrong) from wrong
 
     def _report_made(self) -> None:

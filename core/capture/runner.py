@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
+from ..files import write_whole
 from ..imagery.opening import NamedSource
 from ..imagery.placeholder import PLACEHOLDER_REASON, Provided, Repeats
 from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..stores import is_address, store_path
+from .begun import hold_to_plan
 from .folder import (
     captured_mission,
     check_captured,
@@ -31,6 +33,7 @@ from .folder import (
     open_folder,
     remove_picture,
 )
+from .holding import kept
 from .journal import FAILED, Journal, Outcome
 from .making import DEFAULT_CONNECTIONS, Making, check_source, chosen_of, repeats_of
 from .progress import CaptureResult, Failure, Listener, Progress, Repeat
@@ -152,10 +155,12 @@ def capture(
         check_captured(folder)
     if has_blocks(folder):
         raise OutputError("folder {0}: was captured in blocks", folder, remedy="choose another folder")
-    path = open_folder(folder, captured_mission(plan), resume=resume or only_failed)
+    mission = captured_mission(plan)
+    path = open_folder(folder, mission, resume=resume or only_failed)
     listener = Listener(progress, cancelled, paused)
-    with Journal(path / JOURNAL_FILE) as journal:
-        run = _Run(plan, source, path, journal, chosen, listener, only_failed=only_failed)
+    with Journal(path / JOURNAL_FILE) as journal, kept(path / JOURNAL_FILE, journal.file) as check:
+        hold_to_plan(path, plan, mission)
+        run = _Run(plan, source, path, journal, chosen, listener, check, only_failed=only_failed)
         making = Making(
             plan,
             source,
@@ -164,11 +169,19 @@ def capture(
             workers or os.cpu_count() or 1,
             run.note,
             exposures=exposures_of(plan),
+            write=partial(_write_checked, check),
         )
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
+            run.check()
             write_plan(plan, path / name)
         complete = all(run.capture_map_type(map_type, making) for map_type in plan.mission.imagery.map_types)
     return run.result(making, listener.active_s(), cancelled=not complete)
+
+
+def _write_checked(check: Callable[[], None], path: Path, data: bytes) -> None:
+    """Write a file in a place that is still the run's."""
+    check()
+    write_whole(path, data)
 
 
 class _Run:
@@ -188,9 +201,11 @@ class _Run:
         journal: Journal,
         chosen: Numbers,
         listener: Listener,
+        check: Callable[[], None],
         *,
         only_failed: bool,
     ) -> None:
+        self._is_held = check
         self._plan, self._source, self._folder = plan, source, folder
         self._journal, self._listener = journal, listener
         self._map_types = plan.mission.imagery.map_types
@@ -211,6 +226,11 @@ class _Run:
         pending = sum(len(indices) for indices in self._pending.values())
         self._total = pending if only_failed else len(chosen) * len(self._map_types)
         self._skipped = self._total - pending
+
+    def check(self) -> None:
+        """Raise OutputError where another run has taken the folder."""
+        self._is_held()
+        self._journal.check()
 
     def _known_outcomes(self) -> dict[str, dict[str, Outcome]]:
         """What earlier runs have left of each map type: failures, and pictures that are still there."""
@@ -253,12 +273,15 @@ class _Run:
         def go_on() -> bool:
             self._requests = making.requests
             self._listener.tell(partial(self._progress, map_type))
+            self.check()
             return self._listener.go_on()
 
         try:
             return making.make(map_type, self._pending[map_type], go_on, self._listener.wait, repeats.note)
         finally:
             self._requests = making.requests
+            # Where another run has taken the folder, the tables are its own.
+            self.check()
             self._note_repeats(map_type, repeats.found(), making)
             write_tables(
                 self._folder / map_type,

@@ -16,6 +16,7 @@ from ..imagery.source import Source
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..stores import is_address, is_file, store_path
+from .begun import hold_to_mission
 from .folder import check_captured, open_place
 from .holding import held
 from .making import check_source
@@ -66,6 +67,7 @@ def capture_imageries(
         check_captured(folder)
     path = open_place(store_path(folder), mission, resume=resume or only_failed)
     with held(path) as check:
+        hold_to_mission(path, mission)
 
         def ends() -> bool:
             check()

@@ -11,12 +11,16 @@ from .exits import BAD_INPUT, DONE, FAILED, FAULT, STOPPED, exit_code
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
 #: Set, the trace of a fault of the program is printed.
 DEBUG_ENV = "TERRAINAV_DEBUG"
 _SAID_CHARACTERS = 200
+#: Characters shown before and after one that cannot be written.
+_AROUND = 60
 _ISSUES = "https://github.com/terrainav/terrainav/issues"
+#: Options that name sources.
+_SOURCES = ("source", "url", "imagery", "elevation", "surface", "cluster")
 #: The module of each command and its function there; only the one that is run is imported.
 _COMMANDS = {
     "plan": ("flying", "run_plan"),
@@ -39,11 +43,20 @@ _COMMANDS = {
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit code."""
+    code = _main(argv)
+    from ..native_calls import end_with
+
+    end_with(code)
+    return code
+
+
+def _main(argv: Sequence[str] | None) -> int:
     signals: list[int] = []
     try:
+        from .printing import anything_printed
         from .stopping import raised
 
-        with raised(signals):
+        with raised(signals), anything_printed():
             code = _run(sys.argv[1:] if argv is None else argv)
             if sys.stdout is not None:
                 # What cannot be printed is found out here, and not when Python ends.
@@ -51,7 +64,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as stopped:
         return _fail("stopped", getattr(stopped, "code", STOPPED))
     except Exception as wrong:  # noqa: BLE001 (the last door)
-        if signals:
+        if signals and (isinstance(wrong, Cancelled) or not isinstance(wrong, TerrAInavError)):
             # Modules written in C that a signal met while they were imported raise something else instead.
             return _fail("stopped", exit_code(signals[0]))
         return _failed(wrong)
@@ -69,12 +82,26 @@ def _failed(wrong: Exception) -> int:
         return _fail(wrong, FAILED)
     if isinstance(wrong, MemoryError):
         return _fail("not enough memory; ask for less at a time: fewer or smaller images", FAILED)
+    if isinstance(wrong, ValueError) and "embedded null" in str(wrong):
+        # Of a name in a file of settings: no argument can have it.
+        return _fail("the name of a file holds a null character, which no name has", BAD_INPUT)
+    if isinstance(wrong, UnicodeEncodeError):
+        # Python has halves of characters for bytes of names that are no text in UTF-8, which no file takes.
+        part = wrong.object[max(wrong.start - _AROUND, 0) : wrong.end + _AROUND]
+        return _fail(f"{part!a}: cannot be written, as it is no text in {wrong.encoding.upper()}", FAILED)
+    if _is_out_of_threads(wrong):
+        return _fail(f"the system gives no more threads ({wrong})", FAILED)
     if isinstance(wrong, OSError):
         _drop_output()
         # The reader of our output may have gone away, as `| head` does: nothing is left to be said.
         gone = isinstance(wrong, BrokenPipeError)
         return DONE if gone else _fail(f"cannot go on ({wrong})", FAILED)
     return _fault(wrong)
+
+
+def _is_out_of_threads(wrong: Exception) -> bool:
+    """Whether the system has given no thread, for which Python has no error of its own."""
+    return isinstance(wrong, RuntimeError) and "new thread" in str(wrong)
 
 
 def _run(argv: Sequence[str]) -> int:
@@ -92,9 +119,25 @@ def _run(argv: Sequence[str]) -> int:
     if arguments.command is None:
         reader.print_help()
         return DONE
+    _check_addresses(vars(arguments))
     module, function = _COMMANDS[arguments.command]
     code: int = getattr(importlib.import_module(f".{module}", __name__), function)(arguments)
     return code
+
+
+def _check_addresses(values: Mapping[str, object]) -> None:
+    """Refuse passwords and keys in what is to be a file, a folder or an address; sources refuse theirs themselves."""
+    from ..errors import Message
+    from ..stores import check_no_credentials
+
+    for name, value in values.items():
+        for text in value if isinstance(value, list) else [value]:
+            if isinstance(text, str) and name not in _SOURCES:
+                check_no_credentials(
+                    text,
+                    "address",
+                    Message("credentials are taken from where the store's own tools have them"),
+                )
 
 
 def _print_version() -> int:
@@ -119,7 +162,10 @@ def _fault(error: Exception) -> int:
     from pathlib import Path
 
     if os.environ.get(DEBUG_ENV):
-        traceback.print_exception(type(error), error, error.__traceback__)
+        from ..addresses import without_credentials
+
+        trace = traceback.format_exception(type(error), error, error.__traceback__)
+        print(without_credentials("".join(trace)), end="", file=sys.stderr)
     *_, last = traceback.extract_tb(error.__traceback__)
     said = str(error)[:_SAID_CHARACTERS]
     return _fail(
@@ -132,11 +178,12 @@ def _fault(error: Exception) -> int:
 def _fail(error: object, code: int) -> int:
     import contextlib
 
+    from ..addresses import without_credentials
     from ..limits import MAX_TEXT_CHARACTERS
     from ..text import printable, shortened
 
     # Names of files and words of servers may hold line ends and the terminal's control characters, without end.
-    said = shortened(printable(str(error)), MAX_TEXT_CHARACTERS)
+    said = without_credentials(shortened(printable(str(error)), MAX_TEXT_CHARACTERS))
     with contextlib.suppress(OSError):
         print(f"terrainav: {said}", file=sys.stderr)
     return code

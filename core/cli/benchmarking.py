@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..mission.options import OPTIONS
-from ..text import printable
+from ..text import printable, writable
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
     NAMED,
@@ -184,7 +184,7 @@ def _print_made(made: Making, as_json: bool) -> None:
     if made.benchmark is not None:
         for name, text in _counts(made.benchmark).items():
             print(f"{name:24s}{text}")
-        print(f"benchmark in {made.folder}")
+        print(printable(f"benchmark in {made.folder}"))
 
 
 def _counts(benchmark: Benchmark | None) -> dict[str, Any]:
@@ -239,7 +239,7 @@ def _score(arguments: argparse.Namespace) -> int:
 
     benchmark = Benchmark.read(arguments.folder)
     predictions = Predictions.read(arguments.predictions, benchmark)
-    name = Path(arguments.predictions).stem
+    name = writable(Path(arguments.predictions).stem)
     return _judge(arguments, benchmark, predictions, name, _target(arguments, benchmark, name))
 
 

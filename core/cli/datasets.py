@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..dataset.folder import ATTITUDE, HEIGHT, IMAGE
 from ..errors import InvalidInput
+from ..text import printable
 from .exits import DONE
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def run_clean(arguments: argparse.Namespace) -> int:
                 what = "nearly all" if one.rejected else "nothing"
                 print(f"warning: {one.map_type}: the threshold rejects {what}", file=sys.stderr)
     for path in (path for one in cleaned for path in one.figures):
-        print(f"{'replaced' if path in earlier else 'written':12s}{path}")
+        print(printable(f"{'replaced' if path in earlier else 'written':12s}{path}"))
     if arguments.dry_run:
         print("dry run: nothing was changed" + (" in the dataset" if arguments.plot is not None else ""))
     return DONE
@@ -298,7 +299,7 @@ def run_convert(arguments: argparse.Namespace) -> int:
         if one.failed:
             text += f", {one.failed:,} without an image"
         print(text)
-    print(f"dataset in {arguments.target}")
+    print(printable(f"dataset in {arguments.target}"))
     return DONE
 
 
@@ -333,5 +334,5 @@ def run_mosaic(arguments: argparse.Namespace) -> int:
         f"{made.map_type:11s} {made.used:,} of {made.images:,} images, {made.width_px:,} x {made.height_px:,} px of "
         f"{made.gsd_m_per_px:.3g} m in {crs}; {100.0 * made.shown_share:.1f} % of it shows ground"
     )
-    print(f"{'written':11s} {made.path}")
+    print(printable(f"{'written':11s} {made.path}"))
     return DONE

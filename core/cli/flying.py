@@ -17,6 +17,7 @@ from ..errors import InvalidInput
 from ..mission.options import OPTIONS, RUN_OPTIONS
 from ..stores import is_address
 from ..text import printable
+from ..waiting import ended_where
 from .exits import DONE, INCOMPLETE, exit_code
 from .listing import opened_cache
 from .stopping import collected
@@ -71,7 +72,8 @@ def _settings(arguments: argparse.Namespace) -> tuple[Mission, dict[str, Any]]:
                 arguments.mission_file,
                 name.replace("_", "-"),
             )
-    return Mission.load(arguments.mission_file), {**resolve(given, config=arguments.config), NAMED: False}
+    mission = Mission.load(arguments.mission_file, named_by_user=True)
+    return mission, {**resolve(given, config=arguments.config), NAMED: False}
 
 
 def _name_of(source: str) -> str:
@@ -274,7 +276,7 @@ def run_plan(arguments: argparse.Namespace) -> int:
         return DONE
     for number, (name, worked_out) in enumerate(plans.items()):
         if each:
-            print("\n" * bool(number) + f"{'imagery':24s}{name}")
+            print("\n" * bool(number) + printable(f"{'imagery':24s}{name}"))
         _print_figures(worked_out, sources[name], values)
     for file in files:
         print(printable(f"{'written':24s}{file}"))
@@ -350,7 +352,8 @@ def run_capture(arguments: argparse.Namespace) -> int:
                 sources[name] = opened.enter_context(_opened(one, values, as_stored=_as_written(one)))
         mission = _aligned(mission, arguments, values, next(iter(sources.values())).grid)
         each = mission.by_imagery or {"": mission}
-        how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
+        with ended_where(lambda: bool(signals)):
+            how: dict[str, Any] = _engine(arguments, opened) if in_blocks else {}
         result = _run(mission, each, sources, values, arguments, lambda: bool(signals), how)
     if in_blocks and not result.cancelled and result.written + result.skipped:
         _describe(values["data_dir"])
@@ -449,9 +452,8 @@ def _print_result(result: CaptureResult, as_json: bool) -> None:
         print(json.dumps({"total": result.total, **document_of(result, "map_type")}, indent=1))
         return
     print_written(result)
-    print(
-        f"{result.requests:,} requests for {result.unique_parts:,} unique parts; dataset in {result.folder}"
-    )
+    requests = f"{result.requests:,} requests for {result.unique_parts:,} unique parts"
+    print(printable(f"{requests}; dataset in {result.folder}"))
     print_failed(result.failed, result.folder)
     print_repeated(result.repeated)
 
@@ -519,5 +521,5 @@ def run_report(arguments: argparse.Namespace) -> int:
         worked_out = _planned(mission, values, source)
         _check_terms(worked_out, source, _REPORT_REQUESTS, arguments.accept_terms)
         page = write_report(worked_out, source, arguments.output, progress=_say)
-    print(f"report in {page}")
+    print(printable(f"report in {page}"))
     return DONE

@@ -177,7 +177,7 @@ def _list_cameras(arguments: argparse.Namespace) -> int:
     own = camera_shelf()
     presets = (*shipped_cameras(), *own.entries)
     for problem in own.problems.values():
-        print(f"terrainav: {problem}", file=sys.stderr)
+        print(f"terrainav: {printable(problem)}", file=sys.stderr)
     if arguments.json:
         rows = [
             {
@@ -254,7 +254,7 @@ def run_cache(arguments: argparse.Namespace) -> int:
         if arguments.json:
             print(json.dumps({"folder": str(cache.folder), "freed_bytes": freed}, indent=1))
         else:
-            print(f"{size_text(freed)} freed in {cache.folder}")
+            print(printable(f"{size_text(freed)} freed in {cache.folder}"))
         return DONE
     files = cache.list()
     if arguments.json:
@@ -268,7 +268,8 @@ def run_cache(arguments: argparse.Namespace) -> int:
                 f"{file.source:22s}{what}: {file.tiles:,} tiles of {file.tile_px} px, {size_text(file.bytes)}"
             )
         )
-        print(f"{'':22s}{file.path.name}")
+        print(printable(f"{'':22s}{file.path.name}"))
     total = sum(file.bytes for file in files)
-    print(f"{len(files)} files, {size_text(total)} in {cache.folder} (limit {size_text(cache.limit_bytes)})")
+    where = f"{cache.folder} (limit {size_text(cache.limit_bytes)})"
+    print(printable(f"{len(files)} files, {size_text(total)} in {where}"))
     return DONE

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, NoReturn
 
+from ..addresses import without_credentials
 from ..benchmark.choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ..capture.choices import FOLDERS, IMAGES, LAYOUTS
 from ..dataset.folder import PARTS
@@ -42,6 +43,8 @@ class _Parser(argparse.ArgumentParser):
         self.register("type", int, integer)
 
     def error(self, message: str) -> NoReturn:
+        # It quotes what was typed.
+        message = without_credentials(message)
         self.exit(BAD_INPUT, f"{self.prog}: error: {message}; see {self.prog} --help\n")
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput
 from ..files import is_there
+from ..text import printable
 from .dataset_options import shared_options
 from .exits import DONE, INCOMPLETE, exit_code
 from .flying import (
@@ -256,7 +257,8 @@ def _print_result(worked_out: PairPlan, result: PairResult, as_json: bool) -> No
         return
     print_written(result)
     print(f"{len(worked_out.places):,} places: {_counts(worked_out)}")
-    print(f"{result.requests:,} requests for {result.unique_parts:,} unique parts; pairs in {result.folder}")
+    requests = f"{result.requests:,} requests for {result.unique_parts:,} unique parts"
+    print(printable(f"{requests}; pairs in {result.folder}"))
     print_failed(result.failed, result.folder / "pairs.csv")
     print_repeated(result.repeated)
     if result.left_out:

@@ -7,6 +7,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from ..native_calls import GRACE_S, ask_to_end, forget_signals, signals_asked
 from .exits import exit_code
 
 #: Windows has no SIGHUP.
@@ -29,10 +30,10 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def raised(received: list[int]) -> Iterator[None]:
-    """Have signals raise Stopped where they would end the process at once, and be put into a list."""
+    """Have signals raise Stopped where they would end the process at once; they are put into a list at the end."""
 
     def receive(number: int, _frame: object) -> None:
-        received.append(number)
+        ask_to_end(number, 0.0)
         raise Stopped(number)
 
     before = {number: signal.getsignal(number) for number in _ASKING}
@@ -46,6 +47,8 @@ def raised(received: list[int]) -> Iterator[None]:
     try:
         yield
     finally:
+        received += signals_asked()
+        forget_signals()
         for number, handler in before.items():
             signal.signal(number, handler)
 
@@ -57,6 +60,7 @@ def collected() -> Iterator[list[int]]:
 
     def receive(number: int, _frame: object) -> None:
         received.append(number)
+        ask_to_end(number, GRACE_S)
         signal.signal(number, before[number])
 
     # One that the caller ignores, as nohup does, stays ignored; Ctrl-C is meant for whoever runs.

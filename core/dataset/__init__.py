@@ -7,6 +7,7 @@ stored     images that are objects, or ranges of shards
 geotiff    images of other bands than 8-bit grey or colours
 dataset    a dataset as it is read: map types, tables, image files
 published  what names say beside the tables of the paper's published data
+vectors    GeoJSON of a dataset, checked before another program opens it
 vbn        the paper's Night Vision supplement
 entropy    how much there is to see in an image, and which entropy decides over it
 figures    diagrams of entropies

@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..errors import InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder
-from .dataset import UNREADABLE, Dataset, ImageSet, open_bands, read_dataset, some
+from .dataset import UNREADABLE, Dataset, ImageSet, open_bands, picture_of, read_dataset, some
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from .published import framed
 from .table import Table
@@ -122,7 +121,7 @@ def _sizes(images: ImageSet) -> tuple[Floats, Floats]:
             if stored is not None:
                 sizes[index] = stored.size
                 continue
-            with Image.open(path) as image:
+            with picture_of(path) as image:
                 sizes[index] = image.size
                 # Read to its end, so that one that is cut off is found: a JPEG at an eighth, which is quick.
                 image.draft(image.mode, (1, 1))

@@ -9,7 +9,8 @@ import os
 import re
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Union
@@ -20,6 +21,8 @@ from PIL import Image, UnidentifiedImageError
 
 from ..bands import Bands
 from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..files import open_foreign, read_limited
+from ..limits import MAX_IMAGE_FILE_BYTES, MAX_PICTURE_PX, MAX_SETTINGS_BYTES
 from ..stores import Address, is_address, sizes_in, store_path
 from .folder import (
     LAYOUTS,
@@ -112,7 +115,8 @@ class ImageSet:
         if not self.shards:
             return StoredImage(name, self.folder / name)
         place = Range(int(table.offset_bytes[index]), int(table.size_bytes[index]))
-        return StoredImage(name, self.folder / table.shard[index], place)
+        shard = table.shard[index]
+        return StoredImage(name, self.folder / shard, place, self.shards[shard])
 
     def path(self, index: int) -> Path:
         """Where the file of a row lies now: in its folder, or among the rejected ones.
@@ -508,7 +512,7 @@ def open_image(
         stored = _bands_of(path, data, said_px)
         if stored is not None:
             return _shown(path, stored, img_size, as_shown=as_shown)
-        with Image.open(io.BytesIO(data)) as image:
+        with picture_of(path, data) as image:
             if image.mode not in _GREY + _COLOUR:
                 raise InvalidInput(
                     "image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right",
@@ -561,7 +565,7 @@ def open_masked(
     if stored is not None:
         seen = stored.seen()
         return pixels, None if seen is None else seen.astype(np.uint8) * np.uint8(255)
-    with Image.open(io.BytesIO(_read(path))) as image:
+    with picture_of(path, _read(path)) as image:
         masked = "A" in image.getbands()
         return pixels, np.asarray(image.getchannel("A"), np.uint8) if masked else None
 
@@ -596,7 +600,9 @@ def bands_in(path: Place, channels: int) -> Bands | None:
     if isinstance(path, StoredImage):
         return None
     beside = Path(f"{path}{_NOTES}")
-    return pam_bands(beside.read_text("utf-8", "replace"), channels) if beside.is_file() else None
+    if not beside.is_file():
+        return None
+    return pam_bands(read_limited(beside, MAX_SETTINGS_BYTES).decode("utf-8", "replace"), channels)
 
 
 def _bands_of(path: Place, data: bytes, said_px: tuple[float, float]) -> GeoTiff | None:
@@ -638,12 +644,45 @@ def size_of(path: Place) -> tuple[int, int]:
         stored = geotiff_of(_read(path))
         if stored is not None:
             return stored.size
-    with Image.open(io.BytesIO(_read(path)) if isinstance(path, StoredImage) else Path(path)) as image:
+    with picture_of(path) as image:
         return image.size
 
 
+@contextmanager
+def picture_of(path: Place, data: bytes | None = None) -> Iterator[Image.Image]:
+    """Picture of a file, of which the header is read; of a file of this machine no more than that.
+
+    Parameters
+    ----------
+    data : bytes or None
+        Of the file, where they have been read.
+
+    Raises
+    ------
+    InvalidInput
+        It is larger than pictures are, which is said before it is decoded; one of `UNREADABLE` where it is none.
+    """
+    with ExitStack() as opened:
+        if data is None and not isinstance(path, StoredImage):
+            file = open_foreign(path)
+        else:
+            file = io.BytesIO(_read(path) if data is None else data)
+        image = opened.enter_context(Image.open(opened.enter_context(file)))
+        width, height = image.size
+        if width * height > MAX_PICTURE_PX:
+            raise InvalidInput(
+                "image {0}: has {1:,} x {2:,} px, more than {3:,} in all", path, width, height, MAX_PICTURE_PX
+            )
+        yield image
+
+
 def _read(path: Place) -> bytes:
-    return path.read_bytes() if isinstance(path, StoredImage) else Path(path).read_bytes()
+    if isinstance(path, StoredImage):
+        return path.read_bytes()
+    try:
+        return read_limited(path, MAX_IMAGE_FILE_BYTES)
+    except InvalidInput as wrong:
+        raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
 
 
 def _suffix(path: Place) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
-from ..stores import Address, folders_in, is_address, is_file, store_path
+from ..stores import Address, folders_in, is_address, is_file, resolved, store_path
 
 if TYPE_CHECKING:
     from .table import Table
@@ -64,15 +64,15 @@ def map_type_folders(folder: Address) -> dict[str, Path]:
     try:
         if is_file(path / TABLE_FILE):
             # A name like `.` tells nothing.
-            parent = path.resolve().parent
-            deciding = deciding_name(path.resolve().name)
+            parent = resolved(path).parent
+            deciding = deciding_name(resolved(path).name)
             if is_file(parent / MISSION_FILE) or (
-                deciding != path.resolve().name and is_file(parent / deciding / TABLE_FILE)
+                deciding != resolved(path).name and is_file(parent / deciding / TABLE_FILE)
             ):
                 raise InvalidInput(
                     "folder {0}: is one map type of the dataset {1}", folder, parent, remedy="give that one"
                 )
-            return {path.resolve().name: path}
+            return {resolved(path).name: path}
         found = [one for one in _inside(path) if is_file(one / TABLE_FILE)]
     except OSError as wrong:
         raise InvalidInput("folder {0}: cannot be read ({1})", folder, wrong.strerror) from wrong

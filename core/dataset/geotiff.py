@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from html import unescape
@@ -33,9 +33,9 @@ _COLOURS = 3
 #: Items of GDAL's tag by their names and bands, from 0.
 Said = Mapping[tuple[str, int], str]
 #: What GDAL's tag says of a band.
-_ITEM = re.compile(r'<Item name="([A-Z_]+)" sample="(\d{1,4})"[^>]*>([^<]*)</Item>')
-#: What GDAL's file beside an image says of a band.
-_PAM_BAND = re.compile(r'<PAMRasterBand band="(\d{1,4})">(.*)</PAMRasterBand>')
+_ITEM = re.compile(r'<Item name="([A-Z_]+)" sample="(\d{1,4})"[^<>]*>([^<]*)</Item>')
+#: What GDAL's file beside an image says of a band, in one line.
+_PAM_BAND, _PAM_BAND_END = re.compile(r'<PAMRasterBand band="(\d{1,4})">'), "</PAMRasterBand>"
 _PAM_ELEMENT = re.compile(r"<(\w+)>([^<]*)</\1>")
 
 
@@ -207,12 +207,20 @@ def pam_bands(text: str, channels: int) -> Bands:
     """What GDAL's file beside an image of 8-bit grey (1) or colours (3), as captures write it, says of its bands."""
     said = {
         (element, int(number) - 1): unescape(value)
-        for number, inside in _PAM_BAND.findall(text)
+        for number, inside in _pam_lines(text)
         for element, value in _PAM_ELEMENT.findall(inside)
     }
     names = tuple(said.get(("Description", band), unnamed(band)) for band in range(channels))
     metadata = (_metadata(said, band, "Scale", "Offset", "UnitType") for band in range(channels))
     return Bands(names, "uint8", shown_of(names), tuple(metadata))
+
+
+def _pam_lines(text: str) -> Iterator[tuple[str, str]]:
+    """Number of each band, from 1, and what stands of it; in time proportional to the text's length."""
+    for line in text.split("\n"):
+        begin, end = _PAM_BAND.search(line), line.rfind(_PAM_BAND_END)
+        if begin is not None and end >= begin.end():
+            yield begin[1], line[begin.end() : end]
 
 
 def _has_alpha(tags: Mapping[int, Any]) -> bool:

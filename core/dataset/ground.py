@@ -9,7 +9,6 @@ ground whatever the blocks are like, as every image is compared with all that ar
 from __future__ import annotations
 
 import csv
-import io
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -18,15 +17,17 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from ..errors import InvalidInput
+from ..files import open_foreign, text_lines
 from ..geodesy.ellipsoid import sight_lines, trace
 from ..geodesy.mercator import lat_to_v, lon_to_u, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
+from ..geodesy.reference import check_reference
+from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number
-from ..stores import is_file, opened
-from .dataset import UNREADABLE, ImageSet, open_bands, size_of
+from ..stores import is_file
+from .dataset import UNREADABLE, ImageSet, open_bands, picture_of, size_of
 from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
 from .stored import ImageFile, has_beside
@@ -42,6 +43,16 @@ _SAME_PX = 1.0
 _PLACE_TAGS = frozenset((33550, 34264))
 _WORLD_FILES = (".jgw", ".pgw", ".wld", ".jpgw", ".pngw", ".tfw")
 _CORNERS = ("nw", "ne", "se", "sw")
+#: How far from zero poses are at most: longitudes are continuous along a flight, and wind adds to angles.
+_MOST_OF_POSES = {
+    "pose_lat_deg": 90.0,
+    "pose_lon_deg": 720.0,
+    "agl_m": 1e9,
+    "height_m": 1e9,
+    "yaw_deg": 720.0,
+    "tilt_deg": 720.0,
+    "roll_deg": 720.0,
+}
 _QUARTER_DEG = 90.0
 #: Map frames stand for images that are turned from the map by less than this: one of 640 x 480 px is then wrong by up
 #: to 35 px, which no error budget that means something lets pass.
@@ -178,7 +189,7 @@ def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
                 *(table.width_px, table.height_px),
             )
         )
-        plane = ProjectedPlane(str(one), 0.0, 0.0, 1.0, 1.0)
+        plane = plane_of(table, int(rows[at[0]]))
         lat, lon = plane.from_crs(west + across * width * columns, north - down * height * lines)
         # Around a pole the longitudes go on and on, and no box holds the ground.
         way = wrap_lon_deg(np.roll(lon, -1, axis=1) - lon)
@@ -189,6 +200,15 @@ def _on_planes(table: Table, rows: NDArray[np.intp], middle_u: float) -> Boxes:
         box = u.min(axis=1), u.max(axis=1), lat.min(axis=1), lat.max(axis=1)
         edges[:, at] = np.where(known, box, np.nan)
     return Boxes(*edges)
+
+
+def plane_of(table: Table, row: int) -> ProjectedPlane:
+    """Plane, in units of its CRS, that an image of a table lies on; raises InvalidInput, which names the image."""
+    try:
+        check_reference(table.crs[row])
+    except InvalidInput as wrong:
+        raise InvalidInput("image {0}: {1}", table.img_names[row], wrong) from wrong
+    return ProjectedPlane(table.crs[row], 0.0, 0.0, 1.0, 1.0)
 
 
 def _published(images: ImageSet, rows: NDArray[np.intp]) -> Table:
@@ -237,6 +257,32 @@ def _traced(lat_deg: Floats, lon_deg: Floats, agl_m: Floats, corners: Floats, mi
     return Boxes(*(np.where(known, edge, np.nan) for edge in edges))
 
 
+def check_poses(images: ImageSet, rows: NDArray[np.intp], *, needed: bool) -> None:
+    """Raise InvalidInput for poses that are nowhere, in a table that others may have written.
+
+    Parameters
+    ----------
+    needed : bool
+        Whether a pose that is not known is refused, too; cameras over level ground have no height above the ellipsoid.
+    """
+    for name, most in _MOST_OF_POSES.items():
+        values = getattr(images.table, name)[rows]
+        unknown = np.isnan(values)
+        wrong = np.flatnonzero(~(np.abs(values) <= most) & (~unknown | (needed and name != "height_m")))
+        if len(wrong):
+            image, value = images.table.img_names[rows[wrong[0]]], values[wrong[0]]
+            if np.isnan(value):
+                raise InvalidInput("image {0}: its table has no {1} of it", image, name)
+            raise InvalidInput(
+                "image {0}: {1} {2:g} in its table: must be from {3:,g} to {4:,g}",
+                image,
+                name,
+                value,
+                -most,
+                most,
+            )
+
+
 def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
     """Whether images are camera frames.
 
@@ -261,7 +307,7 @@ def of_camera(images: ImageSet, rows: NDArray[np.intp], dataset: Path) -> bool:
         if stored is not None:
             return not stored.is_placed
         try:
-            with Image.open(io.BytesIO(path.read_bytes())) as image:
+            with picture_of(path) as image:
                 return _PLACE_TAGS.isdisjoint(getattr(image, "tag_v2", {}))
         except UNREADABLE as wrong:
             raise InvalidInput("image {0}: cannot be read ({1})", path, wrong) from wrong
@@ -283,8 +329,8 @@ def _corners(plan: Path, names: Sequence[str]) -> Floats:
     corners = np.full((len(names), len(headers)), np.nan)
     missing = {name: at for at, name in enumerate(names)}
     try:
-        with io.TextIOWrapper(opened(plan), encoding="utf-8", newline="") as file:
-            reader = csv.reader(file, strict=True)
+        with open_foreign(plan, MAX_TABLE_BYTES) as file:
+            reader = csv.reader(text_lines(file, "utf-8"), strict=True)
             present = next(reader, [])
             name_at, *columns = (present.index(header) for header in ("name", *headers))
             for row in reader:

@@ -13,21 +13,23 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pyproj import CRS
-from pyproj.exceptions import CRSError
 
 from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.projections import geodesics, transformation, utm_zone
+from ..geodesy.reference import read_reference
 from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import decoded, parse_json
 from .folder import FRAMES, TRAIN
 from .table import Table, part_of, taken
+
+if TYPE_CHECKING:
+    from pyproj import CRS
 
 Floats = NDArray[np.float64]
 
@@ -348,7 +350,7 @@ def _crs_of(frame: str, lat_deg: float, lon_deg: float) -> str:
     code = frame.upper()
     try:
         crs = _crs(code)
-    except CRSError as wrong:
+    except InvalidInput as wrong:
         raise InvalidInput(
             "frame {0}: PROJ knows no such system", frame, remedy="give the code of another one"
         ) from wrong
@@ -405,7 +407,7 @@ def _check_holds(frame: Frame, asked: str, lat: Floats, lon: Floats) -> None:
 @lru_cache(maxsize=8)
 def _crs(code: str) -> CRS:
     """Systems are costly to make (some ms)."""
-    return CRS.from_user_input(code)
+    return read_reference(code)
 
 
 @dataclass(frozen=True)

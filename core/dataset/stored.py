@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import tarfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple, Union
@@ -15,12 +15,25 @@ from typing import NamedTuple, Union
 import numpy as np
 
 from ..errors import InvalidInput
-from ..stores import get, get_range, is_address, is_file, sizes_in
+from ..files import open_foreign, read_if_there
+from ..limits import MAX_IMAGE_FILE_BYTES, MAX_IMAGE_MEMBERS
+from ..stores import get_range, is_address, is_file, sizes_in
 from .table import Table
 
 #: Tars are of blocks, and a member's header is one.
 TAR_BLOCK_BYTES = tarfile.BLOCKSIZE
 _MAGIC = slice(257, 262)
+#: Kinds of members that hold a file; and those before one that say its name or other things of it at length.
+_FILES = (tarfile.REGTYPE, tarfile.AREGTYPE)
+_OF_THE_NEXT = (
+    tarfile.XHDTYPE,
+    tarfile.XGLTYPE,
+    tarfile.SOLARIS_XHDTYPE,
+    tarfile.GNUTYPE_LONGNAME,
+    tarfile.GNUTYPE_LONGLINK,
+)
+#: Largest image that is read together with its header.
+_AT_ONCE_BYTES = 16_000_000
 #: What no name of a file in a folder holds.
 _NO_NAME = re.compile(r"[/\\:\x00]")
 
@@ -44,6 +57,8 @@ class StoredImage:
         The object, or the shard that the image is in.
     range : Range or None
         Of a shard.
+    shard_bytes : int
+        Length of the shard.
     copy : Path or None
         Where a copy of the shard may be on this machine, which is read if it is there.
     """
@@ -51,6 +66,7 @@ class StoredImage:
     name: str
     place: Path
     range: Range | None = None
+    shard_bytes: int = 0
     copy: Path | None = None
 
     def __str__(self) -> str:
@@ -72,38 +88,59 @@ class StoredImage:
             A store that cannot be asked.
         """
         if self.range is None:
-            data = get(self.place)
+            data = read_if_there(self.place, MAX_IMAGE_FILE_BYTES)
             if data is None:
                 raise InvalidInput("image {0}: is not there", self)
             return data
         offset, size = self.range
-        data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size)
+        if size > MAX_IMAGE_FILE_BYTES:
+            raise InvalidInput(
+                "image {0}: has {1:,} bytes; must have {2:,} at most", self, size, MAX_IMAGE_FILE_BYTES
+            )
+        # One request for most images; what is large is in memory once, and only if its header says the same.
+        data = self._part(offset - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + size * (size <= _AT_ONCE_BYTES))
         member = member_of(data[:TAR_BLOCK_BYTES])
-        if (
-            len(data) != TAR_BLOCK_BYTES + size
-            or member is None
-            or member.size != size
-            or (Path(member.name).suffix != self.suffix)
-        ):
+        is_there = (
+            member is not None
+            and holds_file(member)
+            and member.size == size
+            and Path(member.name).suffix == self.suffix
+        )
+        found = data[TAR_BLOCK_BYTES:] or self._part(offset, size) if is_there else b""
+        if len(found) != size:
             raise InvalidInput(
                 "image {0}: is not where the table says it is, as the shard is torn or another one",
                 self,
                 remedy="put back the shard that belongs to the table",
             )
-        return data[TAR_BLOCK_BYTES:]
+        return found
 
     def endings(self) -> Iterator[str]:
-        """Endings of the files that belong to the image, which are its neighbours in the shard."""
+        """Endings of the files that belong to the image, which are its neighbours in the shard.
+
+        Raises
+        ------
+        InvalidInput
+            As `members` does; or one of them is something else than a file, or passes the shard's end.
+        """
         if self.range is None:
             return
-        at = self.range.offset_bytes - TAR_BLOCK_BYTES
-        first = member = member_of(self._part(at, TAR_BLOCK_BYTES))
-        # Up to its first dot the files of one image have their name in common.
-        key = "" if first is None else first.name.partition(".")[0]
-        while member is not None and member.name.partition(".")[0] == key:
+        key = None
+        start = self.range.offset_bytes - TAR_BLOCK_BYTES
+        for member in members(self._part, self.place, start, self.shard_bytes):
+            # Up to its first dot the files of one image have their name in common.
+            own, _, _ = member.name.partition(".")
+            key = own if key is None else key
+            if own != key:
+                return
+            if not holds_file(member) or member.offset + bytes_of(member) > self.shard_bytes:
+                raise InvalidInput(
+                    "shard {0}: what it has of the image {1} at byte {2:,} is no whole file",
+                    self.place,
+                    self.name,
+                    member.offset,
+                )
             yield member.name[len(key) :]
-            at += bytes_of(member)
-            member = member_of(self._part(at, TAR_BLOCK_BYTES))
 
     def _part(self, start: int, length: int) -> bytes:
         """Some bytes of the shard."""
@@ -113,7 +150,7 @@ class StoredImage:
             if is_address(path):
                 return get_range(path, start, length)
             try:
-                with path.open("rb") as file:
+                with open_foreign(path) as file:
                     file.seek(start)
                     return file.read(length)
             except FileNotFoundError as wrong:
@@ -185,6 +222,55 @@ def _sizes(folder: Path, names: Iterable[str]) -> dict[str, int]:
     return {name: (folder / name).stat().st_size for name in names if (folder / name).is_file()}
 
 
+def members(
+    read: Callable[[int, int], bytes], shard: str | Path, start: int, end: int
+) -> Iterator[tarfile.TarInfo]:
+    """Members of a shard from one on, of which an image has a few: each behind the one before it.
+
+    Headers that state something of the next member, such as a long name, are no members.
+
+    Parameters
+    ----------
+    read : callable
+        Gives so many bytes from one on; fewer where there are no more.
+    shard : str or Path
+        For messages.
+    start, end : int
+        Where the first one's header begins, and where what is read ends.
+
+    Yields
+    ------
+    TarInfo
+        Its ``offset`` is where its header begins.
+
+    Raises
+    ------
+    InvalidInput
+        A header of a negative size, or more members than an image has.
+    """
+    at, count = start, 0
+    while at <= end - TAR_BLOCK_BYTES:
+        member = member_of(read(at, TAR_BLOCK_BYTES))
+        if member is None:
+            return
+        member.offset = at
+        if member.size < 0:
+            raise InvalidInput(
+                "shard {0}: states {1:,} bytes for the file at byte {2:,}", shard, member.size, at
+            )
+        count += 1
+        if count > MAX_IMAGE_MEMBERS:
+            raise InvalidInput(
+                "shard {0}: has more than {1} files of one image from byte {2:,} on",
+                shard,
+                MAX_IMAGE_MEMBERS,
+                start,
+            )
+        if member.type not in _OF_THE_NEXT:
+            yield member
+        at += bytes_of(member)
+
+
 def member_of(header: bytes) -> tarfile.TarInfo | None:
     """File that a block of a tar is the header of; None where it is none, or not whole."""
     if header[_MAGIC] != b"ustar":
@@ -193,6 +279,11 @@ def member_of(header: bytes) -> tarfile.TarInfo | None:
         return tarfile.TarInfo.frombuf(header[:TAR_BLOCK_BYTES], "utf-8", "surrogateescape")
     except tarfile.HeaderError:
         return None
+
+
+def holds_file(member: tarfile.TarInfo) -> bool:
+    """Whether a member is a file as it is, and no link, device, folder or file with holes."""
+    return member.type in _FILES
 
 
 def bytes_of(member: tarfile.TarInfo) -> int:

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OutputError
-from ..files import write_whole
+from ..files import open_foreign, read_line, text_lines, write_whole
+from ..limits import MAX_TABLE_BYTES
 from ..numbers import real_number
-from ..stores import Address, opened, store_path
+from ..stores import Address, store_path
 from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
 
@@ -355,8 +356,8 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
     try:
         if not path.exists():
             return {}
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            headers = set(next(csv.reader(file), []))
+        with open_foreign(path, MAX_TABLE_BYTES) as file:
+            headers = set(next(csv.reader(text_lines(file, "utf-8-sig")), []))
         if headers <= set(HEADERS):
             return {}
         table = Table.load(path)
@@ -377,16 +378,25 @@ _FIELD_OF = dict(zip(HEADERS, FIELDS))
 def _texts_of(path: Path) -> Iterator[str]:
     """Text of a file, some whole lines at a time, with the ends that Python gives them, whatever system wrote them."""
     start = 0
-    with opened(path, _BLOCK_BYTES) as file:
-        while raw := file.read(_BLOCK_BYTES) + file.readline():
-            try:
-                text = raw.decode("utf-8")
-            except UnicodeDecodeError as wrong:
-                raise _placed(wrong, start) from wrong
-            if start == 0:
-                text = text.removeprefix(_MARK)
-            start += len(raw)
-            yield text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+    for raw in _blocks_of(path):
+        try:
+            text = raw.decode("utf-8")
+        except UnicodeDecodeError as wrong:
+            raise _placed(wrong, start) from wrong
+        if start == 0:
+            text = text.removeprefix(_MARK)
+        start += len(raw)
+        yield text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+def _blocks_of(path: Path) -> Iterator[bytes]:
+    """Whole lines of a file, some at a time."""
+    try:
+        with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
+            while raw := file.read(_BLOCK_BYTES) + read_line(file):
+                yield raw
+    except InvalidInput as wrong:
+        raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
 
 
 def _placed(wrong: UnicodeDecodeError, start: int) -> UnicodeDecodeError:

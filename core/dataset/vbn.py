@@ -12,7 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import InvalidInput
+from ..files import read_limited
+from ..limits import MAX_SETTINGS_BYTES
 from ..numbers import real_number
+from ..safe_json import decoded
 from .folder import SUPPLEMENT_FOLDER
 from .table import HEADERS, Table, first_faults
 
@@ -162,8 +165,8 @@ def _paired(folder: Path, images: Sequence[str], texts: Sequence[str]) -> list[t
 def _metadata(path: Path, faults: list[str]) -> tuple[Position, dict[str, str]] | None:
     """Position and all other keys of a text; what is wrong with it is added to ``faults``."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as wrong:
+        lines = decoded(read_limited(path, MAX_SETTINGS_BYTES)).splitlines()
+    except (OSError, InvalidInput) as wrong:
         faults.append(f"{path.name} cannot be read ({wrong})")
         return None
     pairs = [line.partition(":") for line in lines if line.strip()]

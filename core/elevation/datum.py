@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import warnings
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message, OptionName
+from ..geodesy.reference import read_reference
 from ..geodesy.vertical import vertical_code, vertical_crs
 
 if TYPE_CHECKING:
@@ -37,7 +39,7 @@ class Datum:
     code : str
         ``EPSG:code`` or WKT of a vertical system; empty for the WGS 84 ellipsoid.
     unit_m : float
-        Metres of the unit that values are in.
+        Metres up of the unit that values are in: negative where these are depths.
     """
 
     code: str = ""
@@ -47,6 +49,8 @@ class Datum:
     def named(cls, text: str, unit_m: float = 1.0) -> Datum:
         """Datum of a name: ``ellipsoid``, ``EGM96``, ``EGM2008`` or the code of a vertical system.
 
+        Values of a system whose axis points down are depths, in the unit ``unit_m``.
+
         Raises
         ------
         InvalidInput
@@ -55,7 +59,7 @@ class Datum:
         code = vertical_code(text)
         if not code:
             return cls("", unit_m)
-        found = cls(code, unit_m)
+        found = cls(code, math.copysign(unit_m, _up_m(vertical_crs(code).axis_info[0], text)))
         found.check()
         return found
 
@@ -75,16 +79,17 @@ class Datum:
         Raises
         ------
         InvalidInput
-            A unit that is not known, or none beside coordinates in feet: heights may be in either.
+            A unit that is not known, or none beside coordinates in feet: heights may be in either. An axis that points
+            neither up nor down.
         """
-        from pyproj import CRS
-
-        crs = CRS.from_wkt(wkt)
+        crs = read_reference(wkt)
         vertical = crs.sub_crs_list[1] if crs.is_compound and len(crs.sub_crs_list) > 1 else None
-        stated = None if vertical is None else float(vertical.axis_info[0].unit_conversion_factor)
-        if unit and stated is None:
-            stated = UNITS_M.get(unit.strip().lower())
-            if stated is None:
+        # The third axis of three counts from the ellipsoid.
+        axes = crs.axis_info[2:3] if vertical is None else vertical.axis_info[:1]
+        stated = _up_m(axes[0], title) if axes else None
+        if unit and vertical is None:
+            unit_m = UNITS_M.get(unit.strip().lower())
+            if unit_m is None:
                 raise InvalidInput(
                     "{0}: heights in {1!r}: must be one of {2}",
                     title,
@@ -92,7 +97,10 @@ class Datum:
                     ", ".join(("m", "ft", "us-ft")),
                     remedy=Message("say which{0}", OptionName("height_unit").in_brackets),
                 )
+            stated = math.copysign(unit_m, stated or 1.0)
         if vertical is not None:
+            # GDAL once named the grid beside the code, which tells it.
+            vertical = vertical.source_crs or vertical
             code = vertical.to_epsg()
             return cls(f"EPSG:{code}" if code else str(vertical.to_wkt()), stated or 1.0)
         if stated is None and crs.is_projected and abs(crs.axis_info[0].unit_conversion_factor - 1.0) > 1e-3:
@@ -155,3 +163,16 @@ class Datum:
                 ),
             )
         return found.transformers[0]
+
+
+def _up_m(axis: Any, title: str) -> float:
+    """Metres up of the unit of a vertical axis: negative where it points down; raises InvalidInput where neither."""
+    directions = {"up": 1.0, "down": -1.0}
+    if axis.direction.lower() not in directions:
+        raise InvalidInput(
+            "{0}: axis {1!r} of its heights points {2}: must be up or down",
+            title,
+            axis.name,
+            axis.direction,
+        )
+    return directions[axis.direction.lower()] * float(axis.unit_conversion_factor)

@@ -125,6 +125,8 @@ class TiledHeights:
     offset_m : float
     scale, offset : float
         Heights of a first band are so many times its values, and so much more.
+    says_void : bool
+        Whether the source states a value for no data, beside which -9999 may be one of a scaled band.
     """
 
     def __init__(
@@ -135,9 +137,11 @@ class TiledHeights:
         offset_m: float,
         scale: float = 1.0,
         offset: float = 0.0,
+        *,
+        says_void: bool = True,
     ) -> None:
         self._source, self._decoded, self._datum, self._offset_m = source, decoded, datum, offset_m
-        self._scale, self._offset = scale, offset
+        self._scale, self._offset, self._says_void = scale, offset, says_void
         self.title, self.attribution, self.grid = source.title, source.attribution, source.grid
         self._kept: OrderedDict[Window, Heights32] = OrderedDict()
         self._kept_bytes = 0
@@ -202,6 +206,9 @@ class TiledHeights:
         if pixels.shape[2] > channels:
             heights = np.where(pixels[..., channels] != 0, heights, np.nan)
         void = heights == _VOID
+        if not self._says_void:
+            # What stands for no data is stored as it is, and not scaled.
+            void |= values[..., 0] == _VOID
         heights = heights * self._datum.unit_m + self._offset_m
         if self._datum.code:
             heights = heights + self._over_ellipsoid(tile)
@@ -377,22 +384,48 @@ def _of_raster(text: str, named: NamedSource, datum: Datum | None, options: Heig
         )
     source: Any = named.open()
     try:
-        facts = source.facts
-        if datum is None and not options.unit:
-            datum = Datum.of_file(facts.crs_wkt, facts.bands[0].unit, source.title) or Datum()
-        elif datum is None:
-            found = Datum.of_file(facts.crs_wkt, "m", source.title)
-            datum = Datum("" if found is None else found.code, _unit_m(options.unit))
-        elif not options.unit:
-            found = Datum.of_file(facts.crs_wkt, facts.bands[0].unit, source.title)
-            datum = Datum(datum.code, 1.0 if found is None else found.unit_m)
-        if datum.code:
-            datum.check()
+        found = _datum_of(source, datum, options)
+        first = source.facts.bands[0]
+        if not math.isfinite(first.scale * first.offset) or first.scale == 0.0:
+            raise InvalidInput(
+                "{0}: its heights have the scale {1:g} and the offset {2:g}: must be finite, and the scale not 0",
+                source.title,
+                first.scale,
+                first.offset,
+            )
     except InvalidInput:
         source.close()
         raise
-    first = facts.bands[0]
-    return TiledHeights(source, None, datum, options.offset_m, first.scale, first.offset)
+    return TiledHeights(
+        source, None, found, options.offset_m, first.scale, first.offset, says_void=first.nodata is not None
+    )
+
+
+def _datum_of(source: Any, datum: Datum | None, options: HeightOptions) -> Datum:
+    """Datum and unit of a raster: those of the user, and else the file's."""
+    facts = source.facts
+    unit = "m" if options.unit else facts.bands[0].unit
+    found = Datum.of_file(facts.crs_wkt, unit, source.title) or Datum()
+    if datum is None:
+        datum = found
+    elif found.unit_m * datum.unit_m < 0.0 and (found.code or found.unit_m < 0.0):
+        raise InvalidInput(
+            "{0}: its vertical axis points {1}, and that of {2} {3}: must point the same way",
+            source.title,
+            _direction(found),
+            datum.name,
+            _direction(datum),
+            field="vertical_datum",
+        )
+    unit_m = _unit_m(options.unit) if options.unit else abs(found.unit_m)
+    datum = Datum(datum.code, math.copysign(unit_m, datum.unit_m))
+    if datum.code:
+        datum.check()
+    return datum
+
+
+def _direction(datum: Datum) -> Message:
+    return Message("down") if datum.unit_m < 0.0 else Message("up")
 
 
 def _unit_m(unit: str) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import io
 import os
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -13,10 +12,12 @@ from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import TABLE_FILE
 from ..dataset.table import NUMBER, TIME, WHOLE, columns_of
 from ..errors import InvalidInput
-from ..files import json_bytes, write_whole
-from ..stores import Address
+from ..files import json_bytes, open_foreign, text_lines, write_whole
+from ..limits import MAX_TABLE_BYTES
+from ..stores import Address, resolved
+from ..text import writable
 from .huggingface import credit_of
-from .tables import chosen_sets, is_same, reading, relative_folder
+from .tables import chosen_sets, described_folder, is_same
 
 CROISSANT_FILE = "croissant.json"
 DESCRIPTION = "Georeferenced images of the ground with the poses of a virtual UAV's camera."
@@ -114,7 +115,7 @@ def own_folder(dataset: Dataset, target: Address, file: str) -> Dataset:
 
 def name_of(dataset: Dataset) -> str:
     """What a dataset is called: as its folder."""
-    return dataset.folder.resolve().name or "dataset"
+    return writable(resolved(dataset.folder).name) or "dataset"
 
 
 def media_of(name: str) -> str:
@@ -150,7 +151,7 @@ def describe_files(dataset: Dataset, map_type: str | None = None) -> Path:
 
 def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[dict[str, Any]]:
     """The table of a map type, with its checksum, and the sets of its images and shards."""
-    place = relative_folder(dataset, images.folder)
+    place = described_folder(dataset, images.folder)
     endings = {PurePosixPath(one).suffix: media_of(one) for one in images.table.img_names}
     table = {
         "@type": "cr:FileObject",
@@ -167,7 +168,7 @@ def _files(dataset: Dataset, name: str, images: ImageSet, sha256: str) -> list[d
         "encodingFormat": [*endings.values()],
     }
     if not images.shards:
-        pictures = relative_folder(dataset, images.files or images.folder)
+        pictures = described_folder(dataset, images.files or images.folder)
         return [table, {**files, "includes": [(pictures / f"*{one}").as_posix() for one in endings]}]
     shards = {
         "@type": "cr:FileSet",
@@ -252,11 +253,11 @@ def _headers_and_sum(path: Path) -> tuple[list[str], str]:
     """Headers of a table, and the checksum of its file."""
     digest = hashlib.sha256()
     try:
-        with reading(path) as file, io.TextIOWrapper(file, encoding="utf-8-sig", newline="") as text:
-            headers = next(csv.reader(text))
-        with reading(path) as file:
+        with open_foreign(path, MAX_TABLE_BYTES) as file:
+            headers = next(csv.reader(text_lines(file, "utf-8-sig")))
+            file.seek(0)
             while block := file.read(_BLOCK_BYTES):
                 digest.update(block)
-    except OSError as wrong:
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput("table {0}: cannot be read ({1})", path, wrong) from wrong
     return headers, digest.hexdigest()

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,11 +31,11 @@ from .tables import (
     about_geometry,
     array_of,
     chosen_sets,
+    described_folder,
     groups_of,
     kind_of,
     parquet_blocks,
     pyarrow_for,
-    relative_folder,
     stem_of,
 )
 
@@ -169,8 +170,8 @@ class _Items:
             # As text: programs that know items' times by name hand on others as they are, which JSON has no type for.
             columns["time_utc"] = Column("time_utc", TEXT, table.time_utc)
         if images.shards:
-            folder = _href(relative_folder(dataset, images.folder))
-            hrefs, media = [f"{folder}{shard}" for shard in table.shard], TAR
+            folder = _href(described_folder(dataset, images.folder))
+            hrefs, media = [folder + quote(shard) for shard in table.shard], TAR
         else:
             hrefs, media = _files(dataset, images), media_of(next(iter(table.img_names), ""))
         places = np.full(len(rows), -1) if shown is None else shown.places(table.img_names)[rows]
@@ -237,17 +238,17 @@ class _Items:
 
 def _files(dataset: Dataset, images: ImageSet) -> list[str]:
     """Files of a map type's images, seen from the dataset's folder."""
-    folder, names = _href(relative_folder(dataset, images.files or images.folder)), images.table.img_names
-    hrefs = [folder + name for name in names]
+    folder, names = _href(described_folder(dataset, images.files or images.folder)), images.table.img_names
+    hrefs = [folder + quote(name) for name in names]
     # Cleaning moves files of folders alone.
     marks = () if images.files is None else images.table.other.get(REJECTED, ())
     for row in (row for row, mark in enumerate(marks) if mark):
-        hrefs[row] = _href(relative_folder(dataset, images.path(row).parent)) + names[row]
+        hrefs[row] = _href(described_folder(dataset, images.path(row).parent)) + quote(names[row])
     return hrefs
 
 
 def _href(folder: Path) -> str:
-    path = folder.as_posix()
+    path = quote(folder.as_posix())
     return "./" if path in ("", ".") else f"./{path}/"
 
 

@@ -8,9 +8,8 @@ import os
 import struct
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +18,11 @@ from ..dataset.dataset import Dataset, ImageSet, read_dataset
 from ..dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
 from ..dataset.table import NUMBER, TEXT, TIME, Column, columns_of
 from ..errors import InvalidInput, OutputError
-from ..files import make_folder, new_folder, write_whole
+from ..files import make_folder, new_folder, open_foreign, read_line, write_whole
+from ..limits import MAX_TABLE_BYTES
 from ..safe_json import parse_json
-from ..stores import Address, is_address, is_file, store_errors, store_path
+from ..stores import Address, is_address, is_file, resolved, store_path
+from ..text import writable
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
@@ -81,13 +82,28 @@ def chosen_sets(dataset: Dataset, map_type: str | None) -> dict[str, ImageSet]:
 
 
 def relative_folder(dataset: Dataset, folder: Path) -> Path:
-    """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own."""
-    return folder.resolve().relative_to(dataset.folder.resolve())
+    """Folder inside a dataset's, such as ``satellite``, ``2014/satellite``, or ``.`` for its own.
+
+    It goes by its name there: links, as of a map type that lies on another disk, are not followed.
+    """
+    if is_address(folder):
+        return folder.relative_to(dataset.folder)
+    return Path(os.path.abspath(folder)).relative_to(os.path.abspath(dataset.folder))  # noqa: PTH100
+
+
+def described_folder(dataset: Dataset, folder: Path) -> Path:
+    """The same for a file that describes others, which is UTF-8; raises InvalidInput of a name that is not."""
+    found = relative_folder(dataset, folder)
+    if writable(str(found)) != str(found):
+        raise InvalidInput(
+            "folder {0}: its name is no text in UTF-8, as a description of files needs it", folder
+        )
+    return found
 
 
 def is_same(folder: Path, other: Address) -> bool:
     """Whether two places are one folder."""
-    return folder.resolve() == store_path(other).resolve()
+    return resolved(folder) == resolved(store_path(other))
 
 
 def stem_of(name: str) -> str:
@@ -299,24 +315,10 @@ def about_geometry(kinds: set[str], bounds: NDArray[np.float64]) -> dict[str, An
     return {"version": GEOPARQUET, "primary_column": GEOMETRY, "columns": {GEOMETRY: column}}
 
 
-@contextmanager
-def reading(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file of this machine or a store to read it in blocks.
-
-    Raises
-    ------
-    OSError
-    OutputError
-        Of a store.
-    """
-    with store_errors(path) if is_address(path) else nullcontext(), path.open("rb", _BLOCK_BYTES) as file:
-        yield file
-
-
 def _features(path: Path) -> Iterator[Any]:
     """Features of a capture's GeoJSON, which has each in a line."""
-    with reading(path) as file:
-        for line in file:
+    with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
+        while line := read_line(file):
             if line.startswith(_FEATURE):
                 yield parse_json(line.rstrip().rstrip(b","))
 

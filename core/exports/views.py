@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..dataset.dataset import read_dataset
 from ..dataset.folder import MISSION_FILE
-from ..dataset.ground import of_camera
+from ..dataset.ground import check_poses, of_camera
 from ..dataset.labels import middle_of
 from ..dataset.table import seconds_of, taken
 from ..errors import InvalidInput, Message, OptionName
@@ -107,6 +107,7 @@ class Views:
                 images.folder,
                 remedy=Message("capture camera frames ({0} camera)", OptionName("frame")),
             )
+        check_poses(images, rows, needed=True)
         heights = table.height_m[rows]
         level = table.agl_m[rows] + mission.flight.ground_height_m
         times = seconds_of([table.time_utc[row] for row in rows.tolist()])

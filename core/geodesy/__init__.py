@@ -6,6 +6,7 @@ In reading order:
 - `lens`: cameras by their field of view, in plain numbers
 - `camera`: what cameras see of which direction, and their poses
 - `footprint`: the ground that the exact camera sees, its corners and its outline
+- `reference`: coordinate reference systems that others define, without files
 - `planes`: those of projected CRSs, and what they do to the ground
 - `mercator`: Web Mercator, and the grid of a source's pixels
 - `projections`: UTM, and a conformal plane about any place

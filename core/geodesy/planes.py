@@ -214,6 +214,6 @@ class TurnedPlane:
 
 def _system(crs: str) -> CRS:
     # Grids are known where no CRS of a source's own is, and pyproj takes a while to import.
-    from pyproj import CRS
+    from .reference import read_reference
 
-    return CRS.from_user_input(crs)
+    return read_reference(crs)

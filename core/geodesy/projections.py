@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pyproj import CRS, Geod, Proj, Transformer
 
 from .ellipsoid import WGS84, sin_cos
+from .reference import read_reference
 
 Floats = NDArray[np.float64]
 #: Noise of positions in degrees and of the projection, metres: seen are 4 nm.
@@ -232,14 +233,14 @@ class _Transformations(threading.local):
     """Transformations that this thread has made: costly to make, and PROJ's are for one thread at a time."""
 
     def __init__(self) -> None:
-        self.of = lru_cache(maxsize=8)(lambda crs: Transformation(CRS.from_user_input(crs)))
+        self.of = lru_cache(maxsize=8)(lambda crs: Transformation(read_reference(crs)))
 
 
 _TRANSFORMATIONS = _Transformations()
 
 
 def transformation(crs: str) -> Transformation:
-    """Transformation to a CRS by its code, WKT or PROJ's text, for the current thread alone."""
+    """Transformation to a CRS by its code, WKT or PROJ's text, for the current thread alone; see `read_reference`."""
     return _TRANSFORMATIONS.of(crs)
 
 

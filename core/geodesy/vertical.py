@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from ..errors import InvalidInput
+from .reference import is_code, read_reference
 
 if TYPE_CHECKING:
     from pyproj import CRS
@@ -22,12 +23,9 @@ def vertical_code(text: str) -> str:
 @lru_cache(32)
 def vertical_crs(code: str) -> CRS:
     """Vertical system of a code or of WKT; raises InvalidInput where it is none."""
-    from pyproj import CRS
-    from pyproj.exceptions import CRSError
-
     try:
-        found = CRS.from_user_input(code)
-    except CRSError as wrong:
+        found = read_reference(code)
+    except InvalidInput as wrong:
         raise _unknown(code) from wrong
     if not found.is_vertical:
         raise _unknown(code)
@@ -40,7 +38,7 @@ def check_vertical(text: str) -> None:
     if not code:
         return
     # What is no code at all PROJ would look for among its names.
-    if ":" not in code:
+    if not is_code(code):
         raise _unknown(text)
     vertical_crs(code)
 

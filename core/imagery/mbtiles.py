@@ -80,7 +80,7 @@ class MBTilesSource:
     path : Path
     connection : sqlite3.Connection
         Closed with the source.
-    clock : _Clock
+    limit : _TimeLimit
         That of the connection.
     rows : mapping
         Metadata of the file.
@@ -97,7 +97,7 @@ class MBTilesSource:
         self,
         path: Path,
         connection: sqlite3.Connection,
-        clock: _Clock,
+        limit: _TimeLimit,
         rows: Mapping[str, str],
         grid: PixelGrid,
         *,
@@ -114,7 +114,7 @@ class MBTilesSource:
         self.policy = Policy(licence=one_line(rows.get("license", rows.get("licence", ""))))
         self._alpha = alpha
         self._connection: sqlite3.Connection | None = connection
-        self._clock = clock
+        self._limit = limit
         self._lock = threading.Lock()
 
     def __repr__(self) -> str:
@@ -146,7 +146,7 @@ class MBTilesSource:
 
     def close(self) -> None:
         """Close the file; what other threads read of it ends at once and raises Cancelled."""
-        self._clock.stop()
+        self._limit.stop()
         with self._lock:
             if self._connection is not None:
                 self._connection.close()
@@ -158,9 +158,9 @@ class MBTilesSource:
             try:
                 return self._stored(tile)
             except FILE_ERRORS as wrong:  # noqa: PERF203  (one that is busy is asked again)
-                if self._clock.stopped:
+                if self._limit.stopped:
                     raise Cancelled("the source was closed") from None
-                if self._clock.is_over():
+                if self._limit.is_over():
                     raise _too_slow(str(tile)) from wrong
                 if fault(wrong) != "busy" or time.monotonic() > until_s:
                     raise PartError(
@@ -171,7 +171,7 @@ class MBTilesSource:
         with self._lock:
             if self._connection is None:
                 raise Cancelled("the source was closed")
-            self._clock.start()
+            self._limit.start()
             row = self._connection.execute(
                 _TILE,
                 (MAX_STORED_TILE_BYTES, tile.zoom, tile.x, self._row(tile)),
@@ -200,19 +200,19 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
         raise InvalidInput("MBTiles {0}: cannot be read ({1})", file, wrong.strerror) from wrong
     if not there:
         raise InvalidInput("MBTiles {0}: is not there", file)
-    connection, clock = None, _Clock()
+    connection, limit = None, _TimeLimit()
     try:
-        connection = _opened(file, clock)
+        connection = _opened(file, limit)
         _check_defined(connection)
         rows, sample, place = _first_look(connection)
         grid = _grid(connection, rows, sample)
         from_north = _is_from_north(rows, *place)
-        source = MBTilesSource(file, connection, clock, rows, grid, alpha=alpha, from_north=from_north)
+        source = MBTilesSource(file, connection, limit, rows, grid, alpha=alpha, from_north=from_north)
     except InvalidInput as wrong:
         failure = InvalidInput("MBTiles {0}: {1}", file, wrong)
     except FILE_ERRORS as wrong:
         failure = InvalidInput("MBTiles {0}: is no MBTiles file, or is damaged ({1})", file, wrong)
-        if clock.is_over():
+        if limit.is_over():
             failure = InvalidInput(_too_slow(Message("MBTiles {0}", file)))
     else:
         return source
@@ -221,7 +221,7 @@ def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTile
     raise failure
 
 
-class _Clock:
+class _TimeLimit:
     """Ends what SQLite does for too long: a view may loop for ever. For one thread at a time."""
 
     def __init__(self) -> None:
@@ -253,19 +253,19 @@ def _too_slow(what: str) -> PartError:
     )
 
 
-def _opened(file: Path, clock: _Clock) -> sqlite3.Connection:
+def _opened(file: Path, limit: _TimeLimit) -> sqlite3.Connection:
     try:
-        return _readable(file, "mode=ro", clock)
+        return _readable(file, "mode=ro", limit)
     except sqlite3.OperationalError as wrong:
         # A file in WAL mode needs companions made beside it, which a folder that is read-only does not take. Without a
         # log whose content would be missed, nobody is writing and the file may be read as it is.
         log = file.with_name(file.name + "-wal")
         if fault(wrong) != "unwritable" or (log.exists() and log.stat().st_size):
             raise
-        return _readable(file, "mode=ro&immutable=1", clock)
+        return _readable(file, "mode=ro&immutable=1", limit)
 
 
-def _readable(file: Path, mode: str, clock: _Clock) -> sqlite3.Connection:
+def _readable(file: Path, mode: str, limit: _TimeLimit) -> sqlite3.Connection:
     """Open a file that anybody may have made, and read its first page, as opening alone does not."""
     connection = connect(file, mode, _WAIT_S)
     try:
@@ -273,8 +273,8 @@ def _readable(file: Path, mode: str, clock: _Clock) -> sqlite3.Connection:
         if sys.version_info >= (3, 11):
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, 2 * MAX_STORED_TILE_BYTES)
         connection.set_authorizer(_allowed)
-        clock.start()
-        connection.set_progress_handler(clock.is_over, _STEPS)
+        limit.start()
+        connection.set_progress_handler(limit.is_over, _STEPS)
         connection.execute("SELECT count(*) FROM sqlite_master").fetchone()
     except FILE_ERRORS:
         connection.close()

@@ -1,4 +1,4 @@
-"""URL templates of tiles, with ``{z}``, ``{x}``, ``{y}`` and what else providers write; and keys in addresses."""
+"""URL templates of tiles, with ``{z}``, ``{x}``, ``{y}`` and what else providers write."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from urllib.parse import parse_qsl, quote, unquote, urlsplit
+from urllib.parse import quote, unquote, urlsplit
 
+from ..addresses import keys_in
 from ..errors import InvalidInput, Message, SourceError
 from ..geodesy.mercator import HALF_WORLD_M
 from ..geodesy.planes import ProjectedPlane
@@ -45,22 +46,8 @@ _LONGEST_HOST = 253
 _OF_TWO_HOSTS = re.compile("[\u00df\u1e9e\u03c2\u200c\u200d]")
 #: Subdomains written into the host: {a-c} and {1-4} as in OpenLayers, [1-4], {switch:a,b,c} as in JOSM.
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
-#: Names that keys go by in queries.
-_KEY_NAMES = re.compile(
-    r"([\w-]*[-_])?(credentials?|password|secret|signature|token)|(api|client)secret"
-    r"|(access|api|id|o?auth|bearer|refresh|security|session|user)token"
-    r"|([\w-]*[-_])?(api|subscription)[-_]?key"
-    r"|((access|app|auth|consumer|dev(eloper)?|licen[cs]e|map|private|secret|service|user)[-_]?)?key"
-    r"|access[-_]?key[-_]?id|ak|app[-_]?(id|code)|auth|authorization|awsaccesskeyid|bearer|googleaccessid|jwt"
-    r"|pass([-_]?(code|phrase|w(or)?d))?|pwd|sig|tk",
-    re.IGNORECASE,
-)
 #: Environment variable with the hosts that the key is for, with commas or spaces between them.
 HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
-
-#: Parameters of signed addresses of stores: the signature, and who has signed.
-_SIGNATURE = re.compile(r"(x-(amz|goog)-)?signature", re.IGNORECASE)
-_SIGNER = re.compile(r"x-(amz|goog)-credential|awsaccesskeyid|googleaccessid|key-pair-id", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -239,26 +226,6 @@ def check_address(text: str, what: str) -> None:
             name,
             remedy=Message("write {0}={{key}} and set TERRAINAV_KEY", name),
         )
-
-
-def keys_in(address: str) -> list[str]:
-    """Names of an address's parameters that hold keys, {key} apart."""
-    before, _, after = address.partition("#")
-    # Some servers take ; between parameters, and what stands after # may have been meant for the query.
-    parameters = f"{before.partition('?')[2]}&{after}".replace(";", "&")
-    named = parse_qsl(parameters)
-    # Beside a signature that is left out they say whose it is, which is no secret.
-    is_signed = any(_SIGNATURE.fullmatch(name) and value == "{key}" for name, value in named)
-    return [
-        name
-        for name, value in named
-        if is_key_name(name) and "{key}" not in value and not (is_signed and _SIGNER.fullmatch(name))
-    ]
-
-
-def is_key_name(name: str) -> bool:
-    """Whether a parameter of a query goes by a name that keys go by."""
-    return _KEY_NAMES.fullmatch(name) is not None
 
 
 def _in_braces(names: Iterable[str]) -> str:

@@ -19,6 +19,7 @@ In reading order:
 - `layout`: where captures stand and what their pictures show of the area
 - `no_fly`: captures over no-fly areas, which are left out
 - `flight`: how it is flown: wind and gusts, legs and clock, the path with its sorties, rows aligned for it
+- `overflown`: relief below a path, and profiles below its legs
 - `relief`: how high captures over relief are, and what they surely see
 - `methods`: the kind of picture and its methods, by the error budget
 - `plan`: a mission worked out, as arrays

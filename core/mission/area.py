@@ -14,6 +14,7 @@ from ..errors import InvalidInput, Message
 from ..fields import field_named
 from ..geodesy.ellipsoid import WGS84, next_corners
 from ..geodesy.mercator import v_to_lat, wrap_lon_deg
+from ..limits import MAX_PAIRS_OF_SIDES, MAX_POLYGONS
 from .parts import HIGHEST_AGL_M, Attitude, Flight
 
 Floats = NDArray[np.float64]
@@ -199,6 +200,8 @@ class Polygons:
         parts = tuple(dict.fromkeys(self.parts))
         if not parts:
             raise InvalidInput("area of no polygons: needs at least one")
+        if len(parts) > MAX_POLYGONS:
+            raise InvalidInput("area of {0:,} polygons: must be {1:,} at most", len(parts), MAX_POLYGONS)
         object.__setattr__(self, "parts", parts)
 
     def placed(self) -> tuple[Part, ...]:
@@ -455,6 +458,12 @@ def _pairs_of_edges(lon0: Floats, lon1: Floats) -> Iterator[tuple[Numbers, Numbe
     # Only those that begin before one ends can cross it.
     counts = np.maximum(np.searchsorted(west, np.maximum(lon0, lon1)) - np.arange(len(west)) - 1, 0)
     totals = np.cumsum(counts)
+    if len(totals) and totals[-1] > MAX_PAIRS_OF_SIDES:
+        raise InvalidInput(
+            "polygon whose sides are too many beside each other: {0:,} pairs of them share a longitude; {1:,} at most",
+            int(totals[-1]),
+            MAX_PAIRS_OF_SIDES,
+        )
     start = 0
     while start < len(west):
         before = int(totals[start - 1]) if start else 0

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import InvalidInput, Message, OutputError
 from ..files import read_limited
-from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES
+from ..limits import MAX_CAPABILITIES_BYTES, MAX_KMZ_FILES, MAX_MISSION_BYTES, MAX_POLYGONS
 from ..numbers import real_number
 from ..safe_json import parse_json
 from ..safe_xml import UnreadableXMLError, XMLReader, elements_of
@@ -80,7 +80,7 @@ def load_polygons(
         A KML file, and lxml is not installed.
     """
     try:
-        body = read_limited(path, MAX_MISSION_BYTES)
+        body = read_limited(path, MAX_MISSION_BYTES, named_by_user=True)
     except OSError as wrong:
         raise InvalidInput("{0}: cannot be read ({1})", where, wrong.strerror or wrong) from wrong
     except InvalidInput as wrong:
@@ -93,7 +93,13 @@ def load_polygons(
         found = _kml_polygons(body, where, read_xml)
     else:
         found = _geojson_polygons(body, where)
-    polygons = dict.fromkeys(_polygon(rings, number, where) for number, rings in enumerate(found, 1))
+    # Those that are there again take no time; they are numbered as the file has them.
+    first: dict[_Rings, int] = {}
+    for number, rings in enumerate(found, 1):
+        first.setdefault(rings, number)
+        if len(first) > MAX_POLYGONS:
+            raise InvalidInput("{0}: holds more than {1:,} polygons", where, MAX_POLYGONS)
+    polygons = dict.fromkeys(_polygon(rings, number, where) for rings, number in first.items())
     if not polygons:
         raise InvalidInput(
             "{0}: holds no polygon", where, remedy="give a GeoJSON, KML or KMZ file with one or more"

@@ -8,7 +8,6 @@ whatever order the system's own axes have.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
+from ..geodesy.reference import is_code, read_reference
 
 if TYPE_CHECKING:
     from pyproj import Transformer
@@ -31,11 +31,6 @@ _DEEPEST = 24
 #: Corners of one ring or line once its sides have been divided.
 _MOST_CORNERS = 1_000_000
 _M_PER_DEG = math.pi / 180.0 * WGS84.a_m
-#: Names by code, which are looked up in PROJ's database alone: no file is read for them, and no server asked.
-_CODES = re.compile(
-    r"[a-z]\w*:\w[\w.]*|(urn:(x-)?ogc:def:crs|https?://(www\.)?opengis\.net/def/crs)[:,/][\w.:,/-]+|CRS84",
-    re.IGNORECASE,
-)
 #: Characters of a name that are shown.
 _SHOWN = 80
 _DEGREES = "EPSG:4326"
@@ -212,16 +207,15 @@ class SystemOfFile(System):
 
 def _transformer(name: str) -> Transformer | None:
     """Transformation to WGS 84 of a system by its name; None where there is none."""
-    if len(name) > _SHOWN or _CODES.fullmatch(name) is None:
+    if len(name) > _SHOWN or not is_code(name):
         return None
-    from pyproj import CRS, Transformer
+    from pyproj import Transformer
     from pyproj.exceptions import ProjError
 
     try:
-        # PROJ 9.5 knows this name with its authority alone.
-        crs = CRS.from_user_input("OGC:CRS84" if name.upper() == "CRS84" else name)
+        crs = read_reference(name)
         if not (crs.is_geographic or crs.is_projected):
             return None
         return Transformer.from_crs(crs, _DEGREES, always_xy=True)
-    except ProjError:
+    except (ProjError, InvalidInput):
         return None

@@ -58,6 +58,8 @@ class NamedImagery:
             )
         if not self.source:
             raise InvalidInput("imagery {0!r}: has no source, such as {0}=world", self.name)
+        if "\0" in self.source:
+            raise InvalidInput("source {0!r}: holds a NUL character, which no name has", self.source)
         if self.map_type not in MAP_TYPES:
             raise InvalidInput("map type {0!r}: must be one of {1}", self.map_type, ", ".join(MAP_TYPES))
 

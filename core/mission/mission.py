@@ -247,10 +247,10 @@ class Mission:
         return cls.from_dict(data)
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Mission:
-        """Mission from a file."""
+    def load(cls, path: str | os.PathLike[str], *, named_by_user: bool = False) -> Mission:
+        """Mission from a file, or from a pipe that is ``named_by_user``."""
         try:
-            text = decoded(read_limited(path, MAX_MISSION_BYTES))
+            text = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=named_by_user))
         except OSError as wrong:
             raise InvalidInput("mission file {0}: cannot be read ({1})", path, wrong.strerror) from wrong
         except InvalidInput as wrong:

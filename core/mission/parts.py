@@ -53,7 +53,7 @@ FILL, INTERPOLATE, REFUSE = "fill", "interpolate", "refuse"
 #: UTC as ISO 8601 writes it: to the second, or with up to six decimals of one.
 _UTC = r"[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}(\.[0-9]{1,6})?Z"
 #: A code, or the WKT of a raster whose coordinate reference system has none.
-_CRS = r"(EPSG:[0-9]{1,7}|[A-Z]+[A-Z0-9_]*\[.*\])?"
+_CRS = r"(EPSG:[0-9]{1,7}|[A-Z][A-Z0-9_]*\[.*\])?"
 _LONGEST_CRS = 20_000
 _CHANNELS = (1, 3)
 _WHOLE_TURN_DEG = 360.0
@@ -102,6 +102,8 @@ def _check_facing(text: str) -> None:
 def _check_source(text: str) -> None:
     if not text:
         raise InvalidInput("source is empty: name one, or give a URL template or a file", field="source")
+    if "\0" in text:
+        raise InvalidInput("source {0!r}: holds a NUL character, which no name has", text, field="source")
 
 
 def _check_date(text: str) -> None:
@@ -145,7 +147,7 @@ def _check_products(products: tuple[str, ...]) -> None:
 
 
 def _check_crs(text: str) -> None:
-    if not re.fullmatch(_CRS, text) or not text.isprintable() or len(text) > _LONGEST_CRS:
+    if len(text) > _LONGEST_CRS or not re.fullmatch(_CRS, text) or not text.isprintable():
         raise InvalidInput(
             "coordinate reference system {0!r}: must be a code such as EPSG:2056", text[:80], field="crs"
         )

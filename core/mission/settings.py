@@ -142,7 +142,7 @@ def _read_config(config: str | None) -> dict[str, Any]:
     if config is None and not path.is_file():
         return {}
     try:
-        data = parse_json(read_limited(path, MAX_SETTINGS_BYTES))
+        data = parse_json(read_limited(path, MAX_SETTINGS_BYTES, named_by_user=config is not None))
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("config file {0}: cannot be read as JSON ({1})", path, wrong) from wrong
     if not isinstance(data, dict):

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.geotiff import affine_of
-from ..dataset.ground import of_camera
+from ..dataset.ground import check_poses, of_camera, plane_of
 from ..dataset.labels import middle_of
 from ..dataset.table import Table, taken
 from ..errors import InvalidInput
+from ..files import open_foreign, read_limited
 from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.local import axes_at, geocentric
@@ -27,11 +28,13 @@ from ..geodesy.mercator import MAX_LAT_DEG, Plane, WebMercator, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.relief import Surface
 from ..geodesy.relief_view import Relief
+from ..limits import MAX_SETTINGS_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
 from ..mission.relief import Heights
 from ..numbers import real_number
 from ..picture.heights import heights_of
+from ..safe_json import decoded
 from .raster import Block, Ground, places, positions
 
 Floats = NDArray[np.float64]
@@ -518,6 +521,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
     """
     if not (folder / MISSION_FILE).is_file():
         raise InvalidInput("folder {0}: has no {1}, which tells the camera", folder, MISSION_FILE)
+    check_poses(images, rows, needed=True)
     mission, table = Mission.load(folder / MISSION_FILE), images.table
     lat, agl = table.pose_lat_deg[rows], table.agl_m[rows]
     _, middle = middle_of(lat, table.pose_lon_deg[rows])
@@ -548,6 +552,7 @@ def camera_frames(folder: Path, images: ImageSet, rows: Numbers, open_heights: O
 
 
 def _map_frames(images: ImageSet, rows: Numbers) -> MapFrames:
+    check_poses(images, rows, needed=False)
     table, plane = images.table, _plane_of(images.table, rows)
     paths = tuple(images.path(row) for row in rows.tolist())
     affines = np.array([_affine_of(path) for path in paths])
@@ -575,10 +580,10 @@ def _affine_of(path: Path) -> tuple[float, ...]:
     try:
         if path.suffix not in _WORLD_FILES:
             # Of a large file, its directory alone is read.
-            with path.open("rb") as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
+            with open_foreign(path) as file, mmap(file.fileno(), 0, access=ACCESS_READ) as data:
                 found = affine_of(data)
         else:
-            text = path.with_suffix(_WORLD_FILES[path.suffix]).read_text("ascii")
+            text = decoded(read_limited(path.with_suffix(_WORLD_FILES[path.suffix]), MAX_SETTINGS_BYTES))
             xx, yx, xy, yy, x, y = map(real_number, text.split())
             found = (x - (xx + xy) / 2.0, xx, xy, y - (yx + yy) / 2.0, yx, yy)
     except (OSError, ValueError) as wrong:
@@ -590,8 +595,7 @@ def _affine_of(path: Path) -> tuple[float, ...]:
 
 def _plane_of(table: Table, rows: Numbers) -> Plane:
     """Plane of the CRS that images of a table have."""
-    crs = table.crs[rows[0]]
-    return ProjectedPlane(crs, 0.0, 0.0, 1.0, 1.0) if crs else WebMercator()
+    return plane_of(table, int(rows[0])) if table.crs[rows[0]] else WebMercator()
 
 
 def unit_m(plane: Plane, lat_deg: float, lon_deg: float) -> float:

@@ -8,15 +8,18 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from ..capture.begun import hold_to
+from ..capture.holding import LEASE_FILE, kept
 from ..capture.journal import FAILED, Journal, Outcome
 from ..capture.making import DEFAULT_CONNECTIONS, check_source
 from ..capture.progress import CaptureResult, Progress
 from ..capture.several import capture_each, combined
 from ..dataset.folder import JOURNAL_FILE, MISSION_FILE, REJECTED_FOLDER
-from ..errors import Message, OptionName, OutputError
-from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, write_whole
+from ..errors import InvalidInput, Message, OptionName, OutputError
+from ..files import csv_bytes, json_bytes, link_or_copy, make_folder, open_locked, read_limited, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..imagery.source import Source
+from ..limits import MAX_MISSION_BYTES
 from ..text import table_cell
 from .parts import TEST, TRAIN
 from .planning import DRONE, SATELLITE, PairPlan
@@ -114,9 +117,16 @@ def capture_pairs(
     wanted = json_bytes(worked_out.to_dict())
     _refuse(path, wanted, resume=resume)
     make_folder(path / CAPTURES_FOLDER)
-    with open_locked(path / CAPTURES_FOLDER / _LOCK_FILE):
+    lock = path / CAPTURES_FOLDER / _LOCK_FILE
+    with open_locked(lock) as file, kept(lock, file) as check:
+
+        def ends() -> bool:
+            check()
+            return cancelled is not None and cancelled()
+
         # Another run may have made the folder its own meanwhile.
         _refuse(path, wanted, resume=resume, ours=True)
+        hold_to(path, SETTINGS_FILE, worked_out.to_dict())
         write_whole(path / SETTINGS_FILE, wanted, durable=True)
         results = capture_each(
             captures,
@@ -124,8 +134,9 @@ def capture_pairs(
             connections=connections,
             workers=workers,
             progress=progress,
-            cancelled=cancelled,
+            cancelled=ends,
         )
+        check()
         total = replace(combined(path, results), total=worked_out.images)
         return PairResult(**vars(total), left_out=() if total.cancelled else _lay_out(path, worked_out))
 
@@ -134,9 +145,14 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     """Refuse a folder that is not for these settings."""
     mark = path / SETTINGS_FILE
     try:
-        found = mark.read_bytes() if mark.exists() else None
-    except OSError as wrong:
-        raise OutputError("folder {0}: cannot read {1} ({2})", path, SETTINGS_FILE, wrong.strerror) from wrong
+        found = read_limited(mark, MAX_MISSION_BYTES) if mark.exists() else None
+    except (OSError, InvalidInput) as wrong:
+        raise OutputError(
+            "folder {0}: cannot read {1} ({2})",
+            path,
+            SETTINGS_FILE,
+            getattr(wrong, "strerror", None) or wrong,
+        ) from wrong
     if found is not None:
         if found != wanted:
             raise OutputError(
@@ -154,7 +170,7 @@ def _refuse(path: Path, wanted: bytes, *, resume: bool, ours: bool = False) -> N
     if inside.exists() and not ours:
         # A run that was killed as it began leaves its lock.
         foreign += (
-            [one for one in sorted(inside.iterdir()) if one.name != _LOCK_FILE]
+            [one for one in sorted(inside.iterdir()) if one.name not in (_LOCK_FILE, LEASE_FILE)]
             if inside.is_dir()
             else [inside]
         )

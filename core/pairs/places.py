@@ -14,10 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidInput, Message
+from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
+from ..limits import MAX_MISSION_BYTES
 from ..mission.area import Box, check_ground, check_lat_lon
 from ..numbers import real_number
+from ..safe_json import decoded
 
 Floats = NDArray[np.float64]
 
@@ -75,8 +78,8 @@ def read_places(path: str | Path) -> tuple[Place, ...]:
         Names the line that cannot be read, or is of the same place as one before; or no line holds a place.
     """
     try:
-        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as wrong:
+        lines = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=True)).splitlines()
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(
             "places {0}: cannot be read as text ({1})", path, wrong, remedy=Message("give {0}", _FORMATS)
         ) from wrong

@@ -10,8 +10,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
+from ..dataset.dataset import open_image
 from ..errors import InvalidInput
-from ..files import write_whole
+from ..files import read_limited, write_whole
+from ..limits import MAX_MISSION_BYTES
+from ..safe_json import decoded
 from .capturing import TABLE_FILE
 from .planning import DRONE, SATELLITE
 
@@ -78,8 +81,8 @@ def check_sheet(target: str | os.PathLike[str]) -> None:
 def _by_place(folder: Path) -> list[list[Row]]:
     """Rows of the images of each place that are there, the satellite's first."""
     try:
-        text = (folder / TABLE_FILE).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as wrong:
+        text = decoded(read_limited(folder / TABLE_FILE, MAX_MISSION_BYTES))
+    except (OSError, InvalidInput) as wrong:
         raise InvalidInput(
             "folder {0}: holds no {1} that can be read", folder, TABLE_FILE, remedy="capture pairs first"
         ) from wrong
@@ -111,11 +114,7 @@ def _even(rows: list[Row]) -> list[Row]:
 
 
 def _cell(file: Path) -> Image.Image:
-    try:
-        with Image.open(file) as image:
-            cell = image.convert("RGB")
-    except OSError as wrong:
-        raise InvalidInput("image {0}: cannot be read ({1})", file, wrong) from wrong
+    cell = open_image(file).convert("RGB")
     cell.thumbnail((_CELL_PX, _CELL_PX), Image.LANCZOS)
     # The place is in the middle of every view.
     middle = np.array(cell.size) / 2.0

@@ -297,7 +297,7 @@ def read_lines(path: str, agl_m: float | None = None) -> list[Floats]:
         or has no height.
     """
     try:
-        data = parse_json(read_limited(path, MAX_MISSION_BYTES))
+        data = parse_json(read_limited(path, MAX_MISSION_BYTES, named_by_user=True))
     except (OSError, InvalidInput) as wrong:
         raise InvalidInput("file {0}: cannot be read as GeoJSON ({1})", path, wrong) from wrong
     found = []

@@ -8,8 +8,8 @@ from __future__ import annotations
 import contextlib
 import importlib
 import logging
+import mmap
 import os
-import struct
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -19,10 +19,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
+from ..files import open_foreign
 from ..geodesy.camera import attitude_of
 from ..geodesy.quaternions import quaternions_of_angles, rotations_of
+from ..limits import (
+    MAX_JOURNAL_LINE_BYTES,
+    MAX_LOG_DAMAGE_BYTES,
+    MAX_LOG_DEPTH,
+    MAX_LOG_FIELDS,
+    MAX_LOG_KINDS,
+    MAX_LOG_NAME_CHARACTERS,
+    MAX_MISSION_BYTES,
+)
 from ..mission.clock import CLOCKS, implausible, is_dated
-from ..text import whole_number
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 from .trajectories import BODIES, ROUNDING, WORLDS
 
@@ -45,8 +54,10 @@ _NEEDED = {
     _HOME: ("timestamp", "alt"),
     **dict.fromkeys(_RECEIVERS, ("timestamp", "time_utc_usec")),
 }
-#: A log's header; the head of a message, its size and kind; and fields that fit into one.
-_ULOG_HEADER, _ULOG_MESSAGE, _ULOG_MOST_FIELDS = struct.Struct("<16x"), struct.Struct("<HB"), 0xFFFF
+#: Beginning of a message of a DataFlash log, before its kind; with the kind it takes so many bytes.
+_HEAD, _HEAD_BYTES = b"\xa3\x95", 3
+#: Kind and length of messages that define another kind, whose number and length follow their head.
+_DEFINITION, _DEFINITION_BYTES = 0x80, 89
 #: Columns of ArduPilot's messages, and those that not all of its versions have.
 _COLUMNS = {
     "POS": (("TimeUS", "Lat", "Lng", "Alt"), ("RelHomeAlt", "RelAlt")),
@@ -127,7 +138,7 @@ class _Watched:
     """A file that tells how much of it is read, to what reads it in one go."""
 
     def __init__(self, file: IO[bytes], progress: Progress) -> None:
-        self._file, self._progress, self._reads = file, progress, 0
+        self._file, self._progress, self._reads, self._steps_back = file, progress, 0, 0
         self._bytes = max(os.fstat(file.fileno()).st_size, 1)
 
     def read(self, count: int = -1) -> bytes:
@@ -135,6 +146,12 @@ class _Watched:
         if self._reads % REPORT_EACH == 0:
             report(self._progress, min(self._file.tell() / self._bytes, 1.0))
         return self._file.read(count)
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        # By a byte at a time, where what is there is no message.
+        self._steps_back += whence == os.SEEK_CUR
+        _check_damage(self._steps_back)
+        return self._file.seek(offset, whence)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._file, name)
@@ -174,9 +191,8 @@ def read_ulog(
     wanted = [_PLACE, _ATTITUDE, _HOME, *_RECEIVERS]
     try:
         # Given a name, pyulog leaves the file open where it cannot read it.
-        with _quiet(path), Path(path).open("rb") as file:
-            _check_formats(file)
-            log = pyulog.ULog(_Watched(file, progress), wanted)
+        with _quiet(path), open_foreign(path, MAX_MISSION_BYTES) as file:
+            log = _ulog_reader(pyulog)(_Watched(file, progress), wanted)
     except Cancelled:
         raise
     except Exception as wrong:
@@ -204,39 +220,38 @@ def read_ulog(
     return found.track(path, flight, with_times=with_times)
 
 
-def _check_formats(file: IO[bytes]) -> None:
-    """Refuse formats of more fields than a message has bytes, which pyulog would list one by one."""
-    formats: dict[str, list[str]] = {}
-    file.seek(_ULOG_HEADER.size)
-    while len(head := file.read(_ULOG_MESSAGE.size)) == _ULOG_MESSAGE.size:
-        size, kind = _ULOG_MESSAGE.unpack(head)
-        if kind in b"ALC":
-            # Here the definitions end.
-            break
-        name, _, columns = file.read(size).decode("ascii", "replace").partition(":")
-        if kind in b"F":
-            formats[name] = [column for column in columns.split(";") if column]
-    file.seek(0)
-    for name in formats:
-        _count_fields(name, formats, {})
+def _ulog_reader(pyulog: Any) -> Any:
+    """Reader of pyulog's which takes no topics beyond the limits: it would list their fields one by one."""
+
+    class Topic(pyulog.ULog._MessageAddLogged):  # type: ignore[misc]  # noqa: SLF001 (where it lists them)
+        def __init__(self, data: bytes, header: Any, formats: Mapping[str, Any]) -> None:
+            Reader.fields += _count_fields(data[3:].decode("utf-8", "replace"), formats)
+            if Reader.fields > MAX_LOG_FIELDS:
+                raise ValueError(f"its topics have more than {MAX_LOG_FIELDS:,} fields")
+            super().__init__(data, header, formats)
+
+    class Reader(pyulog.ULog):  # type: ignore[misc]
+        _MessageAddLogged = Topic
+        fields = 0
+
+    return Reader
 
 
-def _count_fields(name: str, formats: Mapping[str, Sequence[str]], known: dict[str, int]) -> int:
-    """Number of fields of a type, those of the formats within it counted one by one."""
+def _count_fields(name: str, formats: Mapping[str, Any], depth: int = 0) -> int:
+    """Number of fields of a type, those of types within it counted one by one."""
     if name not in formats:
         return 1
-    if name not in known:
-        # A format within itself counts as one field here; pyulog refuses it.
-        known[name] = 1
-        total = 0
-        for column in formats[name]:
-            inner, _, times = column.split(" ")[0].partition("[")
-            count = whole_number(times.rstrip("]")) if times else 1
-            total += (count or 1) * _count_fields(inner, formats, known)
-        known[name] = total
-    if known[name] > _ULOG_MOST_FIELDS:
-        raise ValueError(f"{name} has {known[name]:,} fields")
-    return known[name]
+    if depth == MAX_LOG_DEPTH:
+        raise ValueError(f"its types are within each other more than {MAX_LOG_DEPTH} deep")
+    total = 0
+    for inner, times, field in formats[name].fields:
+        if max(len(name), len(field)) > MAX_LOG_NAME_CHARACTERS:
+            raise ValueError(f"a name has more than {MAX_LOG_NAME_CHARACTERS} characters")
+        total += max(times, 1) * _count_fields(inner, formats, depth + 1)
+        if total > MAX_LOG_FIELDS:
+            raise ValueError(f"{name} has {total:,} fields")
+    # One without any is gone through, too.
+    return max(total, 1)
 
 
 def read_dataflash(
@@ -278,7 +293,11 @@ def read_dataflash(
         raise InvalidInput("log {0}: is empty", path)
     try:
         with _quiet(path):
-            opened = (reader.DFReader_text if text else reader.DFReader_binary)(os.fspath(path))
+            if text:
+                _check_lines(Path(path))
+                opened = _opened(reader.DFReader_text, Path(path))
+            else:
+                opened = _dataflash_reader(reader, Path(path), progress)
             with contextlib.closing(opened) as log:
                 read = _messages(log, progress)
     except Cancelled:
@@ -304,6 +323,80 @@ def read_dataflash(
         () if fixes is None else ({"clock_s": fixes["TimeUS"] * _S_PER_US, "utc_s": _utc_s(fixes)},),
     )
     return found.track(path, flight, with_times=with_times)
+
+
+def _dataflash_reader(reader: Any, path: Path, progress: Progress) -> Any:
+    """Open a binary log with pymavlink, which goes on without end at messages without a length."""
+    _check_messages(path, progress)
+
+    class Reader(reader.DFReader_binary):  # type: ignore[misc]
+        def recv_msg(self) -> Any:
+            before = self.offset
+            message = super().recv_msg()
+            if message is not None and self.offset <= before:
+                raise ValueError(f"its messages {message.get_type()} have no length")
+            return message
+
+    return _opened(Reader, path)
+
+
+def _opened(reader: Any, path: Path) -> Any:
+    """Open a log with a reader of pymavlink's, which leaves files open that it cannot read."""
+    log = reader.__new__(reader)
+    try:
+        log.__init__(os.fspath(path))
+    except BaseException:
+        for name in ("data_map", "filehandle"):
+            with contextlib.suppress(AttributeError, BufferError):
+                getattr(log, name).close()
+        raise
+    return log
+
+
+def _check_messages(path: Path, progress: Progress) -> None:
+    """Go through a binary log from message to message, as pymavlink does; refuse one that is mostly something else."""
+    defined = {_DEFINITION: _DEFINITION_BYTES}
+    lengths: dict[int, int] = {}
+    at = damaged = messages = 0
+    with open_foreign(path) as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        while 0 <= (begin := data.find(_HEAD, at)) <= len(data) - _HEAD_BYTES:
+            kind, messages = data[begin + len(_HEAD)], messages + 1
+            damaged += begin - at
+            if kind in defined:
+                # Whatever is defined later, that of the first message of a kind counts.
+                at = begin + lengths.setdefault(kind, defined[kind])
+            else:
+                at = begin + len(_HEAD)
+                damaged += at - begin
+            if kind == _DEFINITION and at <= len(data):
+                number, length = data[begin + _HEAD_BYTES : begin + _HEAD_BYTES + 2]
+                if length < _HEAD_BYTES:
+                    raise ValueError(f"its messages of kind {number} have {length} bytes")
+                defined[number] = length
+            if damaged > MAX_LOG_DAMAGE_BYTES:
+                break
+            if messages % REPORT_EACH == 0:
+                report(progress, 0.0)
+        else:
+            damaged += max(len(data) - at, 0)
+    _check_damage(damaged)
+
+
+def _check_lines(path: Path) -> None:
+    """Refuse a log of text that is mostly something else: pymavlink goes through the rest of it for each new word."""
+    kinds, damaged = set(), 0
+    with open_foreign(path) as file:
+        while line := file.readline(MAX_JOURNAL_LINE_BYTES):
+            kinds.add(line[:4].partition(b",")[0])
+            damaged += len(line) * (b"," not in line)
+            _check_damage(damaged)
+            if len(kinds) > MAX_LOG_KINDS:
+                raise ValueError(f"its lines begin with more than {MAX_LOG_KINDS} words")
+
+
+def _check_damage(damaged: int) -> None:
+    if damaged > MAX_LOG_DAMAGE_BYTES:
+        raise ValueError(f"more than {MAX_LOG_DAMAGE_BYTES >> 20} MB of it belong to no message")
 
 
 #: Columns that `_Log` has, of whatever format.

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InvalidInput, Message
 from ..fields import field_named
-from ..files import is_there, read_limited
+from ..files import is_there, open_foreign, read_limited
 from ..limits import MAX_MISSION_BYTES
 from ..mission.area import ANGLES, Points, check_lat_lon
 from ..mission.litchi_table import is_litchi
@@ -32,8 +32,8 @@ from .settings import (
 from .track import Progress, Track, unwatched
 from .trajectories import read_trajectory
 
-#: Characters of a line that are looked at.
-_LINE = 4096
+#: Bytes among which the first line is looked for.
+_HEAD_BYTES = 1 << 16
 
 
 class ReadPoses(NamedTuple):
@@ -77,9 +77,10 @@ def likely_format(path: str | os.PathLike[str]) -> str | None:
     if found is not None:
         return found
     try:
-        with Path(path).open(encoding="utf-8", errors="replace") as file:
-            lines = (line for line in iter(lambda: file.readline(_LINE), "") if not line.startswith("#"))
-            line = next((line for line in lines if line.strip()), "")
+        with open_foreign(path) as file:
+            # An endless line of blanks, or of comments, is no line of numbers.
+            lines = file.read(_HEAD_BYTES).decode("utf-8", "replace").splitlines()
+            line = next((line for line in lines if line.strip() and not line.startswith("#")), "")
     except OSError:
         return None
     is_csv = "," in line

@@ -8,7 +8,19 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ..drawing import BLACK, BLUE, FONT, GREEN, ORANGE, PURPLE, VERMILION, dress, new_figure, png
+from ..drawing import (
+    BLACK,
+    BLUE,
+    FONT,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    dress,
+    logarithmic,
+    new_figure,
+    png,
+)
 from ..timing import Seconds
 from .measure import Measured
 from .pictures import BANDS, Resampling
@@ -24,9 +36,6 @@ _LEAST_PX = 1e-11
 _SAME_PLACE = 0.03
 #: Times as far above another one a point is in the way of its label.
 _CROWDED = 4.0
-#: Powers of ten written out, and what an exponent's rounding may be.
-_PLAIN, _ROUNDING = 3, 1e-9
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Look(NamedTuple):
@@ -48,27 +57,6 @@ _KERNELS = {
     "bicubic": Look(GREEN, "s", "bicubic"),
     "lanczos": Look(PURPLE, "D", "Lanczos"),
 }
-
-
-def logarithmic(axes: Any, which: str) -> None:
-    """Logarithmic axes with plain text at their ticks: mathematical text warns with some versions of its parser."""
-    for name in which:
-        getattr(axes, f"set_{name}scale")("log")
-        axis = getattr(axes, f"{name}axis")
-        axis.set_major_formatter(_power_of_ten)
-        axis.set_minor_formatter(lambda _value, _position: "")
-
-
-def _power_of_ten(value: float, _position: int) -> str:
-    if value <= 0.0:
-        return ""
-    exponent = math.log10(value)
-    if abs(exponent - round(exponent)) > _ROUNDING:
-        return f"{value:g}"
-    exponent = round(exponent)
-    if -_PLAIN <= exponent <= _PLAIN:
-        return f"{10.0**exponent:g}"
-    return "10" + str(exponent).translate(_SUPERSCRIPTS)
 
 
 def work_precision(

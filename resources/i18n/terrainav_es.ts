@@ -2621,6 +2621,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>TerrAInav: carpeta de un conjunto de datos</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>image {path}: {reason}</source>
+        <translation>imagen {path}: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>nothing that it knows</source>
+        <translation>nada que conozca</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>{path}: QGIS would open it as {kind}; must be {right}</source>
+        <translation>{path}: QGIS lo abriría como {kind}; debe ser {right}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/foreign.py"/>
+        <source>{path}: QGIS would open {other} in its place; rename the folder</source>
+        <translation>{path}: QGIS abriría {other} en su lugar; cambie el nombre de la carpeta</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/form/area.py"/>
         <source>1 hole</source>
         <translation>1 hueco</translation>
@@ -3095,6 +3115,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>Allow</source>
+        <translation>Permitir</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>Capture only the &amp;failed images</source>
         <translation>Capturar solo las imágenes &amp;fallidas</translation>
     </message>
@@ -3191,8 +3216,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>What you opened takes imagery, heights or datasets from {places}, which you have not used in this QGIS. Nothing is asked there until you allow it.</source>
+        <translation>Lo que ha abierto toma imágenes, alturas o conjuntos de datos de {places}, que no se ha usado en este QGIS. No se le consulta nada hasta que lo permita.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder</source>
         <translation>carpeta {folder}: no tiene {name}, así que no es el conjunto de datos de una captura; elija su carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>its folder is no path</source>
+        <translation>su carpeta no es una ruta</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/missions.py"/>
@@ -3203,6 +3238,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/missions/missions.py"/>
         <source>{name}: opened without mosaic: {reason}</source>
         <translation>{name}: abierto sin mosaico: {reason}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/missions/missions.py"/>
+        <source>{place} would be asked, which you have not used in this QGIS</source>
+        <translation>se consultaría {place}, que no se ha usado en este QGIS</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/missions/plan_export.py"/>
@@ -6552,6 +6592,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>dirección: falta; debe ser como https://host/run o s3://bucket/run</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/remote/address.py"/>
+        <source>address: must be of {most} printable characters at most</source>
+        <translation>dirección: debe tener como máximo {most} caracteres imprimibles</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/remote/copies.py"/>
         <source>{address}: has no {name}</source>
         <translation>{address}: no tiene {name}</translation>
@@ -6932,6 +6977,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Aún no hay imágenes capturadas en el mapa: capture una misión, o abra un conjunto de datos con «Misiones».</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/results/viewing.py"/>
+        <source>its heights are those of {place}, which you have not used in this QGIS: open its dataset by “Missions” and allow it</source>
+        <translation>sus alturas son las de {place}, que no se ha usado en este QGIS: abra su conjunto de datos con «Misiones» y permítalo</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/session.py"/>
         <source>Draw a box</source>
         <translation>Dibujar un recuadro</translation>
@@ -7115,6 +7165,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0} {1:g}, {2:g} no está en la Tierra</translation>
     </message>
     <message>
+        <location filename="../../core/benchmark/answers.py"/>
+        <source>{0} {1} {2:g}: must be a finite number</source>
+        <translation>{0} {1} {2:g}: debe ser un número finito</translation>
+    </message>
+    <message>
         <location filename="../../core/benchmark/features.py"/>
         <source>OpenCV, which finds and matches features, is not installed</source>
         <translation>OpenCV, que encuentra y empareja puntos característicos, no está instalado</translation>
@@ -7254,6 +7309,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/making.py"/>
+        <location filename="../../core/capture/begun.py"/>
         <location filename="../../core/capture/blocks/destination.py"/>
         <location filename="../../core/capture/folder.py"/>
         <location filename="../../core/capture/runner.py"/>
@@ -7411,18 +7467,33 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
-        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
+        <source>method {0}: returns {1}, which is no function of a query</source>
+        <translation>método {0}: devuelve {1}, que no es una función de una consulta</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method {0}: returns {1!r}, which is no function of a query</source>
-        <translation>método {0}: devuelve {1!r}, que no es una función de una consulta</translation>
+        <source>method: answer to {0}:</source>
+        <translation>método: respuesta a {0}:</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/running.py"/>
-        <source>method: answers {0} with {1!r}, which is no Answer</source>
-        <translation>método: responde a {0} con {1!r}, que no es un Answer</translation>
+        <source>method: answers {0} with more references than there are: {1:,}</source>
+        <translation>método: responde a {0} con más referencias de las que hay: {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with the reference {1}, which is no text</source>
+        <translation>método: responde a {0} con la referencia {1}, que no es un texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with what cannot be read: {1}: {2}</source>
+        <translation>método: responde a {0} con algo que no se puede leer: {1}: {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/running.py"/>
+        <source>method: answers {0} with {1}, which is no Answer</source>
+        <translation>método: responde a {0} con {1}, que no es un Answer</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/scoring.py"/>
@@ -7445,9 +7516,93 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: clasifican {1}, que es de otra parte que las consultas</translation>
     </message>
     <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>another one</source>
+        <translation>otro</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it holds no mission</source>
+        <translation>no contiene ninguna misión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it holds no settings of this version</source>
+        <translation>no contiene ajustes de esta versión</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it plans fewer images</source>
+        <translation>planifica menos imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>it plans more images</source>
+        <translation>planifica más imágenes</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <location filename="../../core/imagery/catalogue.py"/>
+        <location filename="../../core/imagery/raster/source.py"/>
+        <location filename="../../core/imagery/services/capabilities.py"/>
+        <location filename="../../core/imagery/services/ogc.py"/>
+        <location filename="../../core/imagery/systems.py"/>
+        <location filename="../../core/mission/cameras.py"/>
+        <source>none</source>
+        <translation>ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>others</source>
+        <translation>otros</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>put it back as it was or choose another folder</source>
+        <translation>vuelva a dejarlo como estaba o elija otra carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0:,} values</source>
+        <translation>{0:,} valores</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>{0} and {1:,} more</source>
+        <translation>{0} y {1:,} más</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0} from {1} to {2}</source>
+        <translation>{0} de {1} a {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0} that differ</source>
+        <translation>{0} que difieren</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <location filename="../../core/capture/blocks/destination.py"/>
+        <source>{0}: its {1} cannot be read ({2}), so it is not known how it was begun</source>
+        <translation>{0}: su {1} no se puede leer ({2}), por lo que no se sabe cómo se empezó</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/begun.py"/>
+        <source>{0}: its {1} was edited since the capture began: {2}</source>
+        <translation>{0}: su {1} se modificó después de comenzar la captura: {2}</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/blocks/block.py"/>
         <source>{0}: has no {1} any more</source>
         <translation>{0}: ya no tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/block.py"/>
+        <location filename="../../core/imagery/mbtiles.py"/>
+        <source>{0}: {1} cannot be read ({2})</source>
+        <translation>{0}: {1} no se puede leer ({2})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
@@ -7483,11 +7638,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/destination.py"/>
-        <source>{0}: its {1} cannot be read ({2}), so it is not known how it was begun</source>
-        <translation>{0}: su {1} no se puede leer ({2}), por lo que no se sabe cómo se empezó</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/blocks/destination.py"/>
         <source>{0}: was begun with the layout {1} and blocks of {2} images: it goes on with the same</source>
         <translation>{0}: se empezó con la disposición {1} y bloques de {2} imágenes: continúa con las mismas</translation>
     </message>
@@ -7495,6 +7645,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/division.py"/>
         <source>block {0!r}: must be 1 to {1:,} images, such as 256, or their size in MB, such as 200MB</source>
         <translation>bloque {0!r}: debe tener de 1 a {1:,} imágenes, como 256, o su tamaño en MB, como 200MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cannot import TerrAInav ({0}: {1})</source>
+        <translation>no puede importar TerrAInav ({0}: {1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cluster local:{0}: its processes cannot be started ({1}: {2})</source>
+        <translation>clúster local:{0}: no se pueden iniciar sus procesos ({1}: {2})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
@@ -7508,13 +7668,48 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
+        <source>cluster: {0:,} of {1:,} workers cannot make blocks: {2} {3}</source>
+        <translation>clúster: {0:,} de {1:,} procesos no pueden hacer bloques: {2} {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
         <source>clusters: Dask's distributed cannot be imported ({0})</source>
         <translation>clústeres: no se puede importar distributed de Dask ({0})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
+        <source>credentials are taken from Dask's own configuration</source>
+        <translation>las credenciales se toman de la configuración de Dask</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
         <source>get it with: pip install 'terrainav[cluster]'</source>
         <translation>instálelo con: pip install 'terrainav[cluster]'</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has Python {0}, and the run has {1}</source>
+        <translation>tiene Python {0}, y la ejecución tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has TerrAInav {0}, and the run has {1}</source>
+        <translation>tiene TerrAInav {0}, y la ejecución tiene {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has no TerrAInav</source>
+        <translation>no tiene TerrAInav</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>has no {0}, which TerrAInav needs</source>
+        <translation>no tiene {0}, que TerrAInav necesita</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/engines.py"/>
+        <source>install it there: pip install 'terrainav[cluster]=={0}'</source>
+        <translation>instálelo allí: pip install 'terrainav[cluster]=={0}'</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
@@ -7530,6 +7725,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/running.py"/>
         <source>block {0}: {1}: it is begun again</source>
         <translation>bloque {0}: {1}: se empieza de nuevo</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>install it on each</source>
+        <translation>instálelo en cada uno</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
@@ -7560,6 +7760,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/capture/blocks/running.py"/>
         <source>workers: not all have TerrAInav {0}</source>
         <translation>procesos de trabajo: no todos tienen TerrAInav {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/blocks/running.py"/>
+        <source>workers: not all have what TerrAInav needs ({0})</source>
+        <translation>procesos: no todos tienen lo que TerrAInav necesita ({0})</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/running.py"/>
@@ -7639,8 +7844,9 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
-        <source>address {0}: another run has taken over, as this one gave no sign of life for {1:g} s</source>
-        <translation>dirección {0}: otra ejecución ha tomado el relevo, porque esta no dio señales de vida durante {1:g} s</translation>
+        <location filename="../../core/imagery/services/detecting.py"/>
+        <source>address</source>
+        <translation>dirección</translation>
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
@@ -7649,15 +7855,43 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/holding.py"/>
+        <source>folder</source>
+        <translation>carpeta</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: another run is at work in it</source>
+        <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <location filename="../../core/capture/journal.py"/>
+        <location filename="../../core/files.py"/>
+        <location filename="../../core/mission/export/geopackage.py"/>
+        <location filename="../../terrainav_plugin/remote/copies.py"/>
+        <source>folder {0}: cannot write {1} ({2})</source>
+        <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>folder {0}: its {1} was replaced or removed, so that another run may be at work in it</source>
+        <translation>carpeta {0}: su {1} se sustituyó o se eliminó, de modo que otra ejecución puede estar trabajando en ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/capture/holding.py"/>
         <source>wait until it has ended</source>
         <translation>espere a que termine</translation>
     </message>
     <message>
+        <location filename="../../core/capture/holding.py"/>
+        <source>{0} {1}: another run has taken over, as this one gave no sign of life for {2:g} s</source>
+        <translation>{0} {1}: otra ejecución ha tomado el relevo, ya que esta no dio señales de vida durante {2:g} s</translation>
+    </message>
+    <message>
         <location filename="../../core/capture/journal.py"/>
-        <location filename="../../core/files.py"/>
-        <location filename="../../core/mission/export/geopackage.py"/>
-        <source>folder {0}: cannot write {1} ({2})</source>
-        <translation>carpeta {0}: no se puede escribir {1} ({2})</translation>
+        <source>folder {0}: another run has taken over, as its {1} tells</source>
+        <translation>carpeta {0}: otra ejecución ha tomado el relevo, según su {1}</translation>
     </message>
     <message>
         <location filename="../../core/capture/journal.py"/>
@@ -7825,6 +8059,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     <message>
         <location filename="../../core/dataset/dataset.py"/>
         <location filename="../../core/dataset/folder.py"/>
+        <location filename="../../core/files.py"/>
         <location filename="../../core/stores.py"/>
         <source>folder {0}: cannot be read ({1})</source>
         <translation>carpeta {0}: no se puede leer ({1})</translation>
@@ -7891,6 +8126,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right</source>
         <translation>imagen {0}: tiene píxeles del modo {1} de Pillow; lo correcto es gris o color de 8 bits</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/dataset.py"/>
+        <source>image {0}: has {1:,} x {2:,} px, more than {3:,} in all</source>
+        <translation>imagen {0}: tiene {1:,} x {2:,} px, más de {3:,} en total</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -7974,11 +8214,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>use el dtype stored, o capture con un realce{0}</translation>
     </message>
     <message>
-        <location filename="../../core/dataset/dataset.py"/>
-        <source>{0} and {1:,} more</source>
-        <translation>{0} y {1:,} más</translation>
-    </message>
-    <message>
         <location filename="../../core/dataset/entropy.py"/>
         <source>image of shape {0} and type {1}: must be (height, width) or (height, width, 3) of uint8 with at least one pixel</source>
         <translation>imagen de forma {0} y tipo {1}: debe ser (altura, anchura) o (altura, anchura, 3) de uint8 con al menos un píxel</translation>
@@ -8037,6 +8272,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/ground.py"/>
         <source>folder {0}: the window of {1} in the table lies elsewhere than its Lat and Lon</source>
         <translation>carpeta {0}: la ventana de {1} en la tabla no está en su Lat y Lon</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: its table has no {1} of it</source>
+        <translation>imagen {0}: su tabla no tiene {1} para ella</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: {1}</source>
+        <translation>imagen {0}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/ground.py"/>
+        <source>image {0}: {1} {2:g} in its table: must be from {3:,g} to {4:,g}</source>
+        <translation>imagen {0}: {1} {2:g} en su tabla: debe estar entre {3:,g} y {4:,g}</translation>
     </message>
     <message>
         <location filename="../../core/dataset/ground.py"/>
@@ -8285,6 +8535,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/stored.py"/>
+        <source>image {0}: has {1:,} bytes; must have {2:,} at most</source>
+        <translation>imagen {0}: tiene {1:,} bytes; debe tener {2:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
         <source>image {0}: is not where the table says it is, as the shard is torn or another one</source>
         <translation>imagen {0}: no está donde dice la tabla, porque el fragmento está dañado o es otro</translation>
     </message>
@@ -8300,6 +8555,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: has more than {1} files of one image from byte {2:,} on</source>
+        <translation>fragmento {0}: tiene más de {1} archivos de una imagen a partir del byte {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
         <source>shard {0}: is cut short, as it has {1:,} bytes of {2:,.0f} that its images need</source>
         <translation>fragmento {0}: está cortado, porque tiene {1:,} bytes de los {2:,.0f} que necesitan sus imágenes</translation>
     </message>
@@ -8307,6 +8567,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/stored.py"/>
         <source>shard {0}: is not there</source>
         <translation>fragmento {0}: no existe</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: states {1:,} bytes for the file at byte {2:,}</source>
+        <translation>fragmento {0}: indica {1:,} bytes para el archivo del byte {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/stored.py"/>
+        <source>shard {0}: what it has of the image {1} at byte {2:,} is no whole file</source>
+        <translation>fragmento {0}: lo que tiene de la imagen {1} en el byte {2:,} no es un archivo completo</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
@@ -8369,6 +8639,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no tiene la columna {1}; necesita {2}</translation>
     </message>
     <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: are no GeoJSON as captures write it, which begins with {1}; a file of another kind is not opened, as it may lead to other files and servers</source>
+        <translation>huellas {0}: no son GeoJSON como el que escriben las capturas, que empieza por {1}; un archivo de otra clase no se abre, porque puede llevar a otros archivos y servidores</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: cannot be read ({1})</source>
+        <translation>huellas {0}: no se pueden leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: hold a &lt; among their first {1} bytes, as documents do that lead to other files and servers; must be written as {2}</source>
+        <translation>huellas {0}: contienen un &lt; entre sus primeros {1} bytes, como los documentos que llevan a otros archivos y servidores; debe escribirse como {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/vectors.py"/>
+        <source>footprints {0}: their crs leads elsewhere, or is none of a code; must be a name such as EPSG:25832, or left out for WGS 84</source>
+        <translation>huellas {0}: su crs lleva a otro lugar o no es el de un código; debe ser un nombre como EPSG:25832, u omitirse para WGS 84</translation>
+    </message>
+    <message>
         <location filename="../../core/drawing.py"/>
         <source>get it with: pip install 'terrainav[report]'</source>
         <translation>se obtiene con: pip install 'terrainav[report]'</translation>
@@ -8411,6 +8701,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/datum.py"/>
+        <source>{0}: axis {1!r} of its heights points {2}: must be up or down</source>
+        <translation>{0}: el eje {1!r} de sus alturas apunta a {2}: debe ser arriba (up) o abajo (down)</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/datum.py"/>
         <source>{0}: heights in {1!r}: must be one of {2}</source>
         <translation>{0}: alturas en {1!r}: debe ser una de {2}</translation>
     </message>
@@ -8428,6 +8723,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/filling.py"/>
         <source>missing heights: cannot be interpolated: {0}</source>
         <translation>alturas que faltan: no se pueden interpolar: {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>down</source>
+        <translation>hacia abajo</translation>
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
@@ -8476,6 +8776,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/elevation/heights.py"/>
+        <source>up</source>
+        <translation>hacia arriba</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
         <source>write a semicolon between them in QGIS, and a space in a command{0}</source>
         <translation>escriba un punto y coma entre ellas en QGIS, y un espacio en una orden{0}</translation>
     </message>
@@ -8483,6 +8788,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/elevation/heights.py"/>
         <source>{0}: height {1:g} m at latitude {2:.6f}, longitude {3:.6f}: must be from {4:g} to {5:g}, and not {6:g}, which stands for no data elsewhere</source>
         <translation>{0}: altura {1:g} m en la latitud {2:.6f}, longitud {3:.6f}: debe estar entre {4:g} y {5:g}, y no ser {6:g}, que en otros archivos significa sin datos</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>{0}: its heights have the scale {1:g} and the offset {2:g}: must be finite, and the scale not 0</source>
+        <translation>{0}: sus alturas tienen la escala {1:g} y el desplazamiento {2:g}: deben ser finitos, y la escala no 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/elevation/heights.py"/>
+        <source>{0}: its vertical axis points {1}, and that of {2} {3}: must point the same way</source>
+        <translation>{0}: su eje vertical apunta {1}, y el de {2}, {3}: deben apuntar en el mismo sentido</translation>
     </message>
     <message>
         <location filename="../../core/exports/croissant.py"/>
@@ -8559,6 +8874,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/views.py"/>
         <source>folder {0}: has no image to export</source>
         <translation>carpeta {0}: no tiene imágenes que exportar</translation>
+    </message>
+    <message>
+        <location filename="../../core/exports/tables.py"/>
+        <source>folder {0}: its name is no text in UTF-8, as a description of files needs it</source>
+        <translation>carpeta {0}: su nombre no es texto en UTF-8, como lo necesita una descripción de archivos</translation>
     </message>
     <message>
         <location filename="../../core/exports/tables.py"/>
@@ -8678,13 +8998,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/files.py"/>
-        <source>folder {0}: a file is in its place</source>
-        <translation>carpeta {0}: hay un archivo en su lugar</translation>
+        <source>a line is longer than {0} kB</source>
+        <translation>una línea ocupa más de {0} kB</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
-        <source>folder {0}: another run is at work in it</source>
-        <translation>carpeta {0}: otra ejecución está trabajando en ella</translation>
+        <source>file {0}: cannot be read ({1})</source>
+        <translation>archivo {0}: no se puede leer ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/files.py"/>
+        <source>folder {0}: a file is in its place</source>
+        <translation>carpeta {0}: hay un archivo en su lugar</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
@@ -8700,11 +9025,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/files.py"/>
         <source>image {0}: cannot be placed ({1})</source>
         <translation>imagen {0}: no se puede colocar ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/files.py"/>
-        <source>larger than {0:,.0f} MB</source>
-        <translation>mayor que {0:,.0f} MB</translation>
     </message>
     <message>
         <location filename="../../core/files.py"/>
@@ -8843,6 +9163,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>zooms de {0} a {1}, nativo {2}: hace falta 0 &lt;= mínimo &lt;= nativo &lt;= máximo &lt;= {3}</translation>
     </message>
     <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system {0!r}: must be a code such as EPSG:25832, or WKT</source>
+        <translation>sistema de referencia de coordenadas {0!r}: debe ser un código como EPSG:25832, o WKT</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system {0!r}: {1}</source>
+        <translation>sistema de referencia de coordenadas {0!r}: {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system {0}: unit {1!r} of {2:g}: must be greater than 0</source>
+        <translation>sistema de referencia de coordenadas {0}: unidad {1!r} de {2:g}: debe ser mayor que 0</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system: names the file {0}, which is not opened; must be a code such as EPSG:25832, or WKT without files</source>
+        <translation>sistema de referencia de coordenadas: nombra el archivo {0}, que no se abre; debe ser un código como EPSG:25832, o WKT sin archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/geodesy/reference.py"/>
+        <source>coordinate reference system: {0} characters: must be no more than {1}</source>
+        <translation>sistema de referencia de coordenadas: {0} caracteres: no debe tener más de {1}</translation>
+    </message>
+    <message>
         <location filename="../../core/geodesy/vertical.py"/>
         <source>vertical datum {0!r}: must be {1}, {2}, {3} or the code of a vertical system</source>
         <translation>dátum vertical {0!r}: debe ser {1}, {2}, {3} o el código de un sistema vertical</translation>
@@ -8944,16 +9289,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/cameras.py"/>
         <source>did you mean {0}? </source>
         <translation>¿se quería decir {0}? </translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/catalogue.py"/>
-        <location filename="../../core/imagery/raster/source.py"/>
-        <location filename="../../core/imagery/services/capabilities.py"/>
-        <location filename="../../core/imagery/services/ogc.py"/>
-        <location filename="../../core/imagery/systems.py"/>
-        <location filename="../../core/mission/cameras.py"/>
-        <source>none</source>
-        <translation>ninguno</translation>
     </message>
     <message>
         <location filename="../../core/imagery/catalogue.py"/>
@@ -9435,11 +9770,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: tarda más de {1:g} s en buscar una tesela</translation>
     </message>
     <message>
-        <location filename="../../core/imagery/mbtiles.py"/>
-        <source>{0}: {1} cannot be read ({2})</source>
-        <translation>{0}: {1} no se puede leer ({2})</translation>
-    </message>
-    <message>
         <location filename="../../core/imagery/opening.py"/>
         <source>bands {0}: {1} has red, green and blue alone, as all sources but raster files</source>
         <translation>bandas {0}: {1} solo tiene rojo, verde y azul, como todas las fuentes salvo los archivos ráster</translation>
@@ -9648,11 +9978,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/place.py"/>
-        <source>its coordinate reference system: {0}</source>
-        <translation>su sistema de referencia de coordenadas: {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/raster/place.py"/>
         <source>its geotransform {0} places no pixel</source>
         <translation>su geotransformación {0} no sitúa ningún píxel</translation>
     </message>
@@ -9722,6 +10047,51 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/remote.py"/>
         <source>{0}: its server sends whole files only, and a raster is read in parts (HTTP Range)</source>
         <translation>{0}: su servidor solo envía archivos enteros, y un ráster se lee por partes (HTTP Range)</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>has {0:,} bands: must be at most {1:,}</source>
+        <translation>tiene {0:,} bandas: deben ser como máximo {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>has {0:,} overviews: must be at most {1:,}</source>
+        <translation>tiene {0:,} vistas generales: deben ser como máximo {1:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>is decoded in blocks of {0:,}x{1:,} px, {2:,.0f} MB each: must be at most {3:,} MB</source>
+        <translation>se descodifica en bloques de {0:,}x{1:,} px, de {2:,.0f} MB cada uno: deben ser como máximo {3:,} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy in tiles, with gdal_translate -co TILED=YES</source>
+        <translation>haga una copia en teselas, con gdal_translate -co TILED=YES</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy of its first image, with gdal_translate</source>
+        <translation>haga una copia de su primera imagen, con gdal_translate</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy of those that you need, with gdal_translate -b</source>
+        <translation>haga una copia con las que necesita, con gdal_translate -b</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>make a copy without them, with gdal_translate</source>
+        <translation>haga una copia sin ellas, con gdal_translate</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>{0} has more than {1:,} directories</source>
+        <translation>{0} tiene más de {1:,} directorios</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>{0} has {1:,} ground control points: must be at most {2:,}</source>
+        <translation>{0} tiene {1:,} puntos de control sobre el terreno: deben ser como máximo {2:,}</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -9810,6 +10180,27 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>bands</source>
+        <translation>bandas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>ground control points</source>
+        <translation>puntos de control sobre el terreno</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>items of metadata</source>
+        <translation>elementos de metadatos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>make one raster of it, with gdal_translate</source>
+        <translation>haga un solo ráster de él, con gdal_translate</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>name the service itself: wms:URL, wmts:URL or a URL template</source>
         <translation>nombre el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
     </message>
@@ -9817,6 +10208,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>names another file for its overviews, which is not read</source>
         <translation>nombra otro archivo para sus vistas generales, que no se lee</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>overviews of a band</source>
+        <translation>vistas generales de una banda</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -9840,6 +10236,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} has {1:,} {2} or more: must be at most {3:,}</source>
+        <translation>{0} tiene {1:,} {2} o más: deben ser como máximo {3:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} holds more than {1} MB of metadata</source>
         <translation>{0} contiene más de {1} MB de metadatos</translation>
     </message>
@@ -9855,6 +10256,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} reads files more than {1:,} times</source>
+        <translation>{0} lee archivos más de {1:,} veces</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} reads {1!r}, which is no file beside it</source>
         <translation>{0} lee {1!r}, que no es un archivo junto a él</translation>
     </message>
@@ -9862,6 +10268,21 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} reads {1}, which is not beside it</source>
         <translation>{0} lee {1}, que no está junto a él</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: has a document type, which GDAL writes none of</source>
+        <translation>{0}: tiene un tipo de documento, y GDAL no escribe ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: has a view in place of its coordinate reference systems</source>
+        <translation>{0}: tiene una vista en lugar de sus sistemas de referencia de coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is a VRT of more than {1:,} elements, or of more than {2:,} within each other</source>
+        <translation>{0}: es un VRT de más de {1:,} elementos, o de más de {2:,} unos dentro de otros</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
@@ -9877,6 +10298,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0}: is a VRT with more in it than bands of files</source>
         <translation>{0}: es un VRT que contiene algo más que bandas de archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: is no regular file, and lies beside {1}</source>
+        <translation>{0}: no es un archivo normal y está junto a {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0}: its coordinate reference system names the file {1}, which is not opened; must be a code such as EPSG:25832, or WKT without files</source>
+        <translation>{0}: su sistema de referencia de coordenadas nombra el archivo {1}, que no se abre; debe ser un código como EPSG:25832, o WKT sin archivos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/arcgis.py"/>
@@ -9984,11 +10415,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/services/capabilities.py"/>
         <source>{0} {1!r}: {2} offers {3}</source>
         <translation>{0} {1!r}: {2} ofrece {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/imagery/services/detecting.py"/>
-        <source>address</source>
-        <translation>dirección</translation>
     </message>
     <message>
         <location filename="../../core/imagery/services/detecting.py"/>
@@ -10289,6 +10715,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
+        <source>area of {0:,} polygons: must be {1:,} at most</source>
+        <translation>área de {0:,} polígonos: debe tener {1:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
         <source>box from latitude {0} down to {1}: has no height; its north must lie above its south</source>
         <translation>recuadro desde la latitud {0} hasta {1}: no tiene altura; su norte debe quedar por encima de su sur</translation>
     </message>
@@ -10336,6 +10767,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area.py"/>
         <source>polygon ring of {0} corners: needs at least 3</source>
         <translation>anillo de polígono de {0} vértices: necesita al menos 3</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area.py"/>
+        <source>polygon whose sides are too many beside each other: {0:,} pairs of them share a longitude; {1:,} at most</source>
+        <translation>polígono con demasiados lados uno junto a otro: {0:,} pares de ellos comparten una longitud; {1:,} como máximo</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
@@ -10452,6 +10888,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/area_files.py"/>
         <source>{0}: holds more than {1:,} files</source>
         <translation>{0}: contiene más de {1:,} archivos</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/area_files.py"/>
+        <source>{0}: holds more than {1:,} polygons</source>
+        <translation>{0}: contiene más de {1:,} polígonos</translation>
     </message>
     <message>
         <location filename="../../core/mission/area_files.py"/>
@@ -11585,6 +12026,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>tipo de mapa {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
+        <location filename="../../core/mission/imageries.py"/>
+        <location filename="../../core/mission/parts.py"/>
+        <source>source {0!r}: holds a NUL character, which no name has</source>
+        <translation>fuente {0!r}: contiene un carácter NUL, que ningún nombre tiene</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/inside.py"/>
         <source>choose another area, or lower flights</source>
         <translation>elija otra zona o vuelos más bajos</translation>
@@ -12463,11 +12910,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/parts.py"/>
         <source>band {0!r}: must be a name or a number</source>
         <translation>banda {0!r}: debe ser un nombre o un número</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/parts.py"/>
-        <source>bands</source>
-        <translation>bandas</translation>
     </message>
     <message>
         <location filename="../../core/mission/parts.py"/>
@@ -13358,6 +13800,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/dataset/mosaic.py"/>
         <source>mosaic: stopped</source>
         <translation>mosaico: detenido</translation>
+    </message>
+    <message>
+        <location filename="../../core/native_calls.py"/>
+        <source>stopped while a raster was read</source>
+        <translation>detenido mientras se leía un ráster</translation>
     </message>
     <message>
         <location filename="../../core/picture/camera_frame.py"/>
@@ -14254,6 +14701,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: el cuaternión de la pose {1:,} tiene la longitud {2:.3g}, y no 1</translation>
     </message>
     <message>
+        <location filename="../../core/redirects.py"/>
+        <source>{0}: its server leads to another one, which is not asked (name that one if it is meant)</source>
+        <translation>{0}: su servidor lleva a otro, al que no se pregunta (indique ese si es el deseado)</translation>
+    </message>
+    <message>
         <location filename="../../core/report/measure.py"/>
         <source>an image</source>
         <translation>una imagen</translation>
@@ -14350,6 +14802,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/safe_xml.py"/>
+        <source>more than {0:,} elements and attributes</source>
+        <translation>más de {0:,} elementos y atributos</translation>
+    </message>
+    <message>
+        <location filename="../../core/safe_xml.py"/>
         <source>more than {0:,} layers and styles</source>
         <translation>más de {0:,} capas y estilos</translation>
     </message>
@@ -14357,6 +14814,31 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/safe_xml.py"/>
         <source>more than {0} MB or {1:,} elements</source>
         <translation>más de {0} MB o {1:,} elementos</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>it holds more than {0:,} objects</source>
+        <translation>contiene más de {0:,} objetos</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>larger than {0:,.0f} MB</source>
+        <translation>mayor que {0:,.0f} MB</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>only {0:,} bytes have come within {1:,.0f} s</source>
+        <translation>solo han llegado {0:,} bytes en {1:,.0f} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>the answer has not ended within {0:,.0f} s</source>
+        <translation>la respuesta no ha terminado en {0:,.0f} s</translation>
+    </message>
+    <message>
+        <location filename="../../core/store_requests.py"/>
+        <source>the answer is larger than {0} MB</source>
+        <translation>la respuesta ocupa más de {0} MB</translation>
     </message>
     <message>
         <location filename="../../core/stores.py"/>
@@ -14370,8 +14852,13 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/stores.py"/>
-        <source>file {0}: cannot be read ({1})</source>
-        <translation>archivo {0}: no se puede leer ({1})</translation>
+        <source>credentials are taken from where the store's own tools have them</source>
+        <translation>las credenciales se toman de donde las tienen las herramientas del propio almacén</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>folder {0}: cannot be written ({1})</source>
+        <translation>carpeta {0}: no se puede escribir ({1})</translation>
     </message>
     <message>
         <location filename="../../core/stores.py"/>
@@ -14382,6 +14869,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/stores.py"/>
         <source>make the bucket first</source>
         <translation>cree antes el «bucket»</translation>
+    </message>
+    <message>
+        <location filename="../../core/stores.py"/>
+        <source>{0} {1}://…: no user name, password, key or signature may stand in it ({2})</source>
+        <translation>{0} {1}://…: no puede contener nombre de usuario, contraseña, clave ni firma ({2})</translation>
     </message>
     <message>
         <location filename="../../core/stores.py"/>
@@ -14462,6 +14954,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/units.py"/>
         <source>share</source>
         <translation>fracción</translation>
+    </message>
+    <message>
+        <location filename="../../core/user_code.py"/>
+        <source>method {0}: failed with {1}: {2} ({3}, line {4})</source>
+        <translation>método {0}: falló con {1}: {2} ({3}, línea {4})</translation>
+    </message>
+    <message>
+        <location filename="../../core/waiting.py"/>
+        <source>stopped</source>
+        <translation>interrumpido</translation>
     </message>
     <message>
         <location filename="../../core/world/source.py"/>

@@ -21,6 +21,7 @@ from ..form.state import BOX_FIELDS, FormState
 from ..form.text import inserted, short_degrees
 from ..i18n import number_text, tr
 from ..paths import icon
+from ..plain import shown_plain
 from ..widgets import FieldMarks, ShortLine, contents_of, named, row, tool_button
 from .history import AreaHistory
 from .menu import AreaMenu
@@ -182,11 +183,11 @@ class AreaEntries(QgsCollapsibleGroupBoxBasic):
 
     def _name_undo(self, step: str) -> None:
         tip = tr("Undo: {step} ({keys})").format(step=step, keys=_native("Ctrl+Z"))
-        self.undo.setToolTip(tip if step else tr("No change of the area to undo"))
+        self.undo.setToolTip(shown_plain(tip) if step else tr("No change of the area to undo"))
 
     def _name_redo(self, step: str) -> None:
         tip = tr("Redo: {step} ({keys})").format(step=step, keys=_native("Ctrl+Shift+Z"))
-        self.redo.setToolTip(tip if step else tr("No change of the area to redo"))
+        self.redo.setToolTip(shown_plain(tip) if step else tr("No change of the area to redo"))
 
     def _lay_out(self, marks: FieldMarks) -> None:
         letters = {"north": tr("N"), "west": tr("W"), "south": tr("S"), "east": tr("E")}

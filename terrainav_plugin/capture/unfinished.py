@@ -11,7 +11,8 @@ from qgis.core import QgsApplication
 from qgis.PyQt.QtCore import QLockFile
 
 from ...core.errors import TerrAInavError
-from ...core.files import write_whole
+from ...core.files import read_limited, write_whole
+from ...core.limits import MAX_MISSION_BYTES
 from ...core.mission.mission import Mission
 from ...core.safe_json import parse_json
 from ..i18n import tr
@@ -158,7 +159,7 @@ class PlanTask(Task):
 def _read(path: Path) -> Left | None:
     """What a note says; None where it cannot be read."""
     try:
-        note = parse_json(path.read_bytes())
+        note = parse_json(read_limited(path, MAX_MISSION_BYTES))
         mission = Mission.from_dict(note["mission"])
         return Left(path, Path(note["folder"]), mission, int(note["images"]), bool(note["only_failed"]))
     except (OSError, KeyError, TypeError, ValueError, TerrAInavError) as wrong:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ from pyproj.exceptions import ProjError
 
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
+from ...core.files import open_foreign, read_line, too_long_line
+from ...core.limits import MAX_LINE_BYTES, MAX_TABLE_BYTES
 from ...core.safe_json import parse_json
 from ..i18n import tr
 
@@ -67,7 +69,7 @@ class FootprintFile:
         self.stamp = stamp_of(self.path)
         offsets, bounds = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
         try:
-            with self.path.open("rb") as file:
+            with open_foreign(self.path, MAX_TABLE_BYTES) as file:
                 for offset, block in _blocks(file):
                     if cancelled():
                         raise Cancelled(tr("footprints: stopped"))
@@ -76,6 +78,8 @@ class FootprintFile:
                     bounds.append(found)
         except OSError as wrong:
             raise _unreadable(self.path, wrong.strerror) from wrong
+        except InvalidInput as wrong:
+            raise _unreadable(self.path, wrong) from wrong
         self._offsets, self._bounds = np.concatenate(offsets), np.concatenate(bounds)
         if not len(self) or np.isnan(self._bounds).any():
             raise _unreadable(self.path, tr("it was not written by a capture"))
@@ -92,9 +96,9 @@ class FootprintFile:
     def read(self, number: int) -> dict[str, Any]:
         """Feature of a number, as GeoJSON says it; raises InvalidInput where it cannot be read."""
         try:
-            with self.path.open("rb") as file:
+            with open_foreign(self.path, MAX_TABLE_BYTES) as file:
                 file.seek(int(self._offsets[number]))
-                return feature_of(file.readline())
+                return feature_of(read_line(file))
         except OSError as wrong:
             raise _unreadable(self.path, wrong.strerror) from wrong
         except (ValueError, IndexError) as wrong:
@@ -214,8 +218,10 @@ def feature_lines(path: Path) -> Iterator[bytes]:
     """Lines of the features of a file."""
     # A thread that reads little at a time gives Python's lock away and takes it back before another one wakes: the main
     # one would wait for most of a second.
-    with path.open("rb", buffering=_BLOCK_BYTES) as file:
-        yield from (line for line in file if line.startswith(_FEATURE))
+    with open_foreign(path, MAX_TABLE_BYTES, _BLOCK_BYTES) as file:
+        while line := read_line(file):
+            if line.startswith(_FEATURE):
+                yield line
 
 
 def feature_of(line: bytes) -> dict[str, Any]:
@@ -250,7 +256,7 @@ def lines_and_bounds(text: Bytes) -> tuple[Numbers, Floats]:
     return starts, bounds
 
 
-def _blocks(file: BinaryIO) -> Iterator[tuple[int, Bytes]]:
+def _blocks(file: IO[bytes]) -> Iterator[tuple[int, Bytes]]:
     """Blocks of whole lines, and where each begins in the file."""
     offset, rest = 0, b""
     while chunk := file.read(_BLOCK_BYTES):
@@ -261,6 +267,8 @@ def _blocks(file: BinaryIO) -> Iterator[tuple[int, Bytes]]:
             offset, rest = offset + len(text), new_rest
         else:
             rest += chunk
+        if len(rest) > MAX_LINE_BYTES:
+            raise too_long_line()
     if rest:
         yield offset, np.frombuffer(rest + b"\n", np.uint8)
 

@@ -22,8 +22,11 @@ from qgis.PyQt.QtCore import Qt, QThread
 
 from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
+from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import write_whole
+from ...core.files import open_foreign, write_whole
+from ...core.limits import MAX_JOURNAL_LINE_BYTES
+from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
@@ -63,8 +66,8 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
 
     Raises
     ------
-    OutputError
-        Where QGIS cannot open one of them.
+    InvalidInput, OutputError
+        Where one of them is not what it is called, or QGIS cannot open it.
     """
     footprints = open_footprints(folder / FOOTPRINTS_FILE, tr("Captured images"))
     # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
@@ -81,8 +84,14 @@ def _opened(mosaic: Mosaic) -> QgsRasterLayer | None:
 
 
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
-    """Open a file of footprints as a layer; raises OutputError."""
-    layer = QgsVectorLayer(str(path), title, "ogr")
+    """Open a file of footprints as a layer; raises InvalidInput and OutputError.
+
+    A style that lies beside it is not taken: it may fetch symbols from servers, and run actions.
+    """
+    check_vector(path)
+    options = QgsVectorLayer.LayerOptions()
+    options.loadDefaultStyle = False
+    layer = QgsVectorLayer(str(path), title, "ogr", options)
     if not layer.isValid():
         raise OutputError("footprints {0}: QGIS cannot open them", path)
     # QGIS asks for it on the main thread as soon as the layer is there, and then reads the whole file; it keeps it.
@@ -112,6 +121,10 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:
     """Open a picture as a layer; raises OutputError."""
+    try:
+        check_raster(path)
+    except InvalidInput as wrong:
+        raise OutputError("{0}", wrong) from wrong
     layer = QgsRasterLayer(str(path), title, "gdal")
     if not layer.isValid():
         raise OutputError("image {0}: QGIS cannot open it", path)
@@ -164,9 +177,11 @@ class FailedImages:
             self._find_footprints()
             if not self._reasons:
                 self.path.unlink(missing_ok=True)
-        except OSError as wrong:
+        except (OSError, InvalidInput) as wrong:
             raise OutputError(
-                "failed images of {0}: cannot be written ({1})", self._folder, wrong.strerror
+                "failed images of {0}: cannot be written ({1})",
+                self._folder,
+                getattr(wrong, "strerror", None) or wrong,
             ) from wrong
         if self._reasons:
             write_whole(self.path, self._lines())
@@ -177,13 +192,15 @@ class FailedImages:
         path = self._folder / JOURNAL_FILE
         if not path.is_file():
             return
-        with path.open("rb") as file:
+        with open_foreign(path) as file:
             file.seek(self._read_bytes)
             rest = b""
             while chunk := file.read(_CHUNK_BYTES):
-                # What follows the last line's end is still being written.
+                # What follows the last line's end is still being written; what is longer than any line is none of ours.
                 whole, _, rest = (rest + chunk).rpartition(b"\n")
                 self._note(whole)
+                if len(rest) > MAX_JOURNAL_LINE_BYTES:
+                    rest = b""
                 self._read_bytes = file.tell() - len(rest)
 
     def _note(self, lines: bytes) -> None:
@@ -218,7 +235,7 @@ class FailedImages:
                 continue
             more = {"map_type": map_type, "reason": translate(reason)}
             feature = {**footprint, "properties": {**footprint["properties"], **more}}
-            features.append(json.dumps(feature, ensure_ascii=False).encode("utf-8"))
+            features.append(json_without_tags(json.dumps(feature, ensure_ascii=False)).encode("utf-8"))
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
 
 

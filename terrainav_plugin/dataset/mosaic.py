@@ -18,20 +18,21 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from osgeo import gdal
-from pyproj import CRS
 
 from ...core.capture.folder import captured_mission
 from ...core.capture.georeference import WEB_MERCATOR_WKT, wkt_1
 from ...core.capture.metadata import xml_text
 from ...core.dataset.folder import JOURNAL_FILE, NAME, TABLE_FILE
 from ...core.errors import Cancelled, InvalidInput, Message, OutputError
-from ...core.files import partial_file, write_whole
+from ...core.files import open_foreign, partial_file, read_limited, write_whole
+from ...core.geodesy.reference import read_reference
 from ...core.imagery.raster.place import named_crs
+from ...core.limits import MAX_VRT_BYTES
 from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
-from .shown import Shown, how_shown, open_shown
+from .shown import Shown, how_shown, open_image, open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -104,18 +105,18 @@ class Mosaic(NamedTuple):
     def crs(self) -> str:
         """``EPSG:code`` of what is there, or WKT where it has no code; raises OutputError."""
         if self.path.suffix == _ORTHOPHOTO:
-            raster = gdal.Open(str(self.path))
+            raster = open_image(self.path)
             if raster is None:
                 raise _failed(self.path)
-            return named_crs(CRS.from_wkt(raster.GetProjection()))
+            return named_crs(read_reference(raster.GetProjection()))
         try:
-            with self.path.open("rb") as file:
+            with open_foreign(self.path) as file:
                 head = file.read(_HEAD_BYTES).decode("utf-8", "replace")
         except OSError as wrong:
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
         found = _SRS.search(head)
         wkt = html.unescape(found[1]) if found else WEB_MERCATOR_WKT
-        return named_crs(CRS.from_wkt(wkt))
+        return named_crs(read_reference(wkt))
 
     def put_in_place(self) -> Mosaic:
         """Have what was made replace what was there; returns the mosaic that is there now.
@@ -259,7 +260,7 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         int(np.ceil((inside.left_px + inside.width_px).max())),
         int(np.ceil((inside.top_px + inside.height_px).max())),
     )
-    first = gdal.Open(str(placed.paths[0]))
+    first = open_image(placed.paths[0])
     if first is None:
         raise _failed(placed.paths[0])
     shown = how_shown(first)
@@ -471,7 +472,7 @@ def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterat
 
 def _shown_in(mosaic: Path) -> set[str]:
     """Files' names of the pictures that a virtual raster shows, of its last band."""
-    text = mosaic.read_bytes()
+    text = read_limited(mosaic, MAX_VRT_BYTES)
     band = text[text.rfind(b"<VRTRasterBand") :]
     return {Path(os.fsdecode(name)).name for name in _SOURCE.findall(band)}
 

@@ -13,9 +13,11 @@ import numpy as np
 from osgeo import gdal
 from qgis.PyQt.QtGui import QImage
 
+from ...core.errors import InvalidInput
+from ...core.imagery.raster.trust import check_fetched
 from ...core.text import one_line
 from ..i18n import tr
-from .shown import open_shown
+from .shown import open_image, open_shown
 
 _OPAQUE = 255
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
@@ -104,7 +106,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
         return None
     try:
         with _openable(path, data) as name:
-            file = gdal.Open(name)
+            file = open_image(name)
             if file is None:
                 raise RuntimeError(gdal.GetLastErrorMsg())
             band, size = file.GetRasterBand(1), _size(file, longest_px)
@@ -112,7 +114,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
             if read is None or mask is None:
                 raise RuntimeError(gdal.GetLastErrorMsg())
             del band, file
-    except RuntimeError as wrong:
+    except (RuntimeError, InvalidInput) as wrong:
         # The picture is shown all the same.
         problem = tr("The depth cannot be read: {reason}").format(reason=one_line(str(wrong)))
         return Depth(np.empty((0, 0), np.float32), np.nan, np.nan, None, problem)
@@ -161,7 +163,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Pict
             metadata = dict(file.GetMetadata())
             # Before what it reads is gone.
             del file
-    except RuntimeError as wrong:
+    except (RuntimeError, InvalidInput) as wrong:
         return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
     if bands is None:
         reason = gdal.GetLastErrorMsg()
@@ -175,6 +177,7 @@ def _openable(path: Path, data: bytes | None) -> Iterator[str]:
     if data is None:
         yield str(path)
         return
+    check_fetched(path.name, data)
     folder = f"/vsimem/terrainav-{uuid4().hex}"
     name = f"{folder}/{path.name}"
     gdal.FileFromMemBuffer(name, data)

@@ -22,7 +22,7 @@ from ..compat import field
 from ..i18n import tr
 from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from ..paths import place_of, style
-from ..plain import escaped_field
+from ..plain import escaped_field, path_inside
 from .layers import OpenedResults, hide_antimeridian, open_raster
 from .mosaic import Mosaic
 
@@ -188,8 +188,11 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> 
     tips = []
     for map_type in mission.imagery.map_types if has_paths else ():
         ending = mission.output.image_format
-        path = f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}/' || \"name\" || '.{ending}'"
-        name = f"{map_type}_file"
+        path = path_inside(f"file_path(decode_uri(@layer_id, 'path')) || '/{map_type}'", "name", f".{ending}")
+        # A field of the file with this name would stand in for ours.
+        taken, name = layer.fields().names(), f"{map_type}_file"
+        while name in taken:
+            name += "_"
         layer.addExpressionField(path, field(name, "text"))
         layer.actions().addAction(
             QgsAction(

@@ -23,6 +23,7 @@ from ...core.files import partial_file
 from ...core.mosaic.frames import CameraFrames, camera_frames
 from ...core.mosaic.orthomosaic import Orthomosaic, make_orthomosaic, orthorectify
 from ..i18n import tr
+from .shown import open_image
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -167,7 +168,7 @@ def _add_overviews(path: Path) -> None:
 
 def _is_placed(path: Path) -> bool:
     """Whether an image has a place on the map of its own, as map frames alone have."""
-    image = gdal.Open(str(path))
+    image = open_image(path)
     return image is not None and image.GetGeoTransform(can_return_null=True) is not None
 
 

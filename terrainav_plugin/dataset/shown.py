@@ -9,9 +9,12 @@ from osgeo import gdal
 
 from ...core.bands import shown_of
 from ...core.capture.writers import DISPLAY_RANGE
+from ...core.imagery.raster.trust import VIRTUAL, drivers_for
 
 _COLOURS = 3
 _DARKEST, _BRIGHTEST = 0.0, 255.0
+#: Formats of images, as GDAL calls them: a file of somebody else's may be called .png and describe a service.
+_DRIVERS = ("GTiff", "JPEG", "PNG")
 
 
 class Shown(NamedTuple):
@@ -66,9 +69,22 @@ def how_shown(image: gdal.Dataset) -> Shown:
     return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask, stated)
 
 
+def open_image(path: str | Path) -> gdal.Dataset | None:
+    """Image of a dataset, as what captures write and nothing that leads elsewhere; None where it is none.
+
+    Raises
+    ------
+    InvalidInput
+        Where it, or a file beside it that GDAL opens with it, leads elsewhere, or where its CRS names files for PROJ.
+    """
+    if not str(path).startswith(VIRTUAL):
+        drivers_for(str(path))
+    return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=_DRIVERS)
+
+
 def open_shown(path: str | Path) -> gdal.Dataset | None:
     """Image of 8 bits, grey or colours, and a mask where the file has one; None where GDAL opens none."""
-    image = gdal.Open(str(path))
+    image = open_image(path)
     if image is None:
         return None
     shown = how_shown(image)

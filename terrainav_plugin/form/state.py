@@ -185,6 +185,13 @@ class FormState(_Asked):
             default = getattr(state, entry.name)
             if isinstance(default, tuple) and isinstance(value, list):
                 value = tuple(str(item) for item in value)
+            if any(
+                "\0" in text
+                for text in (value if isinstance(value, tuple) else (value,))
+                if isinstance(text, str)
+            ):
+                # No file, source or place has it; versions before this one let it in.
+                continue
             if type(value) is type(default) or (default is None and type(value) in (int, float)):
                 state = replace(state, **{entry.name: value})
         return state

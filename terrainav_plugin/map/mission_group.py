@@ -35,6 +35,10 @@ CAPTURED = "captured"
 FAILED = "failed"
 
 
+#: Characters of a path that systems take at most.
+_LONGEST_PATH = 4096
+
+
 class SavedMission(NamedTuple):
     """A mission that a project holds.
 
@@ -43,8 +47,9 @@ class SavedMission(NamedTuple):
     title : str
         Name of its group, which the user may have changed.
     folder : str
+        Empty where what was saved is no path.
     text : str
-        The mission as JSON.
+        The mission as JSON; empty where what was saved is no text.
     current : bool
         Whether it was the one in the panel last.
     """
@@ -62,25 +67,35 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
     """
     missions = []
     for group in project.layerTreeRoot().findGroups(True):
-        text = group.customProperty(_MISSION)
-        if not text:
+        if not group.customProperty(_MISSION):
             continue
         captured = _layer_in(group, CAPTURED)
-        if captured is not None:
+        if captured is not None and captured.providerType() == "ogr" and is_path(str(dataset_of(captured))):
             group.setCustomProperty(_FOLDER, str(dataset_of(captured)))
+        folder = _text(group, _FOLDER)
         current = bool(group.customProperty(_CURRENT))
-        missions.append(SavedMission(group.name(), group.customProperty(_FOLDER), text, current))
+        missions.append(
+            SavedMission(group.name(), folder if is_path(folder) else "", _text(group, _MISSION), current)
+        )
     return missions
+
+
+def is_path(text: str) -> bool:
+    """Whether a text may be a path: systems take no longer ones, and none with a character that ends it for them."""
+    return bool(text.strip()) and len(text) <= _LONGEST_PATH and "\0" not in text
+
+
+def _text(group: QgsLayerTreeGroup, name: str) -> str:
+    """Text that a project has saved with a group; empty where there is something else, which others have written."""
+    value = group.customProperty(name)
+    return value if isinstance(value, str) else ""
 
 
 def addresses(project: QgsProject) -> list[tuple[Path, str]]:
     """Folders of the datasets of a project that were copied from an address, and these."""
     groups = project.layerTreeRoot().findGroups(True)
-    return [
-        (Path(group.customProperty(_FOLDER)), group.customProperty(_ADDRESS))
-        for group in groups
-        if group.customProperty(_ADDRESS)
-    ]
+    found = [(_text(group, _FOLDER), _text(group, _ADDRESS)) for group in groups]
+    return [(Path(folder), address) for folder, address in found if is_path(folder) and address]
 
 
 def mission_layers(project: QgsProject, kind: object) -> list[tuple[str, QgsMapLayer]]:
@@ -270,9 +285,9 @@ class MissionGroup:
             group
             for group in root.findGroups(True)
             if group is not own
-            and group.customProperty(_MISSION)
+            and _text(group, _MISSION)
             and (group.parent() is root or group.parent().customProperty(_SEVERAL))
-            and is_same(group.customProperty(_MISSION))
+            and is_same(_text(group, _MISSION))
         ]
         if not others:
             return

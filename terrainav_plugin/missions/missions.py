@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -14,6 +14,8 @@ from qgis.PyQt.QtWidgets import QDialog, QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
+from ...core.limits import MAX_LINE_CHARACTERS
+from ...core.text import one_line, shortened
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
 from ..dataset.mosaic import Mosaic, build_any_mosaics, mosaics_there
@@ -28,6 +30,7 @@ from ..plain import shown_plain
 from ..remote.address import Address
 from ..remote.copies import address_of, copy_dataset, copy_of, has_images_elsewhere, why_unchangeable
 from ..remote.store import Store
+from ..remote.trust import agree, sources_of, strangers
 from ..settings import Settings, recent, remember
 from ..sources import grid_finder
 from ..tasks import Task
@@ -41,6 +44,10 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..messages import Messages
 
+#: What a message is about, and what waits for an answer to it.
+_UNAGREED, _MISSION, _DATASETS = "unagreed", "mission", "datasets"
+#: Characters of a name in a menu or a message, and places that a message names.
+_MOST_TITLE, _MOST_PLACES = 100, 3
 #: Entries of a form without an area, and without what belongs to its place.
 _NO_AREA = dict.fromkeys((*BOX_FIELDS, "shape", "no_fly", "takeoff"), "")
 
@@ -103,6 +110,12 @@ class DatasetTask(Task):
     def _made_mosaics(self, folder: Path, mission: Mission) -> list[Mosaic]:
         from ..sources import heights_for, worked_out
 
+        places = strangers(sources_of(mission))
+        if places:
+            self.left_out = tr("{place} would be asked, which you have not used in this QGIS").format(
+                place=one_line(places[0], _MOST_TITLE)
+            )
+            return []
         try:
             steps = worked_out(mission, self._find_grids[folder])
             return build_any_mosaics(steps, folder, heights_for, self.go_on)
@@ -199,6 +212,9 @@ class Missions(QObject):
         self._read, self._write, self._captures = read, write, captures
         self._settings = Settings()
         self._task: DatasetTask | None = None
+        #: What waits for the user's agreement: the places, and what is done then.
+        self._unagreed: dict[str, tuple[tuple[str, ...], Callable[[], None]]] = {}
+        open_project.project.cleared.connect(self._forget_unagreed)
         #: Addresses that were asked again, by the number of the project that shows them.
         self._sought: set[tuple[int, str]] = set()
         self.plan_export = PlanExport(
@@ -217,6 +233,7 @@ class Missions(QObject):
 
     def close(self) -> None:
         """End for good."""
+        self._open_project.project.cleared.disconnect(self._forget_unagreed)
         self.plan_export.close()
         if self._task is not None:
             self._task.abandon()
@@ -233,8 +250,9 @@ class Missions(QObject):
             menu.addSection(tr("In this project"))
         current = str(self._folder())
         for mission in saved:
-            action = menu.addAction(_plain(mission.title), partial(self.open_saved, mission))
-            action.setToolTip(shown_plain(mission.folder))
+            title = shortened(mission.title, _MOST_TITLE)
+            action = menu.addAction(_plain(title), partial(self.open_saved, mission))
+            action.setToolTip(shown_plain(shortened(mission.folder, MAX_LINE_CHARACTERS)))
             action.setCheckable(True)
             action.setChecked(mission.folder == current)
         menu.addSeparator()
@@ -327,6 +345,8 @@ class Missions(QObject):
         """
         if self._task is not None:
             return
+        if not again:
+            agree([address.url])
         begun_in = self._open_project.number
         self._task = task = AddressTask(address, again)
         task.begin(lambda task: self._dataset_opened(task, None, begun_in))
@@ -334,14 +354,23 @@ class Missions(QObject):
     def _open_lost(self) -> None:
         """Copy what the project shows of addresses and is not on this machine, one after the other; each once."""
         number = self._open_project.number
+        lost = []
         for folder, text in addresses(self._open_project.project):
-            if address_of(folder) is None and (number, text) not in self._sought:
+            if address_of(folder) is not None or (number, text) in self._sought:
+                continue
+            try:
+                lost.append((text, Address.of(text)))
+            except InvalidInput as wrong:
                 self._sought.add((number, text))
-                try:
-                    self.open_address(Address.of(text), again=True)
-                except InvalidInput as wrong:
-                    self._tell_broken(folder.name, wrong)
-                return
+                self._tell_broken(folder.name, wrong)
+
+        def copy() -> None:
+            if lost and self._task is None:
+                text, address = lost[0]
+                self._sought.add((number, text))
+                self.open_address(address, again=True)
+
+        self._once_agreed(_DATASETS, [address.url for _, address in lost], copy)
 
     def open_path(self, path: Path) -> None:
         """Open a dataset's folder, its mission file, or any other mission file; of a copy, what is at its address."""
@@ -361,14 +390,20 @@ class Missions(QObject):
 
         folder = self._settings.missions / path.stem
         try:
-            self._take_up(
-                Mission.load(path), self._suggested(folder if not folder.exists() else next_folder(folder))
+            mission = Mission.load(path)
+            state = self._state_of(
+                mission, self._suggested(folder if not folder.exists() else next_folder(folder))
             )
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
             return
         remember(path)
-        self.preview_wanted.emit(True)
+
+        def take_up() -> None:
+            self._write(state)
+            self.preview_wanted.emit(True)
+
+        self._once_agreed(_MISSION, sources_of(mission), take_up)
 
     def open_dataset(self, folder: Path) -> None:
         """Take a dataset's mission into the panel, and its results onto the map."""
@@ -480,23 +515,68 @@ class Missions(QObject):
     def _state_of(self, mission: Mission, folder: Path) -> mission_form.FormState:
         return mission_form.state_of(mission, str(folder), like=self._read())
 
-    def _take_up(self, mission: Mission, folder: Path) -> None:
-        self._write(self._state_of(mission, folder))
-
     def _open_saved(self, saved: SavedMission, zoom: bool) -> None:
         from ...core.mission.mission import Mission
 
         try:
+            if not saved.folder:
+                raise InvalidInput(tr("its folder is no path"))
             mission = Mission.from_json(saved.text)
-            self._take_up(mission, Path(saved.folder))
+            state = self._state_of(mission, Path(saved.folder))
         except TerrAInavError as wrong:
             self._messages.warning(
                 tr("The project's mission cannot be read: {error}").format(error=translate(wrong))
             )
             return
-        self.reopened.emit()
-        if zoom:
-            self.zoom_wanted.emit(mission.area.bounds)
+
+        def take_up() -> None:
+            self._write(state)
+            self.reopened.emit()
+            if zoom:
+                self.zoom_wanted.emit(mission.area.bounds)
+
+        self._once_agreed(_MISSION, [*sources_of(mission), saved.folder], take_up)
+
+    # --- what others name, and the user has not used in this QGIS
+
+    def _once_agreed(self, topic: str, texts: Iterable[str], act: Callable[[], None]) -> None:
+        """Do something by which sources are asked: now, or once the user has agreed to those new to this QGIS.
+
+        Until then nothing is asked, and a project keeps what it holds.
+        """
+        places = strangers(texts)
+        self._unagreed.pop(topic, None)
+        if not places:
+            act()
+        else:
+            self._unagreed[topic] = places, act
+        self._messages.withdraw(_UNAGREED)
+        if not self._unagreed:
+            return
+        named = dict.fromkeys(
+            one_line(place, _MOST_TITLE) for one, _ in self._unagreed.values() for place in one
+        )
+        shown = ", ".join([*named][:_MOST_PLACES]) + (" …" if len(named) > _MOST_PLACES else "")
+        with self._messages.about(_UNAGREED):
+            self._messages.warning(
+                tr(
+                    "What you opened takes imagery, heights or datasets from {places}, which you have not used in this "
+                    "QGIS. Nothing is asked there until you allow it."
+                ).format(places=shown),
+                action=(tr("Allow"), self._allow),
+            )
+
+    def _allow(self) -> None:
+        waiting = [*self._unagreed.values()]
+        self._unagreed.clear()
+        agree(place for places, _ in waiting for place in places)
+        for _, act in waiting:
+            act()
+
+    def _forget_unagreed(self) -> None:
+        """Let go of what a project has named that is closed."""
+        self._unagreed.clear()
+        self._messages.withdraw(_UNAGREED)
 
     def _dataset_opened(self, task: DatasetTask, state: mission_form.FormState | None, begun_in: int) -> None:
         self._task = None
@@ -530,7 +610,7 @@ class Missions(QObject):
             group.remember_address(at_address.address.url)
         if state is None:
             return
-        self._write(state)
+        self._once_agreed(_MISSION, sources_of(task.mission), partial(self._write, state))
         group.remember_mission(task.mission.to_json())
         self.gather(task.folder)
         group.make_current()

@@ -13,6 +13,7 @@ from ...core.errors import TerrAInavError
 from ..form.mission_form import refused_fields
 from ..i18n import tr, translate
 from ..paths import open_in_system
+from ..plain import shown_plain
 from ..settings import Settings
 from ..tasks import Task
 
@@ -149,7 +150,7 @@ class PlanExport(QObject):
         answer = QMessageBox.question(
             self._parent.window(),
             tr("TerrAInav: export plan"),
-            question,
+            shown_plain(question),
             buttons.Yes | buttons.No,
             buttons.No,
         )

@@ -40,6 +40,7 @@ class HeightsLine(WordsLine):
         self._menu = QMenu(self.button)
         self._menu.aboutToShow.connect(self._fill)
         self.button.setMenu(self._menu)
+        self._more: QMenu | None = None
 
     def words(self) -> tuple[str, ...]:
         """Return the sources that are entered, by name where they are by title."""
@@ -55,6 +56,10 @@ class HeightsLine(WordsLine):
     def _fill(self) -> None:
         """Offer what there is at the moment."""
         self._menu.clear()
+        if self._more is not None:
+            # Once its actions are let go of: it may be what was just chosen from.
+            self._more.deleteLater()
+            self._more = None
         for title, source in self._offered():
             self._menu.addAction(
                 shown_plain(title).replace("&", "&&"), lambda source=source: self.enter((source,))
@@ -64,7 +69,8 @@ class HeightsLine(WordsLine):
         self._menu.addAction(tr("Level ground"), self.clear)
         if self.words():
             self._menu.addSeparator()
-            self._offer_more(self._menu.addMenu(tr("Fill its holes from")))
+            self._more = self._menu.addMenu(tr("Fill its holes from"))
+            self._offer_more(self._more)
 
     def _offer_more(self, menu: QMenu) -> None:
         """Offer sources that fill the holes of those that are entered."""

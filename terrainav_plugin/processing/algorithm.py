@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
@@ -20,7 +21,8 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
 
-from ...core.errors import Cancelled, TerrAInavError
+from ...core.errors import Cancelled, InvalidInput, TerrAInavError
+from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
@@ -284,6 +286,16 @@ def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeed
         timer.stop()
     relay.deliver()
     return thread.result()
+
+
+def is_loadable(path: Path, feedback: QgsProcessingFeedback) -> bool:
+    """Whether QGIS may open a result that lies in a folder of somebody else; says why where it may not."""
+    try:
+        (check_vector if path.suffix == ".geojson" else check_raster)(path)
+    except InvalidInput as wrong:
+        feedback.pushWarning(translate(wrong))
+        return False
+    return True
 
 
 def _checked(work: Callable[[], Result]) -> Result:

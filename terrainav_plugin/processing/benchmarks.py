@@ -29,7 +29,7 @@ from ...core.errors import Cancelled, InvalidInput
 from ...core.numbers import real_number
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
-from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
+from .algorithm import Algorithm, Run, Watch, Words, is_loadable, off_main_thread
 from .capture import tell_result
 from .choices import Choice
 from .datasets import add_gap, add_shares, shares_of
@@ -298,7 +298,7 @@ class MakeBenchmark(WithImagery):
             },
         )
         if run.flag("LOAD"):
-            _load(run.context, benchmark, self._known, _query_layers(benchmark))
+            _load(run, benchmark, self._known, _query_layers(benchmark))
         return found
 
 
@@ -420,12 +420,8 @@ class ScoreBenchmark(Algorithm):
             return results
         results["ERRORS"] = str(target / MAP_FILE)
         if run.flag("LOAD"):
-            _load(
-                run.context,
-                benchmark,
-                self._known,
-                _error_layers(scores, target / MAP_FILE, f"{name}-{part}" if part else name),
-            )
+            layers = _error_layers(scores, target / MAP_FILE, f"{name}-{part}" if part else name)
+            _load(run, benchmark, self._known, layers)
         return results
 
 
@@ -572,46 +568,46 @@ def _layers_of(context: QgsProcessingContext) -> frozenset[str]:
     return frozenset(() if project is None else project.mapLayers())
 
 
-def _query_layers(benchmark: Benchmark) -> dict[str, tuple[str, str]]:
-    """Layers of the footprints of queries: file and title, by their roles."""
+def _query_layers(benchmark: Benchmark) -> dict[str, tuple[Path, str, str]]:
+    """Layers of the footprints of queries: file, options and title, by their roles."""
     from ...core.benchmark.folder import QUERIES_FOLDER
     from ...core.dataset.folder import FOOTPRINTS_FILE
     from ..dataset.scores import QUERIES
 
     folder = benchmark.folder / QUERIES_FOLDER
     return {
-        f"{QUERIES}/{name}": (str(folder / name / FOOTPRINTS_FILE), tr("Queries of {name}").format(name=name))
+        f"{QUERIES}/{name}": (folder / name / FOOTPRINTS_FILE, "", tr("Queries of {name}").format(name=name))
         for name in dict.fromkeys(benchmark.queries.imagery)
     }
 
 
-def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[str, str]]:
+def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path, str, str]]:
     """Layers of the errors of a method, one for each imagery of the queries, whose places are the same."""
     from ..dataset.scores import ERRORS
 
     title = tr("Errors of {name}").format(name=name)
     imageries = list(dict.fromkeys(scores.errors.imagery))
     if len(imageries) == 1:
-        return {f"{ERRORS}/{name}": (str(path), title)}
+        return {f"{ERRORS}/{name}": (path, "", title)}
     return {
-        f"{ERRORS}/{name}/{one}": (f"{path}|subset=\"imagery\" = '{one}'", f"{title}, {one}")
+        f"{ERRORS}/{name}/{one}": (path, f"|subset=\"imagery\" = '{one}'", f"{title}, {one}")
         for one in imageries
     }
 
 
 def _load(
-    context: QgsProcessingContext,
-    benchmark: Benchmark,
-    known: frozenset[str],
-    layers: dict[str, tuple[str, str]],
+    run: Run, benchmark: Benchmark, known: frozenset[str], layers: dict[str, tuple[Path, str, str]]
 ) -> None:
     """Have the reference and other layers, by their roles, added to the benchmark's group in the project, if any."""
     from ..dataset.scores import REFERENCE, into_group
 
+    context = run.context
     if context.project() is None:
         return
     mosaic = benchmark.folder / benchmark.mosaic.file
-    for role, (path, title) in {REFERENCE: (str(mosaic), tr("Reference")), **layers}.items():
+    for role, (file, options, title) in {REFERENCE: (mosaic, "", tr("Reference")), **layers}.items():
+        if not is_loadable(file, run.feedback):
+            continue
         details = QgsProcessingContext.LayerDetails(title, context.project(), title)
         details.setPostProcessor(into_group(benchmark.folder, role, known))
-        context.addLayerToLoadOnCompletion(path, details)
+        context.addLayerToLoadOnCompletion(f"{file}{options}", details)

@@ -18,7 +18,7 @@ from qgis.core import (
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, SourceError
 from ..i18n import number_text, tr, translate
-from .algorithm import Run, Watch, Words, off_main_thread
+from .algorithm import Run, Watch, Words, is_loadable, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -106,7 +106,8 @@ class _Capturing(WithImagery):
         if run.flag("LOAD"):
             for mosaic in self._made:
                 _load_when_done(run.context, mosaic.path, mosaic.title)
-            _load_when_done(run.context, folder / FOOTPRINTS_FILE, tr("Captured images"))
+            if is_loadable(folder / FOOTPRINTS_FILE, run.feedback):
+                _load_when_done(run.context, folder / FOOTPRINTS_FILE, tr("Captured images"))
         return {
             "FOLDER": str(folder),
             "FOOTPRINTS": str(folder / FOOTPRINTS_FILE),

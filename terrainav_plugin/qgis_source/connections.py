@@ -72,9 +72,9 @@ class Connection:
         InvalidInput
             Its address is none that tiles can be had from.
         """
+        from ...core.addresses import keys_in
         from ...core.imagery.catalogue import described
         from ...core.imagery.entry import CatalogueEntry, under_provider
-        from ...core.imagery.template import keys_in
 
         keys = keys_in(self.url)
         if keys:
@@ -162,7 +162,7 @@ def service(name: str) -> ServiceConnection:
 
 def without_key(url: str) -> tuple[str, str]:
     """Address with {key} in the place of the one key in it, and that key; empty where it holds none."""
-    from ...core.imagery.template import is_key_name
+    from ...core.addresses import is_key_name
 
     parts = urlsplit(url)
     pieces = re.split(r"([&;])", parts.query)

@@ -31,6 +31,7 @@ from ...core.geodesy.mercator import HALF_WORLD_M, HIGHEST_ZOOM, PixelGrid, exte
 from ...core.imagery.policy import Policy
 from ...core.imagery.raster.place import Place
 from ...core.imagery.raster.reading import Facts
+from ...core.imagery.raster.sizes import check_block, check_counts
 from ..compat import attribution
 from ..i18n import tr
 from ..map.mission_group import ROLE
@@ -167,6 +168,7 @@ def grid_of_layers(name: str, project: QgsProject) -> PixelGrid:
 
 def _grid(name: str, layers: list[QgsMapLayer], addresses: Addresses, project: QgsProject) -> PixelGrid:
     _refuse_placeless(layers)
+    _refuse_large(layers)
     own = None if name == PROJECT_SOURCE else _own_grid(layers[0])
     if own is not None:
         return own
@@ -279,6 +281,18 @@ def _refuse_placeless(layers: list[QgsMapLayer]) -> None:
             raise InvalidInput(
                 tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=layer.name())
             )
+
+
+def _refuse_large(layers: list[QgsMapLayer]) -> None:
+    """Refuse raster files of which QGIS would decode too much for one pixel, on each of the threads that draw it."""
+    for layer in layers:
+        if isinstance(layer, QgsRasterLayer) and layer.providerType() == FILE_PROVIDER:
+            raster = layer.dataProvider()
+            try:
+                check_counts(raster.bandCount(), 0)
+                check_block(raster.xBlockSize(), raster.yBlockSize(), raster.dataTypeSize(1))
+            except InvalidInput as wrong:
+                raise InvalidInput("{0}: {1}", layer.name(), wrong) from wrong
 
 
 def _settings(project: QgsProject, crs: QgsCoordinateReferenceSystem) -> QgsMapSettings:

@@ -15,8 +15,10 @@ from urllib.parse import quote, urlsplit
 
 from osgeo import gdal
 
+from ...core.addresses import holds_credentials
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
 from ...core.errors import InvalidInput, OutputError
+from ...core.limits import MAX_HEADER_CHARACTERS
 from ..i18n import tr
 
 #: Files right inside a dataset whose addresses stand for it.
@@ -55,6 +57,12 @@ class Address(NamedTuple):
             raise InvalidInput(
                 tr("address: is missing; it must be such as https://host/run or s3://bucket/run")
             )
+        if len(text) > MAX_HEADER_CHARACTERS or not text.isprintable():
+            raise InvalidInput(
+                tr("address: must be of {most} printable characters at most").format(
+                    most=MAX_HEADER_CHARACTERS
+                )
+            )
         try:
             parts = urlsplit(text)
             scheme, host = parts.scheme.lower(), parts.hostname
@@ -63,10 +71,13 @@ class Address(NamedTuple):
         if scheme not in _SCHEMES:
             raise InvalidInput(
                 tr("address {address}: must begin with https://, http:// or s3://").format(
-                    address=re.sub(r"//[^/]*@", "//", text.partition("?")[0])
+                    address=f"{scheme}://…"
+                    if holds_credentials(text)
+                    else text.partition("?")[0].rpartition("@")[2]
                 )
             )
-        if "@" in parts.netloc:
+        bare = re.split(r"[?#]", text)[0]
+        if "@" in parts.netloc or holds_credentials(bare):
             raise InvalidInput(
                 tr(
                     "address: holds a user's name or password; it must not, as QGIS's authentication is for these"

@@ -9,17 +9,20 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path, PurePosixPath
 
 from qgis.core import QgsApplication
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE, TABLE_FILE
+from ...core.dataset.vectors import checked_geojson
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import write_whole
+from ...core.files import partial_file, read_limited, write_whole
 from ...core.imagery.http.client import NotThere
+from ...core.limits import MAX_SETTINGS_BYTES
 from ...core.mission.mission import Mission
 from ...core.safe_json import parse_json
+from ..foreign import check_driver
 from ..i18n import tr
 from ..paths import COPIES
 from .address import Address
@@ -31,6 +34,8 @@ ADDRESS_FILE = "address.json"
 #: Beside the table of a map type whose images are in shards.
 SHARDS_FILE = "shards.json"
 _DIGITS = 12
+#: Ending of footprints until they are checked, by which GDAL takes them for the same.
+_UNCHECKED = ".new.geojson"
 #: What names of folders may not hold somewhere.
 _ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f]|[. ]+$')
 #: Share of the work that the footprints are; the rest are tables.
@@ -76,9 +81,11 @@ def _copies() -> Path:
 
 
 def address_of(folder: Path) -> Address | None:
-    """Address that a folder is the copy of; None where it is no copy."""
+    """Address that a folder is the copy of; None where it is no copy, whatever a file in it says."""
+    if _copies() not in folder.parents or ".." in folder.parts:
+        return None
     try:
-        found = parse_json((folder / ADDRESS_FILE).read_bytes())
+        found = parse_json(read_limited(folder / ADDRESS_FILE, MAX_SETTINGS_BYTES))
         return Address.of(str(found["address"]))
     except (OSError, InvalidInput, KeyError, TypeError):
         return None
@@ -86,7 +93,7 @@ def address_of(folder: Path) -> Address | None:
 
 def has_images_elsewhere(folder: Path) -> bool:
     """Whether images of a dataset are no files in its folder: it is at an address, or they are in shards."""
-    return (folder / ADDRESS_FILE).is_file() or any(folder.glob(f"*/{SHARDS_FILE}"))
+    return address_of(folder) is not None or any(folder.glob(f"*/{SHARDS_FILE}"))
 
 
 def why_unchangeable(folder: Path) -> str:
@@ -157,10 +164,10 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
     """Copy footprints and tables; a run that has not ended has no table yet."""
     if not place and can_read() and _take_items(store, folder, mission, go_on):
         return
+    pieces = store.pieces(place + FOOTPRINTS_FILE, lambda share: go_on(_FOOTPRINTS_SHARE * share))
     try:
-        write_whole(
-            folder / place / FOOTPRINTS_FILE,
-            store.pieces(place + FOOTPRINTS_FILE, lambda share: go_on(_FOOTPRINTS_SHARE * share)),
+        _write_footprints(
+            folder / place / FOOTPRINTS_FILE, pieces, store.address.file(place + FOOTPRINTS_FILE)
         )
     except NotThere as wrong:
         raise InvalidInput(
@@ -182,6 +189,18 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
             )
         except NotThere:
             target.unlink(missing_ok=True)
+
+
+def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
+    """Write footprints once they are checked: a project that shows the copy opens whatever is in its place."""
+    try:
+        with partial_file(path, _UNCHECKED) as unchecked:
+            write_whole(unchecked, checked_geojson(pieces, name))
+            check_driver(unchecked)
+    except OSError as wrong:
+        raise OutputError(
+            "folder {0}: cannot write {1} ({2})", path.parent, path.name, wrong.strerror
+        ) from wrong
 
 
 def _take_items(store: Store, folder: Path, mission: Mission, go_on: Progress) -> bool:

@@ -15,6 +15,7 @@ from typing import Any
 from osgeo import gdal, ogr
 
 from ...core.dataset.folder import FOOTPRINTS_FILE, TABLE_FILE
+from ...core.dataset.vectors import json_without_tags
 from ...core.errors import Cancelled, InvalidInput
 from ...core.files import write_whole
 from ...core.text import one_line
@@ -126,7 +127,8 @@ def _footprints(items: Path, features: Iterator[ogr.Feature], names: set[str]) -
         if geometry.get("type") not in ("Polygon", "MultiPolygon"):
             raise _unreadable(items, tr("it has no footprints"))
         about = {"type": "Feature", "properties": properties, "geometry": geometry}
-        yield (",\n" if known else "").encode() + json.dumps(about, ensure_ascii=False).encode()
+        text = json_without_tags(json.dumps(about, ensure_ascii=False))
+        yield (",\n" if known else "").encode() + text.encode()
         known.add(stem)
     yield b"\n]}\n"
 

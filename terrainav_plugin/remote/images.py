@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import tarfile
 from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path, PurePosixPath
 from types import MappingProxyType
 from typing import NamedTuple
 
-from ...core.dataset.stored import TAR_BLOCK_BYTES, bytes_of, is_name, member_of
+from ...core.dataset.stored import TAR_BLOCK_BYTES, holds_file, is_name, members
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import write_whole
+from ...core.files import open_foreign, write_whole
 from ...core.imagery.http.client import NotThere
 from ...core.limits import MAX_FETCHED_IMAGE_BYTES
 from ...core.text import whole_number
@@ -167,20 +166,26 @@ class Images:
         def read(start: int, length: int) -> bytes:
             if address is not None:
                 return self._store(address).part(name, start, length)
-            with (folder / map_type / part.shard).open("rb") as tar:
+            with open_foreign(folder / map_type / part.shard) as tar:
                 tar.seek(start)
                 return tar.read(length)
 
         try:
             text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + _BEYOND_BYTES)
-            ours = _members(text)
+            # Their headers, as far as they are whole there.
+            ours = members(lambda at, length: text[at : at + length], shard, 0, len(text))
             first = next(ours, None)
             ending = PurePosixPath(file).suffix
             if len(text) < TAR_BLOCK_BYTES + part.length:
                 raise InvalidInput(
                     tr("shard {shard}: is torn, it ends before the image does").format(shard=shard)
                 )
-            if first is None or first.size != part.length or PurePosixPath(first.name).suffix != ending:
+            if (
+                first is None
+                or not holds_file(first)
+                or first.size != part.length
+                or PurePosixPath(first.name).suffix != ending
+            ):
                 raise InvalidInput(
                     tr(
                         "shard {shard}: holds no image where the table says; it is torn, or another one"
@@ -194,6 +199,8 @@ class Images:
                     break
                 tail = member.name[len(stem) :]
                 start = member.offset + TAR_BLOCK_BYTES
+                if not holds_file(member):
+                    continue
                 if tail in wanted and start + member.size <= len(text):
                     beside[tail] = text[start : start + member.size]
                 elif tail == f".{DEPTH}.tif" and member.size <= MAX_FETCHED_IMAGE_BYTES:
@@ -242,18 +249,6 @@ def _too_large(name: str) -> InvalidInput:
     return InvalidInput(
         tr("image {name}: has more than {most} bytes").format(name=name, most=MAX_FETCHED_IMAGE_BYTES)
     )
-
-
-def _members(text: bytes) -> Iterator[tarfile.TarInfo]:
-    """Members of a tar whose first header begins a text, as far as it has their headers whole."""
-    at = 0
-    while len(text) - at >= TAR_BLOCK_BYTES:
-        member = member_of(text[at : at + TAR_BLOCK_BYTES])
-        if member is None:
-            return
-        member.offset = at
-        yield member
-        at += bytes_of(member)
 
 
 def _stamp(folder: Path) -> int:

@@ -9,12 +9,14 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from http import HTTPStatus
 from typing import NamedTuple
+from urllib.parse import urlsplit
 
 from ...core.dataset.folder import MISSION_FILE
 from ...core.errors import Cancelled, OutputError, PartError
 from ...core.imagery.http.client import Client
 from ...core.imagery.http.transport import Response
 from ...core.limits import MAX_FETCHED_FILE_BYTES, MAX_WHOLE_ANSWER_BYTES
+from ...core.redirects import led_elsewhere
 from ..i18n import tr
 from ..network.transport import QgisTransport
 from ..settings import Settings, credential_home
@@ -138,10 +140,20 @@ class Store:
         pieces = range(start, start + length, _PIECE_BYTES)
         return b"".join(self._piece(name, at, min(at + _PIECE_BYTES, start + length)).data for at in pieces)
 
+    def _only_at(self, url: str) -> Callable[[str], None]:
+        """Refuse to be led to another server by a store, which is asked as the user of an account."""
+
+        def allow(asked: str) -> None:
+            if urlsplit(asked)[:2] != urlsplit(url)[:2]:
+                raise led_elsewhere(self.address.server)
+
+        return allow
+
     def _piece(self, name: str, start: int, end: int) -> _Piece:
         what = self.address.file(name)
         wanted = {"Range": f"bytes={start}-{end - 1}"}
-        response = self._client.get(self.address.request_url(name), what, wanted)
+        url = self.address.request_url(name)
+        response = self._client.get(url, what, wanted, self._only_at(url) if self.address.is_s3 else None)
         version = response.headers.get("etag", "")
         is_part = response.status == HTTPStatus.PARTIAL_CONTENT
         self._sends_parts = is_part

@@ -11,6 +11,8 @@ from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
 
 from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
+from ...core.files import open_foreign, text_lines
+from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
 from ..dataset.footprints import FootprintFile, rings_of, stamp_of
 from ..dataset.picture import Depth, Picture, read_depth, read_picture
@@ -207,14 +209,15 @@ def see(shot: Shot, map_type: str, longest_px: int, images: Images) -> Seen:
 def _row(table: Path, name: str) -> dict[str, str]:
     """Row of an image in a table; found as text, because tables are long and one row is wanted."""
     try:
-        with table.open(encoding="utf-8-sig", newline="") as file:
-            headers = next(csv.reader([file.readline()]), [])
+        with open_foreign(table, MAX_TABLE_BYTES) as file:
+            lines = text_lines(file, "utf-8-sig")
+            headers = next(csv.reader([next(lines, "")]), [])
             if not headers or headers[0] != "img_names":
                 return {}
-            for line in file:
+            for line in lines:
                 if line.startswith(f"{name},"):
                     return dict(zip(headers, next(csv.reader([line]))))
-    except (OSError, UnicodeDecodeError, csv.Error):
+    except (OSError, UnicodeDecodeError, csv.Error, InvalidInput):
         # Written by the run at its end; until then the footprint says what there is to say.
         return {}
     return {}

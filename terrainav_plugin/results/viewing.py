@@ -17,7 +17,8 @@ from qgis.gui import QgisInterface, QgsRubberBand
 from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtGui import QColor
 
-from ...core.errors import TerrAInavError
+from ...core.errors import InvalidInput, TerrAInavError
+from ...core.text import one_line
 from ..compat import LINE
 from ..dataset.layers import open_raster
 from ..i18n import tr, translate
@@ -26,10 +27,13 @@ from ..map.mission_group import CAPTURED, ROLE, MissionGroup
 from ..map.outlines import seen_edges
 from ..messages import Messages
 from ..paths import open_in_system
+from ..remote.trust import heights_of, strangers
 from ..tasks import LatestWorker, reason_of
 from ..widgets import add_docked
 
 if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+    from ...core.mission.relief import Heights
     from ..remote.images import Images
     from .shots import Finder, Footprints, Seen, Shot
     from .viewer import Viewer
@@ -41,6 +45,21 @@ _BAND_PX = 3
 #: Name of the panel that the window is put in front of.
 _BESIDE = "terrainav_dock"
 _MARGIN = 2.0
+
+
+def _agreed_heights(mission: Mission) -> Heights | None:
+    """Heights of a dataset's mission, which may be somebody else's; raises InvalidInput where nobody has agreed."""
+    from ..sources import heights_for
+
+    places = strangers(heights_of(mission))
+    if places:
+        raise InvalidInput(
+            tr(
+                "its heights are those of {place}, which you have not used in this QGIS: open its dataset by "
+                "“Missions” and allow it"
+            ).format(place=one_line(places[0]))
+        )
+    return heights_for(mission)
 
 
 class Viewing(QObject):
@@ -197,9 +216,10 @@ class Viewing(QObject):
 
         def laid(_: object) -> Path:
             from ..dataset.rectify import lay_image_on_map
-            from ..sources import heights_for
 
-            return lay_image_on_map(folder, map_type, file, heights_for, None if fetched is None else save)
+            return lay_image_on_map(
+                folder, map_type, file, _agreed_heights, None if fetched is None else save
+            )
 
         self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
 

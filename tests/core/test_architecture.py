@@ -284,3 +284,101 @@ def test_the_options_need_no_numerics():
 def test_importing_the_package_imports_nothing_else_of_it():
     loaded = in_fresh_interpreter("import sys, terrainav\nprint(*sys.modules)")
     assert [name for name in loaded if name.startswith("terrainav.")] == []
+
+
+#: Reads by other ways than `files.open_foreign` and `files.read_limited`: by module, and why each is no stranger's.
+OWN_READS = {
+    "core/files.py": {
+        "open(path, mode, buffering, opener=_open_own)": "is the way itself",
+        "open(path, 'rb', buffering, opener=_open_regular)": "is the way itself",
+        "os.open(path, flags | getattr(os, 'O_NONBLOCK', 0), 438)": "is the way itself",
+        "os.open(folder, os.O_RDONLY)": "a folder, to be synchronised",
+        "Path(path).open('rb')": "named by the user, and read up to a limit",
+    },
+    "core/capture/blocks/shards.py": {
+        "tarfile.open(fileobj=buffer, mode='w', format=tarfile.USTAR_FORMAT)": "is written"
+    },
+    "core/cli/__init__.py": {"os.open(os.devnull, os.O_WRONLY)": "is written"},
+    "core/dataset/dataset.py": {
+        "path.read_bytes()": "of a StoredImage, which reads up to a limit",
+        "Image.open(opened.enter_context(file))": "of open_foreign, and asked for its size",
+    },
+    "core/dataset/loading/streaming.py": {"partial.open('r+b')": "a copy in a folder of ours"},
+    "core/imagery/cache/tilefile.py": {
+        "sqlite3.connect(database_uri(path, mode), uri=True, timeout=wait_s, isolation_level=None, "
+        "check_same_thread=False)": "callers ask whether it is a file; SQLite itself reads as it needs"
+    },
+    "core/imagery/raster/trust.py": {
+        "sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)": "of a file that open_foreign has opened"
+    },
+    "core/mission/area_files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
+    "core/mission/export/flown.py": {
+        "zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"
+    },
+    "core/mission/export/wpml.py": {"zipfile.ZipFile(packed, 'w', zipfile.ZIP_DEFLATED)": "is written"},
+    "core/report/machine.py": {"_CPUINFO.read_text(encoding='utf-8', errors='replace')": "the system's"},
+    "core/report/pictures.py": {"Image.open(io.BytesIO(data))": "made by this program a moment ago"},
+    "core/resources.py": {"resource(name).read_text(encoding='utf-8')": "is part of the program"},
+    "terrainav_plugin/help.py": {"path.read_text(encoding='utf-8')": "is part of the program"},
+    "terrainav_plugin/paths.py": {"_MOUNTS.read_text('utf-8', 'replace')": "the system's"},
+}
+_READERS = {"read_bytes", "read_text", "fromfile", "loadtxt", "genfromtxt", "memmap"}
+#: What has an `open` that opens files, and others that read them by name.
+_OPENERS = {"", "Image", "io", "os", "codecs", "gzip", "tarfile", "bz2", "lzma"}
+_BY_NAME = {"zipfile.ZipFile", "np.load", "sqlite3.connect"}
+
+
+def reads(path: Path) -> Iterator[str]:
+    """Yield the calls of a module that may open or read a file."""
+    for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(call, ast.Call):
+            continue
+        of, _, name = ast.unparse(call.func).rpartition(".")
+        texts = [
+            one.value for one in call.args if isinstance(one, ast.Constant) and isinstance(one.value, str)
+        ]
+        # Sources are opened as well, without a mode and such.
+        as_file = any("r" in mode for mode in texts) or {"encoding", "newline", "buffering"} & {
+            keyword.arg for keyword in call.keywords
+        }
+        if (
+            (name in _READERS and of)
+            or (name == "open" and (of in _OPENERS or as_file))
+            or ast.unparse(call.func) in _BY_NAME
+        ):
+            yield ast.unparse(call)
+
+
+@pytest.mark.parametrize("path", [*MODULES, *PLUGIN_MODULES], ids=identify)
+def test_files_of_others_are_opened_one_way(path):
+    """By `files.open_foreign` and `files.read_limited`: no device and no pipe, and up to a limit."""
+    assert set(reads(path)) == set(OWN_READS.get(identify(path), ()))
+
+
+#: Readers of JSON that is ours: resources that ship, and texts that were made a line before.
+OWN_JSON = {
+    "core/resources.py": 1,
+    "core/benchmark/making.py": 1,
+    "core/capture/begun.py": 1,
+    "core/cli/datasets.py": 1,
+    "core/mission/export/flown.py": 1,
+    "terrainav_plugin/processing/datasets.py": 1,
+    "terrainav_plugin/remote/geoparquet.py": 1,
+}
+
+
+def test_json_of_others_is_read_within_limits():
+    """By `safe_json` alone: Python's own reader takes numbers and depths that end the program later."""
+    found = {}
+    for path in (*MODULES, *PLUGIN_MODULES):
+        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        calls = [
+            node
+            for node in nodes
+            if isinstance(node, ast.Attribute)
+            and node.attr in ("load", "loads")
+            and isinstance(node.value, ast.Name)
+            and node.value.id == "json"
+        ]
+        found[path.relative_to(ROOT).as_posix()] = len(calls)
+    assert {name: count for name, count in found.items() if count > OWN_JSON.get(name, 0)} == {}

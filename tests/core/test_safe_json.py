@@ -86,5 +86,8 @@ def test_a_file_is_read_up_to_its_limit(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no /dev/zero")
 def test_a_file_without_an_end_is_refused():
+    endless = os.devnull.replace("null", "zero")
     with pytest.raises(InvalidInput, match="larger than 1 MB"):
-        read_limited(os.devnull.replace("null", "zero"), 1_000_000)
+        read_limited(endless, 1_000_000, named_by_user=True)
+    with pytest.raises(OSError, match="no regular file"):
+        read_limited(endless, 1_000_000)

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import shutil
+import tarfile
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from unittest import mock
@@ -10,15 +14,41 @@ from unittest import mock
 import numpy as np
 from hypothesis import strategies as st
 from terrainav.core.capture.journal import Journal, Outcome
+from terrainav.core.dataset.geotiff import pam_bands, stated_bands
 from terrainav.core.dataset.labels import Labels, labels_of
+from terrainav.core.dataset.stored import Range, StoredImage
 from terrainav.core.dataset.table import Table, other_columns
 from terrainav.core.imagery.catalogue import described, shelf
 from terrainav.core.mission.cameras import camera_shelf
+from terrainav.core.poses.logs import read_dataflash, read_ulog
 from terrainav.core.safe_json import parse_json
 
-from tests.fuzz.support import Target, altered, as_json, mutated
+from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
+from tests.support.logs import FLIGHT, copter, dataflash, flight, ulog
 from tests.support.tables import table_of, text_of
 
+NOTES = (b'<PAMRasterBand band="1"><Description>a</Description></PAMRasterBand>', b"II*\0\x08\0\0\0\0\0")
+
+
+def _member(name: str, size: int, kind: bytes = tarfile.REGTYPE) -> bytes:
+    about = tarfile.TarInfo(name)
+    about.size, about.type = size, kind
+    return about.tobuf(tarfile.GNU_FORMAT)
+
+
+_IMAGE = _member("0.png", 5) + b"image" + bytes(507)
+SHARDS = tuple(
+    _IMAGE + _member("0.jgw", size, kind) * 3
+    for size, kind in (
+        (0, b"0"),
+        (-512, b"0"),
+        (2**70, b"0"),
+        (-(2**70), b"x"),
+        (9, b"S"),
+        (512, b"L"),
+        (0, b"2"),
+    )
+)
 OUTCOMES = (
     Outcome("satellite", "0_0_35.10000000_-89.90000000_19", 7.123456789, size_bytes=12345, sky_share=0.25),
     Outcome("roadmap", "1_0_35.10000000_-89.90000000_19", reason='404 "not found"', repeated=("0" * 64,)),
@@ -117,6 +147,42 @@ def cameras(data: bytes) -> None:
         camera_shelf()
 
 
+def shard(data: bytes) -> None:
+    path = Path("x.tar")
+    path.write_bytes(data)
+    image = StoredImage("a.png", path, Range(512, 5), len(data))
+    any_of((image.read_bytes, lambda: list(image.endings())))
+
+
+def gdal_notes(data: bytes) -> None:
+    pam_bands(as_text(data), 3)
+    stated_bands(data)
+
+
+def px4_log(data: bytes) -> None:
+    path = Path("a.ulg")
+    path.write_bytes(data)
+    read_ulog(path)
+
+
+def ardupilot_log(data: bytes) -> None:
+    path = Path("a.bin")
+    path.write_bytes(data)
+    read_dataflash(path)
+
+
+def logs() -> Iterator[Target]:
+    """Flight logs, where what reads them is installed."""
+    folder = Path(tempfile.mkdtemp(prefix="terrainav-fuzz-logs-"))
+    px4 = ulog(folder / "a.ulg", list(flight(FLIGHT))).read_bytes()
+    ardupilot = dataflash(folder / "a.bin", copter()).read_bytes()
+    shutil.rmtree(folder)
+    if importlib.util.find_spec("pyulog"):
+        yield Target("PX4 log", px4_log, mutated(px4), (px4[:56] + bytes(100_000),), quick=10)
+    if importlib.util.find_spec("pymavlink"):
+        yield Target("ArduPilot log", ardupilot_log, mutated(ardupilot), (bytes(100_000),), quick=10)
+
+
 def json_text(data: bytes) -> None:
     parse_json(data)
 
@@ -127,6 +193,9 @@ def targets() -> Iterator[Target]:
         b"\n".join
     )
     deep = b"[" * 100_000
+    yield from logs()
+    yield Target("shard", shard, mutated(*SHARDS) | st.binary(max_size=2000), SHARDS)
+    yield Target("notes of bands", gdal_notes, mutated(*NOTES), (b'<PAMRasterBand band="1">' * 50_000,))
     yield Target("journal", journal, mutated(lines) | outcomes, (deep + b"\n",))
     yield Target("table", table, mutated(TABLE, TABLE[:200]), (b'a,"b\n' * 9,))
     yield Target("labels", labels, mutated(LABELS) | altered(parse_json(LABELS)).map(as_json), (deep,))

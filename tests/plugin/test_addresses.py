@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import json
 import shutil
+import tarfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 from osgeo import gdal, ogr
-from qgis.core import QgsApplication, QgsProject
+from qgis.core import QgsApplication, QgsProject, QgsSettings
 from qgis.PyQt.QtCore import QTimer
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
+from terrainav.core.errors import InvalidInput
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.remote import geoparquet
 from terrainav.terrainav_plugin.remote.address import Address
 from terrainav.terrainav_plugin.remote.copies import address_of, copy_of, found_copy
+from terrainav.terrainav_plugin.remote.images import Images
 
 from tests.plugin.test_project import choose_in_menu
 from tests.plugin.test_viewer import pixel_of, pixels
@@ -243,19 +246,31 @@ def test_what_cannot_be_done_at_an_address_says_why(desk, server, folder):
     ("text", "said"),
     [
         ("", "is missing"),
+        ("s3://KEY:Sesame77@data/run", "holds a user's name or password"),
+        ("s3://KEY:a/Sesame77@data/run", "holds a user's name or password"),
+        ("s3://KEY:Sesame77/run", "holds a user's name or password"),
+        ("s3://KEY%3ASesame77%40data/run", "holds a user's name or password"),
+        ("https://host/run?sig=Sesame77", "holds ? or #"),
+        ("ftp://u:a/Sesame77@host/run", "must begin with https://, http:// or s3://"),
+        ("az://data/run;AccountKey=Sesame77", "must begin with https://, http:// or s3://"),
         ("ftp://host/run", "must begin with https://, http:// or s3://"),
         ("no such folder", "must begin with https://, http:// or s3://"),
-        ("https://me:hidden@host/run", "QGIS's authentication is for these"),
-        ("https://host/run?X-Amz-Signature=hidden", "holds ? or #"),
+        ("https://me:Sesame77@host/run", "QGIS's authentication is for these"),
+        ("https://host/run?X-Amz-Signature=Sesame77", "holds ? or #"),
         ("s3://", "names no server or bucket"),
-        ("ftp://me:hidden@host/run", "must begin with"),
+        ("ftp://me:Sesame77@host/run", "must begin with"),
     ],
 )
 def test_a_bad_address_is_said_at_its_field(desk, text, said):
     found = open_address(desk, text)
     assert said in found
-    assert "hidden" not in found
+    assert not any("Sesame77" in one for one in (found, *desk.messages(), *_settings()))
     assert "\n" not in found
+
+
+def _settings():
+    settings = QgsSettings()
+    return [f"{name}={settings.value(name)}" for name in settings.allKeys() if "TerrAInav" in name]
 
 
 @pytest.mark.parametrize(
@@ -290,6 +305,20 @@ def test_what_is_wrong_at_an_address_is_one_line(desk, server, folder, monkeypat
             open_address(desk, text)
             assert said in desk.messages()[0]
             desk.iface.messageBar().clearWidgets()
+
+
+def test_a_store_that_leads_to_another_server_is_not_followed(desk, server, folder, monkeypatch):
+    serve(server, folder)
+    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
+        monkeypatch.setenv(name, SECRET)
+    monkeypatch.setenv("AWS_DEFAULT_REGION", "us-east-1")
+    with RangeServer() as store:
+        monkeypatch.setenv("AWS_ENDPOINT_URL", store.url)
+        store.redirects["/data/run/mission.json"] = f"{server.url}/data/run/mission.json"
+        open_address(desk, "s3://data/run")
+        assert "s3://data: its server leads to another one, which is not asked" in desk.messages()[0]
+        assert len(store.asked) == 1
+    assert server.asked == []
 
 
 @pytest.mark.parametrize("wrong", ["gone", "torn", "other", "whole files only", "no shard", "refused"])
@@ -465,3 +494,15 @@ def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside)
         ours
         == f"{copy_of(Address('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"
     )
+
+
+@pytest.mark.parametrize(("size", "said"), [(-512, "states -512 bytes"), (-1024, "states -1,024 bytes")])
+def test_a_file_of_negative_size_in_a_shard_is_said(plugin, tmp_path, size, said):
+    data, member = b"image" + bytes(507), tarfile.TarInfo("0.jgw")
+    first = tarfile.TarInfo("0.png")
+    first.size, member.size = 5, size
+    (tmp_path / "satellite").mkdir()
+    (tmp_path / "satellite" / "x.tar").write_bytes(first.tobuf() + data + member.tobuf(tarfile.GNU_FORMAT))
+    row = {"shard": "x.tar", "offset_bytes": "512", "size_bytes": "5"}
+    with pytest.raises(InvalidInput, match=rf"x\.tar: {said} for the file at byte 1,024$"):
+        Images().fetch(tmp_path, "satellite", "a.png", row, with_depth=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import json
 import os
 import struct
 import sys
@@ -15,6 +16,7 @@ from qgis.core import (
     QgsExpressionContext,
     QgsExpressionContextUtils,
     QgsFeature,
+    QgsProject,
     QgsVectorLayer,
 )
 from qgis.gui import QgsMessageLogViewer
@@ -22,6 +24,9 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtGui import QColor, QImage, QTextDocument
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QLabel, QPlainTextEdit, QTextBrowser, QToolTip, QWidget
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.dataset.placing import _name_pictures
 from terrainav.terrainav_plugin.messages import log
 from terrainav.terrainav_plugin.panel.options_page import CacheDialog
 from terrainav.terrainav_plugin.plain import escaped, escaped_field, plain_label, shown_plain
@@ -218,3 +223,50 @@ def test_the_log_keeps_what_it_always_showed():
     log("Tiles & more: 5 > 4")
     QApplication.processEvents()
     assert heard == ["Tiles & more: 5 > 4"]
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../secret", "..\\secret", "/etc/secret", "a/../../secret", "%2e%2e%2fsecret", "//server/share", "\\\\server\\x",
+     "http://h/x", "file:///secret", "C:secret", "x\" onerror=y", "a?b", "a#b", "..", "<img src=x>", "a\nb", "x\u0000"],
+)  # fmt: skip
+def test_a_map_tip_and_the_action_lead_to_images_of_the_dataset_alone(secret, tmp_path, name):
+    folder = tmp_path / "run"
+    folder.mkdir()
+    lines = [
+        {
+            "type": "Feature",
+            "geometry": {"type": "Point", "coordinates": [1, 2]},
+            "properties": {
+                "name": one,
+                "satellite_file": "/etc/passwd",
+                "yaw_deg": 0,
+                "tilt_deg": 0,
+                "roll_deg": 0,
+            },
+        }
+        for one in (name, "0_0_1_2_17", "[% 1 + 1 %] & é")
+    ]
+    path = folder / "footprints.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": lines}), encoding="utf-8")
+    layer = QgsVectorLayer(str(path), "footprints", "ogr")
+    QgsProject.instance().addMapLayer(layer)
+    mission = Mission(Box(35.16, -89.90, 35.158, -89.897), 120.0, image_format="png")
+    _name_pictures(layer, mission, has_paths=True)
+    context = QgsExpressionContext(QgsExpressionContextUtils.globalProjectLayerScopes(layer))
+    shown, opened = [], []
+    for feature in layer.getFeatures():
+        context.setFeature(feature)
+        told = QTextDocument()
+        told.setHtml(QgsExpression.replaceExpressionText(layer.mapTipTemplate(), context))
+        shown += [one.toImageFormat().name() for one in images_in(told)]
+        (action,) = layer.actions().actions()
+        opened.append(QgsExpression.replaceExpressionText(action.command(), context))
+    harmless = {'x" onerror=y': 'x" onerror=y', "x\u0000": "x"}.get(name)
+    right = [f"{folder}/satellite/{one}.png" for one in ("0_0_1_2_17", "[% 1 + 1 %] & é")]
+    # A sign of addresses in a name has the image not shown, rather than another one.
+    # Quotes lead nowhere, and GDAL ends a name at NUL.
+    assert opened == [f"{folder}/satellite/{harmless}.png" if harmless else "", right[0], ""]
+    assert all(one == "file:///" or one.startswith(f"file:///{folder}/satellite/") for one in shown)
+    QgsProject.instance().removeMapLayer(layer.id())
+    assert secret.opened == 0

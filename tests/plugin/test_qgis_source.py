@@ -37,6 +37,7 @@ from terrainav.terrainav_plugin.qgis_source.connections import connection_of
 from terrainav.terrainav_plugin.qgis_source.renderer import Jobs
 from terrainav.terrainav_plugin.qgis_source.snapshot import (
     PROJECT_SOURCE,
+    grid_of_layers,
     layer_choices,
     policies_of_layers,
     source_name,
@@ -621,3 +622,23 @@ def test_whole_map_is_captured_from_the_panel(desk, server):
     assert np.array_equal(columns[0], (left + np.arange(shown.shape[1])) % 4096)
     assert np.array_equal(rows[:, 0], (top + np.arange(shown.shape[0])) % 4096)
     assert "Whole map" in (desk.folder / "satellite" / "meta_data.csv").read_text()
+
+
+@pytest.mark.parametrize(
+    ("side", "bands", "data_type", "options", "words"),
+    [
+        (4, 10_001, gdal.GDT_Byte, (), "has 10,001 bands: must be at most 10,000"),
+        (20_000, 1, gdal.GDT_UInt16, ("COMPRESS=DEFLATE", "BLOCKYSIZE=20000"), "blocks of 20,000x20,000 px"),
+    ],
+    ids=["bands", "blocks"],
+)
+def test_rasters_of_more_than_can_be_read_are_refused(tmp_path, side, bands, data_type, options, words):
+    path, options = str(tmp_path / "large.tif"), ["SPARSE_OK=YES", "INTERLEAVE=PIXEL", *options]
+    made = gdal.GetDriverByName("GTiff").Create(path, side, side, bands, data_type, options=options)
+    made.SetGeoTransform((690_000.0, 1.0, 0.0, 5_300_000.0, 0.0, -1.0))
+    made.SetProjection("EPSG:25832")
+    made.FlushCache()
+    layer = add(QgsRasterLayer(path, "large"))
+    for taken in (take_snapshot, grid_of_layers):
+        with pytest.raises(InvalidInput, match=f"large: .*{words}"):
+            taken(source_name(layer), QgsProject.instance())

@@ -10,7 +10,7 @@ import pyproj
 import pytest
 from osgeo import gdal
 from qgis.core import Qgis, QgsProject, QgsRasterLayer
-from qgis.PyQt.QtCore import QEvent, QPointF, Qt
+from qgis.PyQt.QtCore import QCoreApplication, QEvent, QPointF, Qt
 from qgis.PyQt.QtGui import QMouseEvent
 from qgis.PyQt.QtWidgets import QCheckBox, QLineEdit, QMenu, QToolButton
 from terrainav.core.errors import SourceError
@@ -308,6 +308,16 @@ def test_menu_adds_a_source_that_fills_holes(desk, dem, screenshot):
     next(action for action in more.actions() if action.text().startswith("Synthetic")).trigger()
     assert desk.session.state().elevation == (dem.source(), "world")
     assert line.text().endswith("; Synthetic landscape (offline)")
+
+
+def test_menu_that_is_opened_again_keeps_one_submenu(desk, dem):
+    set_up(desk)
+    choose(desk, "Ridge")
+    menu = desk.form.relief.findChild(QToolButton, "elevation_choose").menu()
+    for _ in range(9):
+        menu.aboutToShow.emit()
+        QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
+        assert len(menu.findChildren(QMenu, "elevation_more")) == 1
 
 
 def test_comma_between_sources_of_heights_is_said_at_the_field(desk, dem):

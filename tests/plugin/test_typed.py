@@ -391,3 +391,11 @@ def test_no_text_of_500_in_each_field_brings_an_unexpected_error(desk, monkeypat
     for line in lines_of(desk):
         assert drive(desk, line, texts) == []
     assert not [text for text in desk.messages() if "nexpected" in text]
+
+
+def test_half_a_character_in_a_refusal_is_shown_as_a_question_mark():
+    from terrainav.core.errors import InvalidInput, Message
+    from terrainav.terrainav_plugin.i18n import translate
+
+    for said in ("take-off \ud800", InvalidInput("take-off \ud800"), Message("take-off \ud800")):
+        assert translate(said) == "take-off ?"

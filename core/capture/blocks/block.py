@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import platform
 import sys
 import threading
@@ -19,17 +20,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import OutputError, PartError
-from ...files import write_whole
+from ...files import read_if_there, write_whole
 from ...imagery.opening import NamedSource, SourceOptions
 from ...imagery.placeholder import Repeats, digests_of
 from ...imagery.source import Source
+from ...limits import MAX_RELIEF_BYTES
 from ...mission.parts import Terrain
 from ...mission.plan import Plan
 from ...picture.heights import heights_for, landscape_crs
 from ...picture.optics import Exposures
 from ...resources import version
 from ...safe_json import parse_json
-from ...stores import get, store_path
+from ...stores import store_path
 from ..choices import BLOCKS_FOLDER, FOLDERS, WEBDATASET
 from ..journal import FAILED, Outcome
 from ..making import Making
@@ -184,6 +186,8 @@ class Control:
     stopped: threading.Event = field(default_factory=threading.Event)
     held: threading.Event = field(default_factory=threading.Event)
     made: dict[str, int] = field(default_factory=dict)
+    #: Raises OutputError where another run has taken the place.
+    check: Callable[[], None] = lambda: None
 
 
 #: Of the runs of this process, by name. Blocks of other processes find none, and go on to their end.
@@ -271,6 +275,10 @@ def make_block(block: Block) -> BlockResult:
         if outcome.status != FAILED:
             control.made[block.name] = control.made.get(block.name, 0) + 1
 
+    def write_checked(path: Path, data: bytes) -> None:
+        control.check()
+        write_whole(path, data)
+
     destination = store_path(block.destination)
     gathered = Gathered() if block.layout == WEBDATASET else None
     with closing(block.source.open()) as source:
@@ -283,19 +291,21 @@ def make_block(block: Block) -> BlockResult:
             block.workers,
             note,
             exposures=block.exposures,
-            write=write_whole if gathered is None else gathered.write,
+            write=write_checked if gathered is None else gathered.write,
         )
         repeats = Repeats(plan.grid)
         complete = making.make(block.map_type, np.arange(len(plan)), go_on, control.held.is_set, repeats.note)
-        # What another worker may have committed meanwhile is left alone.
+        # What another worker, or another run, may have committed meanwhile is left alone.
         if not (complete and go_on()):
             raise Stopped
+        control.check()
         # In the order of the plan, whatever order they were made in.
         done = {name: outcomes[name] for name in plan.names}
         shard_bytes = 0
         if gathered is not None:
             shard_bytes = _write_shard(block, source, plan, gathered, destination, done)
     record = Record(done, shard_bytes, repeats.noted())
+    control.check()
     record.commit(destination, block.name)
     return BlockResult(record, making.requests, making.unique_parts)
 
@@ -341,10 +351,29 @@ def _with_heights(block: Block) -> Plan:
 @lru_cache(maxsize=1)
 def _surface(destination: str, _run: str) -> NDArray[Any]:
     """Heights that a run has left for its workers."""
-    data = get(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE)
+    data = read_if_there(store_path(destination) / BLOCKS_FOLDER / RELIEF_FILE, MAX_RELIEF_BYTES)
     if data is None:
         raise OutputError("{0}: has no {1} any more", destination, RELIEF_FILE)
-    heights_m: NDArray[Any] = np.load(io.BytesIO(data), allow_pickle=False)
+    try:
+        return _array_of(data)
+    except ValueError as wrong:
+        raise OutputError("{0}: {1} cannot be read ({2})", destination, RELIEF_FILE, wrong) from wrong
+
+
+def _array_of(data: bytes) -> NDArray[Any]:
+    """Heights of a file of numpy's, whose header may ask for more than there is; raises ValueError."""
+    file = io.BytesIO(data)
+    numpy_format: Any = np.lib.format
+    if numpy_format.read_magic(file) != (1, 0):
+        raise ValueError("it is of another version of numpy's format")
+    shape, in_columns, dtype = numpy_format.read_array_header_1_0(file)
+    if dtype.kind != "f" or len(shape) != 2:
+        raise ValueError("it holds no heights")
+    if math.prod(shape) * dtype.itemsize != len(data) - file.tell():
+        raise ValueError("it is cut short, or has more than it says")
+    heights_m: NDArray[Any] = np.frombuffer(data, dtype, offset=file.tell()).reshape(
+        shape, order="F" if in_columns else "C"
+    )
     return heights_m
 
 

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from ...dataset.folder import JOURNAL_FILE
 from ...errors import InvalidInput, Message, OutputError
-from ...files import json_bytes, write_whole
+from ...files import json_bytes, read_each, read_if_there, write_whole
+from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
 from ...mission.plan import Plan
 from ...safe_json import parse_json
-from ...stores import get, is_address, sizes_in, store_path
+from ...stores import is_address, is_file, sizes_in, store_path
+from ..begun import hold_to_plan
 from ..choices import BLOCKS_FOLDER, DIVISION_FILE, FOLDERS, WEBDATASET
 from ..folder import captured_mission, is_complete, open_place, sizes_of_pictures
 from ..journal import FAILED
 from ..writers import file_endings
 from .block import Record, block_name
 from .division import Numbers
-
-#: Records that are read at once.
-_READ_AT_ONCE = 16
 
 
 class Destination:
@@ -41,7 +39,8 @@ class Destination:
 
     def __init__(self, address: str, plan: Plan, *, resume: bool) -> None:
         self._address, self._plan = address, plan
-        self.root = open_place(address, captured_mission(plan), resume=resume)
+        self._mission = captured_mission(plan)
+        self.root = open_place(address, self._mission, resume=resume)
         self._layout = FOLDERS
 
     def records(self, map_type: str, divided: Sequence[Numbers]) -> dict[int, Record]:
@@ -56,9 +55,9 @@ class Destination:
         wanted = {number: f"{block_name(map_type, number)}.jsonl" for number in range(len(divided))}
         numbers = [number for number, name in wanted.items() if name in there]
         sizes = sizes_of_pictures(self.root / map_type)
-        with ThreadPoolExecutor(_READ_AT_ONCE) as threads:
-            read = threads.map(lambda number: get(self.root / BLOCKS_FOLDER / wanted[number]), numbers)
-            records = {number: Record.from_bytes(data or b"") for number, data in zip(numbers, read)}
+        paths = [self.root / BLOCKS_FOLDER / wanted[number] for number in numbers]
+        read = zip(numbers, read_each(paths, MAX_RECORD_BYTES))
+        records = {number: Record.from_bytes(data or b"") for number, data in read}
         names = self._plan.names
         return {
             number: record
@@ -81,7 +80,7 @@ class Destination:
         )
 
     def check_division(self, layout: str, images: int) -> None:
-        """Note how it is divided, or refuse to go on in another way than it was begun: asked once, before all else.
+        """Note how it is begun and divided, or refuse to go on in another way: asked once, before all else.
 
         Parameters
         ----------
@@ -96,6 +95,10 @@ class Destination:
             It was begun in another way, or captured without blocks.
         """
         self._layout = layout
+        self._check_blocks(layout, images)
+        hold_to_plan(self.root, self._plan, self._mission)
+
+    def _check_blocks(self, layout: str, images: int) -> None:
         wanted: dict[str, Any] = {
             "layout_of_files": layout,
             "images": images,
@@ -103,7 +106,7 @@ class Destination:
             "names_sha256": hashlib.sha256("\n".join(self._plan.names).encode("utf-8")).hexdigest(),
         }
         path = self.root / BLOCKS_FOLDER / DIVISION_FILE
-        data = get(path)
+        data = read_if_there(path, MAX_SETTINGS_BYTES)
         if data is None:
             if not is_address(self.root):
                 if sizes_in(self.root).get(JOURNAL_FILE):
@@ -150,7 +153,7 @@ class Destination:
 
 def check_in_blocks(address: str) -> None:
     """Raise OutputError where no capture in blocks is, of which something might have failed."""
-    if get(store_path(address) / BLOCKS_FOLDER / DIVISION_FILE) is None:
+    if not is_file(store_path(address) / BLOCKS_FOLDER / DIVISION_FILE):
         raise OutputError(
             "{0}: holds no capture in blocks of this mission, so nothing of it has failed",
             address,

@@ -15,7 +15,7 @@ Numbers = NDArray[np.int64]
 
 #: Images of one at most: all that its shard holds are in memory together.
 MOST_IMAGES = 100_000
-_SIZE = re.compile(r"(\d+(?:\.\d+)?)\s*(MB)?", re.IGNORECASE)
+_SIZE = re.compile(r"([0-9]{1,15}(?:\.[0-9]{1,15})?)\s*(MB)?", re.IGNORECASE)
 _MB = 1e6
 
 

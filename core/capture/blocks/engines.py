@@ -5,22 +5,36 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
+import platform
 import re
+import threading
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from importlib.util import find_spec
+from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from ...errors import InvalidInput, OutputError
+from ...errors import InvalidInput, Message, OutputError
+from ...limits import MAX_SCHEDULER_SILENCE_S
+from ...resources import version
+from ...stores import check_no_credentials
+from ...text import one_line, words_of
+from ...waiting import wait_for
 
-_DASK = re.compile(r"dask://([^\s/]+):(\d+)/?")
-_LOCAL = re.compile(r"local:(\d+)")
-_MOST_WORKERS = 1024
-#: Seconds within which a scheduler answers that is there.
-_ANSWER_S = 10.0
+_log = logging.getLogger(__name__)
+
+_DASK = re.compile(r"dask://([^\s/]+):([0-9]{1,5})/?")
+_LOCAL = re.compile(r"local:([0-9]{1,4})")
+_MOST_WORKERS, _MOST_PORT = 1024, 65535
+#: What makes blocks, with all that it needs.
+_MAKING = f"{__package__}.block"
+#: Of what Dask says, which may be pages.
+_SAID_CHARACTERS = 120
 
 
 @dataclass
@@ -83,17 +97,22 @@ def open_engine(text: str) -> Iterator[Engine]:
     Raises
     ------
     InvalidInput
-        Another text.
+        Another text, or one with credentials in it, which are not quoted.
     OutputError
         Dask is not installed, or no scheduler is there.
     """
+    check_no_credentials(
+        text, "cluster", Message("credentials are taken from Dask's own configuration"), field="cluster"
+    )
     local, remote = _LOCAL.fullmatch(text), _DASK.fullmatch(text)
     if local is not None and 1 <= int(local[1]) <= _MOST_WORKERS:
         with _local_cluster(int(local[1])) as engine:
             yield engine
-    elif remote is not None:
-        with _client(f"tcp://{remote[1]}:{remote[2]}", text) as client:
-            yield _engine_of(client)
+    elif remote is not None and 1 <= int(remote[2]) <= _MOST_PORT:
+        address = f"tcp://{remote[1]}:{remote[2]}"
+        _check_scheduler(address, text)
+        with _client(address, text) as client:
+            yield replace(_engine_of(client), slots=_Workers(client).slots)
     else:
         raise InvalidInput(
             "cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT",
@@ -128,14 +147,25 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": None,
     }
     with dask.config.set(settings):
-        cluster = distributed.LocalCluster(
-            n_workers=processes,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            silence_logs=50,
-        )
+        try:
+            cluster = distributed.LocalCluster(
+                n_workers=processes,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                dashboard_address="127.0.0.1:0",
+                silence_logs=50,
+            )
+        except MemoryError:
+            raise
+        except Exception as wrong:
+            # Dask has no error of its own for processes, ports and threads that the system does not give it.
+            raise OutputError(
+                "cluster local:{0}: its processes cannot be started ({1}: {2})",
+                processes,
+                type(wrong).__name__,
+                one_line(words_of(wrong), _SAID_CHARACTERS),
+            ) from wrong
         try:
             with _client(cluster.scheduler_address, "local cluster") as client:
                 engine = _engine_of(client, cluster.dashboard_link if find_spec("bokeh") else "")
@@ -149,8 +179,16 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
 
                 yield replace(engine, slots=slots)
         finally:
-            cluster.sync(_begin_no_worker_again, cluster)
-            cluster.close()
+            _end(lambda: cluster.sync(_begin_no_worker_again, cluster))
+            _end(cluster.close)
+
+
+def _end(close: Callable[[], object]) -> None:
+    """Close something of Dask's. What has been made is whole by then: a fault of its ending is none of the run."""
+    try:
+        close()
+    except Exception as wrong:  # noqa: BLE001  (Dask hands on whatever its processes end of)
+        _log.debug("the cluster did not end by itself: %s", words_of(wrong))
 
 
 async def _begin_no_worker_again(cluster: Any) -> None:
@@ -168,13 +206,54 @@ async def _begin_no_worker_again(cluster: Any) -> None:
             await asyncio.sleep(0.01)
 
 
+def _check_scheduler(address: str, what: str) -> None:
+    """Greet a scheduler: Dask's client takes minutes to give up one that says nothing, and hears no Ctrl-C meanwhile.
+
+    Raises
+    ------
+    OutputError
+        There is none.
+    """
+    core, greeted = _distributed().core, Future[None]()
+
+    async def greet() -> None:
+        comm = await core.connect(address, timeout=MAX_SCHEDULER_SILENCE_S)
+        try:
+            await core.send_recv(comm, op="identity")
+        finally:
+            comm.abort()
+
+    def run() -> None:
+        try:
+            asyncio.run(greet())
+        except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+            greeted.set_exception(wrong)
+        else:
+            greeted.set_result(None)
+
+    threading.Thread(target=run, daemon=True).start()
+    until_s = time.monotonic() + MAX_SCHEDULER_SILENCE_S
+
+    def look() -> None:
+        if time.monotonic() > until_s:
+            raise _no_scheduler(what)
+
+    wait_for(greeted, look)
+    if greeted.exception() is not None:
+        raise _no_scheduler(what)
+
+
+def _no_scheduler(what: str) -> OutputError:
+    return OutputError("cluster {0}: no scheduler answers there", what)
+
+
 @contextmanager
 def _client(address: str, what: str) -> Iterator[Any]:
     distributed = _distributed()
     try:
-        client = distributed.Client(address, timeout=_ANSWER_S, set_as_default=False)
-    except (OSError, TimeoutError, ValueError) as wrong:
-        raise OutputError("cluster {0}: no scheduler answers there", what) from wrong
+        client = distributed.Client(address, timeout=MAX_SCHEDULER_SILENCE_S, set_as_default=False)
+    except Exception as wrong:
+        raise _no_scheduler(what) from wrong
     # What becomes of a connection is told in one line by who waits for blocks.
     log = logging.getLogger("distributed.client")
     level = log.level
@@ -182,7 +261,7 @@ def _client(address: str, what: str) -> Iterator[Any]:
     try:
         yield client
     finally:
-        client.close()
+        _end(client.close)
         log.setLevel(level)
 
 
@@ -211,6 +290,74 @@ class _Calls(Executor):
         task.add_done_callback(end)
         future.add_done_callback(lambda it: it.cancelled() and task.cancel())
         return future
+
+
+class _Later:
+    """Call whose pickle makes it where that is read: by names alone, so that a worker need not know this module."""
+
+    def __init__(self, function: Callable[..., Any], *arguments: object) -> None:
+        self._call = function, arguments
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[object, ...]]:
+        return self._call
+
+
+class _Workers:
+    """Workers that others have begun, each of which is asked once whether it can make blocks."""
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+        self._asked: set[str] = set()
+
+    def slots(self) -> int:
+        """How many blocks they make at once, now; raises OutputError where one that has come cannot make any."""
+        there: dict[str, int] = self._client.nthreads()
+        new = sorted(there.keys() - self._asked)
+        if new:
+            self._ask(new)
+        return sum(there.values())
+
+    def _ask(self, workers: list[str]) -> None:
+        asked = _Later(platform.python_version), _Later(version), _Later(bool, _Later(import_module, _MAKING))
+        answers: dict[str, Any] = self._client.run(
+            ForkingPickler.loads, bytes(ForkingPickler.dumps(asked)), workers=workers, on_error="return"
+        )
+        wrong = {worker: problem for worker, one in sorted(answers.items()) if (problem := _problem(one))}
+        if wrong:
+            worker, problem = next(iter(wrong.items()))
+            raise OutputError(
+                "cluster: {0:,} of {1:,} workers cannot make blocks: {2} {3}",
+                len(wrong),
+                len(answers),
+                worker,
+                problem,
+                remedy=Message("install it there: pip install 'terrainav[cluster]=={0}'", version()),
+            )
+        # One that was not to be reached has gone, or is asked again.
+        self._asked.update(worker for worker, one in answers.items() if not isinstance(one, OSError))
+
+
+def _problem(answer: Any) -> Message | None:
+    """What a worker that has answered lacks, or has in another version; None where it can make blocks."""
+    if isinstance(answer, OSError):
+        return None
+    if isinstance(answer, ImportError):
+        is_own = (answer.name or "").partition(".")[0] == _MAKING.partition(".")[0]
+        return (
+            Message("has no TerrAInav")
+            if is_own
+            else Message("has no {0}, which TerrAInav needs", answer.name)
+        )
+    if isinstance(answer, BaseException):
+        return Message(
+            "cannot import TerrAInav ({0}: {1})", type(answer).__name__, str(answer).partition("\n")[0]
+        )
+    python, own, _ = answer
+    if own != version():
+        return Message("has TerrAInav {0}, and the run has {1}", own, version())
+    if python.split(".")[:2] != platform.python_version().split(".")[:2]:
+        return Message("has Python {0}, and the run has {1}", python, platform.python_version())
+    return None
 
 
 def _engine_of(client: Any, dashboard: str | None = None) -> Engine:

@@ -23,6 +23,7 @@ from ...mission.plan import Plan
 from ...picture.heights import with_whole_paths
 from ...resources import version
 from ...stores import is_address
+from ...waiting import ended_where
 from ..choices import FOLDERS, IMAGES, WEBDATASET
 from ..holding import held
 from ..journal import FAILED, Outcome
@@ -107,14 +108,16 @@ def capture_in_blocks(
     with ExitStack() as opened:
         own = opened.enter_context(closing(source.open()))
         check_source(plan, own)
-        if only_failed:
-            check_in_blocks(destination)
-        place = Destination(destination, plan, resume=resume or only_failed)
-        check = opened.enter_context(held(place.root))
-        place.check_division(blocks.layout, blocks.images)
-        run = _Run(plan, source, own, place, engine, blocks, connections, listener, check)
-        run.notice = notice or (lambda _: None)
-        run.begin(only_failed=only_failed)
+        # Nothing is lost yet where a store that says nothing is given up at once.
+        with ended_where(cancelled):
+            if only_failed:
+                check_in_blocks(destination)
+            place = Destination(destination, plan, resume=resume or only_failed)
+            check = opened.enter_context(held(place.root))
+            place.check_division(blocks.layout, blocks.images)
+            run = _Run(plan, source, own, place, engine, blocks, connections, listener, check)
+            run.notice = notice or (lambda _: None)
+            run.begin(only_failed=only_failed)
         try:
             complete = run.make_all()
         finally:
@@ -144,7 +147,7 @@ class _Run:
         self._engine, self._blocks = engine, blocks
         self._connections, self._listener, self._check = connections, listener, check
         self._name = uuid.uuid4().hex
-        self._control = Control()
+        self._control = Control(check=check)
         # Of workers each may have a current folder of its own.
         self._terrain = with_whole_paths(plan.mission.terrain)
         self._whole = str(place.root) if is_address(place.root) else str(place.root.absolute())
@@ -275,17 +278,15 @@ class _Run:
         for future in done:
             map_type, number, _ = self._under_way.pop(future)
             self._control.made.pop(block_name(map_type, number), None)
-            try:
+            wrong = _end_of(future)
+            if wrong is None:
                 result = future.result()
-            except (Exception, CancelledError) as wrong:  # noqa: BLE001  (of whatever kind: it is one block's end)
-                if ended:
-                    continue
-                self._again(map_type, number, wrong)
-            else:
                 self._note(map_type, number, result.record)
                 self._lost_in_a_row = 0
                 self._requests += result.requests
                 self._unique_parts += result.unique_parts
+            elif not ended:
+                self._again(map_type, number, wrong)
 
     def _note(self, map_type: str, number: int, record: Record) -> None:
         """Take the record of a block that this run has made, or has given up."""
@@ -312,6 +313,10 @@ class _Run:
                 "workers: not all have TerrAInav {0}",
                 version(),
                 remedy="install it on each, of the same version",
+            ) from wrong
+        if isinstance(wrong, ImportError) and not self._engine.in_process:
+            raise OutputError(
+                "workers: not all have what TerrAInav needs ({0})", wrong, remedy="install it on each"
             ) from wrong
         reason = Message(wrong) if isinstance(wrong, TerrAInavError) else _died(wrong)
         key, name = (map_type, number), block_name(map_type, number)
@@ -415,6 +420,14 @@ class _Run:
             cancelled=cancelled,
             repeated=tuple(self._repeats()),
         )
+
+
+def _end_of(future: Future[BlockResult]) -> BaseException | None:
+    """What ended a block that was not made, of whatever kind: sys.exit() on a worker ends no run."""
+    try:
+        return future.exception()
+    except CancelledError as wrong:
+        return wrong
 
 
 def _died(wrong: BaseException) -> Message:

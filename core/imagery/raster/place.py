@@ -14,6 +14,7 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
 from ...geodesy.planes import ProjectedPlane
 from ...geodesy.projections import through_proj
+from ...geodesy.reference import read_reference
 from ..source import Window
 from .reading import Facts
 
@@ -243,8 +244,5 @@ def named_crs(crs: CRS) -> str:
 
 
 def _horizontal(wkt: str) -> CRS:
-    try:
-        crs = CRS.from_wkt(wkt)
-    except ProjError as wrong:
-        raise InvalidInput("its coordinate reference system: {0}", " ".join(str(wrong).split())) from wrong
+    crs = read_reference(wkt)
     return crs.sub_crs_list[0] if crs.is_compound else crs

@@ -9,6 +9,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple, Protocol
 
@@ -16,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import Cancelled, InvalidInput, Message
+from ...native_calls import NativeCall
 from .remote import Remote
+from .sizes import check_block, check_counts
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
 
 Bytes = NDArray[np.uint8]
@@ -36,6 +39,12 @@ NO_OPTIONS: Options = MappingProxyType({})
 _DOMAINS = ("", "IMAGERY")
 #: Item of GDAL's metadata, and its domain, for greys that count from white.
 _WHITE_IS_ZERO = ("MINISWHITE", "IMAGE_STRUCTURE")
+#: How the bands of a raster are stored by GDAL's metadata: each value of a block beside those of the other bands.
+_INTERLEAVE, _BY_PIXEL = ("INTERLEAVE", "IMAGE_STRUCTURE"), "PIXEL"
+#: Formats of which GDAL decodes the whole picture at once, whatever it says of their blocks.
+_WHOLE = frozenset(["WEBP", "JPEGXL"])
+#: Bytes of the largest of GDAL's types that numpy has not.
+_COMPLEX_BYTES = 8
 #: What GDAL gives as the geotransform of a raster that has none.
 _NO_GEOTRANSFORM = (0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
@@ -186,6 +195,10 @@ def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
         As `opener` does.
     ReadError
     """
+    return NativeCall(partial(_filled, values, there, reach_px)).result()
+
+
+def _filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
     height, width = values.shape
     if opener() is RasterioFile:
         from rasterio.fill import fillnodata
@@ -262,14 +275,19 @@ class GdalFile:
             dataset = self._dataset
             if dataset.GetMetadataItem(OVERVIEW_FILE, OVERVIEW_DOMAIN):
                 raise ReadError(NAMES_OVERVIEWS)
+            first = dataset.GetRasterBand(1) if dataset.RasterCount else None
+            overviews = first.GetOverviewCount() if first else 0
+            check_counts(dataset.RasterCount, overviews)
+            levels = [first, *map(first.GetOverview, range(overviews))] if first else []
+            for level in levels:
+                self._check_block(level)
             reference = dataset.GetSpatialRef()
             bands = [dataset.GetRasterBand(1 + i) for i in range(dataset.RasterCount)]
-            overviews = [bands[0].GetOverview(i) for i in range(bands[0].GetOverviewCount())] if bands else []
             return Facts(
                 bands=tuple(self._band(band) for band in bands),
                 sizes=(
                     (dataset.RasterXSize, dataset.RasterYSize),
-                    *((overview.XSize, overview.YSize) for overview in overviews),
+                    *((level.XSize, level.YSize) for level in levels[1:]),
                 ),
                 crs_wkt=reference.ExportToWkt(["FORMAT=WKT2_2019"]) if reference else "",
                 geotransform=dataset.GetGeoTransform(can_return_null=True),
@@ -278,6 +296,13 @@ class GdalFile:
                 parts=tuple(name for name, _ in dataset.GetSubDatasets()),
                 white_is_zero=dataset.GetMetadataItem(*_WHITE_IS_ZERO) == "YES",
             )
+
+    def _check_block(self, band: Any) -> None:
+        dataset, value_bytes = self._dataset, self._gdal.GetDataTypeSize(band.DataType) / 8
+        is_whole = dataset.GetDriver().ShortName in _WHOLE
+        of_all = is_whole or dataset.GetMetadataItem(*_INTERLEAVE) == _BY_PIXEL
+        width, height = (band.XSize, band.YSize) if is_whole else band.GetBlockSize()
+        check_block(width, height, value_bytes * (dataset.RasterCount if of_all else 1))
 
     def _band(self, band: Any) -> Band:
         gdal = self._gdal
@@ -373,14 +398,18 @@ class RasterioFile:
             dataset = self._dataset
             if any(name.upper() == OVERVIEW_FILE for name in dataset.tags(ns=OVERVIEW_DOMAIN)):
                 raise ReadError(NAMES_OVERVIEWS)
-            geotransform = tuple(dataset.transform.to_gdal())
+            check_counts(dataset.count, len(dataset.overviews(1)) if dataset.count else 0)
+            self._check_block()
+            given = tuple(dataset.transform.to_gdal())
+            geotransform = None if given == _NO_GEOTRANSFORM else given
             return Facts(
-                bands=tuple(self._band(index) for index in dataset.indexes),
+                bands=tuple(self._bands()),
                 sizes=((dataset.width, dataset.height), *self._overview_sizes()),
                 crs_wkt=dataset.crs.to_wkt(version="WKT2_2019") if dataset.crs else "",
-                geotransform=None if geotransform == _NO_GEOTRANSFORM else geotransform,
+                geotransform=geotransform,
                 tags=dict(dataset.tags()),
-                by_points=bool(dataset.gcps[0]),
+                # There may be a million of them, and rasterio makes an object of each.
+                by_points=geotransform is None and bool(dataset.gcps[0]),
                 parts=tuple(dataset.subdatasets),
                 white_is_zero=dataset.tags(ns=_WHITE_IS_ZERO[1]).get(_WHITE_IS_ZERO[0]) == "YES",
             )
@@ -388,34 +417,64 @@ class RasterioFile:
     def _overview_sizes(self) -> Iterator[tuple[int, int]]:
         for level in range(len(self._dataset.overviews(1)) if self._dataset.count else 0):
             overview = RasterioFile(self._path, 1 + level, self._drivers, self._options)
-            yield overview._dataset.width, overview._dataset.height
-            overview.close()
+            try:
+                overview._check_block()
+                yield overview._dataset.width, overview._dataset.height
+            finally:
+                overview.close()
 
-    def _band(self, index: int) -> Band:
+    def _check_block(self) -> None:
+        dataset = self._dataset
+        if not dataset.count:
+            return
+        try:
+            value_bytes = np.dtype(dataset.dtypes[0]).itemsize
+        except TypeError:
+            # Complex numbers of whole ones, which numpy has none of.
+            value_bytes = _COMPLEX_BYTES
+        name, domain = _INTERLEAVE
+        is_whole = dataset.driver in _WHOLE
+        of_all = is_whole or dataset.tags(ns=domain).get(name) == _BY_PIXEL
+        height, width = (dataset.height, dataset.width) if is_whole else dataset.block_shapes[0]
+        check_block(width, height, value_bytes * (dataset.count if of_all else 1))
+
+    def _bands(self) -> Iterator[Band]:
         from rasterio.enums import MaskFlags
 
         dataset = self._dataset
-        colour = dataset.colorinterp[index - 1].name
-        bits = dataset.tags(index, ns="IMAGE_STRUCTURE").get("NBITS")
         known = {MaskFlags.all_valid, MaskFlags.alpha, MaskFlags.nodata}
-        palette = dataset.colormap(index) if colour == "palette" else {}
-        return Band(
-            data_type=dataset.dtypes[index - 1],
-            colour=colour,
-            nodata=dataset.nodatavals[index - 1],
-            bits=int(bits) if bits else None,
-            palette=tuple(palette[i] for i in sorted(palette)),
-            masked=not known & set(dataset.mask_flag_enums[index - 1]),
-            name=dataset.descriptions[index - 1] or "",
-            unit=dataset.units[index - 1] or "",
-            scale=dataset.scales[index - 1],
-            offset=dataset.offsets[index - 1],
-            items=tuple(
-                (domain, *item)
-                for domain in _DOMAINS
-                for item in sorted(dataset.tags(index, ns=domain or None).items())
-            ),
+        # Each of these goes through all bands.
+        each = zip(
+            dataset.indexes,
+            dataset.dtypes,
+            dataset.colorinterp,
+            dataset.nodatavals,
+            dataset.mask_flag_enums,
+            dataset.descriptions,
+            dataset.units,
+            dataset.scales,
+            dataset.offsets,
         )
+        for index, data_type, colour, nodata, masks, name, unit, scale, offset in each:
+            bits = dataset.tags(index, ns="IMAGE_STRUCTURE").get("NBITS")
+            palette = dataset.colormap(index) if colour.name == "palette" else {}
+            yield Band(
+                data_type=data_type,
+                colour=colour.name,
+                nodata=nodata,
+                bits=int(bits) if bits else None,
+                palette=tuple(palette[i] for i in sorted(palette)),
+                masked=not known & set(masks),
+                name=name or "",
+                unit=unit or "",
+                scale=scale,
+                offset=offset,
+                items=tuple(
+                    (domain, *item)
+                    for domain in _DOMAINS
+                    for item in sorted(dataset.tags(index, ns=domain or None).items())
+                ),
+            )
 
     def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
         """Values as they are stored."""
@@ -436,6 +495,45 @@ def _window(box: Box) -> Any:
     from rasterio.windows import Window
 
     return Window(*box)
+
+
+class _FileApart:
+    """A raster of which everything is asked on threads of their own (see `NativeCall`), as long as it is wanted."""
+
+    def __init__(self, file: RasterFile, is_wanted: Callable[[], bool]) -> None:
+        self._file, self._is_wanted = file, is_wanted
+        self._last: NativeCall[Any] | None = None
+
+    def facts(self) -> Facts:
+        """Read what the file says of itself."""
+        facts: Facts = self._asked(self._file.facts)
+        return facts
+
+    def read(self, bands: Sequence[int], box: Box, data_type: str = "uint8") -> Values:
+        """Values as they are stored."""
+        values: Values = self._asked(partial(self._file.read, bands, box, data_type))
+        return values
+
+    def read_mask(self, band: int, box: Box) -> Bytes:
+        """Mask of a band."""
+        mask: Bytes = self._asked(partial(self._file.read_mask, band, box))
+        return mask
+
+    def close(self) -> None:
+        """Free it, when what was asked for last has ended."""
+        if self._last is None:
+            self._file.close()
+        else:
+            self._last.when_ended(lambda _: self._file.close())
+
+    def _asked(self, work: Callable[[], Any]) -> Any:
+        self._last = NativeCall(work)
+        return self._last.result(self._is_wanted)
+
+
+def _close(files: Sequence[RasterFile]) -> None:
+    for file in files:
+        file.close()
 
 
 class Pool:
@@ -493,13 +591,24 @@ class Pool:
 
     def _opened(self, level: int) -> RasterFile:
         if self.remote is None:
-            return self._open(self._path, level)
+            return self._apart(partial(self._open, self._path, level))
         try:
-            return self._open(self.remote.path, level, options=self.remote.options)
+            return self._apart(partial(self._open, self.remote.path, level, options=self.remote.options))
         except ReadError:
             if not self.remote.leave_out_heads():
                 raise
-        return self._open(self.remote.path, level, options=self.remote.options)
+        return self._apart(partial(self._open, self.remote.path, level, options=self.remote.options))
+
+    def _apart(self, work: Callable[[], RasterFile]) -> RasterFile:
+        call = NativeCall(work)
+        try:
+            return _FileApart(call.result(self._is_open), self._is_open)
+        except BaseException:
+            call.when_ended(_close)
+            raise
+
+    def _is_open(self) -> bool:
+        return not self._closed
 
     def _taken_back(self, level: int, file: RasterFile) -> bool:
         with self._lock:

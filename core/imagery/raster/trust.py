@@ -6,21 +6,40 @@ requests that keep to no terms. Inside them no list of formats holds; so they ar
 
 from __future__ import annotations
 
+import codecs
+import contextlib
 import html
 import importlib
 import os
 import re
 import struct
+import time
+from collections import Counter
 from collections.abc import Iterator
+from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
-from ...files import is_there
-from ...limits import MAX_VRT_BYTES, MAX_VRT_DEPTH
+from ...files import is_there, open_foreign
+from ...geodesy.reference import check_reference, file_named
+from ...limits import (
+    MAX_CRS_CHARACTERS,
+    MAX_QUERY_S,
+    MAX_RASTER_BANDS,
+    MAX_RASTER_ITEMS,
+    MAX_RASTER_OVERVIEWS,
+    MAX_VRT_BYTES,
+    MAX_VRT_DEPTH,
+    MAX_VRT_SOURCES,
+    MAX_XML_DEPTH,
+    MAX_XML_ELEMENTS,
+)
+from ...text import one_line
 from ..template import check_address, host_of
+from .sizes import check_directories
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
@@ -64,13 +83,24 @@ _NAMED_WITHIN = re.compile(OVERVIEW_FILE, re.IGNORECASE)
 _REFUSED = frozenset({"pixelfunctionlanguage", "pixelfunctioncode", "key"})
 #: Options of formats that a VRT may set: those of others are names of files, and statements of SQL.
 _OPTIONS = frozenset({"overview_level", "num_threads", "numthreads"})
-#: TIFF's tag of GDAL's metadata, and how a directory is written: in classic files, and in those of 64 bits.
-_TIFF_METADATA = 42112
+#: Elements of a VRT, or of metadata beside a raster, of which there may be so many; those of overviews are a band's.
+_MOST = {
+    "vrtrasterband": (MAX_RASTER_BANDS, Message("bands")),
+    "overview": (MAX_RASTER_OVERVIEWS, Message("overviews of a band")),
+    "mdi": (MAX_RASTER_ITEMS, Message("items of metadata")),
+    "gcp": (MAX_RASTER_ITEMS, Message("ground control points")),
+}
+_ITEMS = re.compile(rb"<(mdi|gcp|item)\b", re.IGNORECASE)
+#: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys, and how a directory is written: in classic files,
+#: and in those of 64 bits.
+_TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
 _TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
 #: Entries of a directory; libtiff refuses those with more.
 _TIFF_ENTRIES = 4096
 #: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
 _DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
+#: Pieces between the colons and quotation marks of such a name: some formats have five.
+_MOST_PIECES = 20
 #: GDAL's virtual file systems, and what of them is on other machines.
 VIRTUAL, CURL = "/vsi", "/vsicurl/"
 FETCHED = re.compile("https?://|/vsi(curl|s3|gs|az|adls|oss|swift|hdfs|webhdfs)", re.IGNORECASE)
@@ -83,6 +113,29 @@ KEY = "{key}"
 _WHOLE_KEY = re.compile(r"([?&]){key}(?=[&#]|$)")
 #: Files beside a raster that GDAL opens with it.
 _COMPANIONS = (".ovr", ".msk")
+#: Those in which GDAL looks for the coordinate reference system: with these endings behind the name, and in its place.
+_BEHIND, _IN_PLACE = (".aux", ".hdr"), (".prj", ".hdr", ".aux", ".tab")
+#: Boxes of JPEG 2000 and JPEG XL that have pixels alone, and how files of boxes begin.
+_PIXEL_BOXES, _BOXES = frozenset({b"jp2c", b"jxlc", b"jxlp"}), (b"\0\0\0\x0cjP", b"\0\0\0\x0cJXL ")
+#: Formats whose files hold no coordinate reference system, or one that is looked at elsewhere.
+_WITHOUT_TEXT = (
+    b"II",
+    b"MM",
+    b"\xff\xd8\xff",
+    b"\x89PNG",
+    b"GIF8",
+    b"BM",
+    b"RIFF",
+    b"\xff\x4f\xff\x51",
+    b"\xff\x0a",
+)
+_SQLITE = b"SQLite format 3"
+#: Steps of SQLite between looks at the clock.
+_STEPS = 10_000
+#: Bytes of a file that are looked through at once, and those that are looked at again with the next ones.
+_CHUNK_BYTES, _OVERLAP_BYTES = 1 << 22, 1 << 10
+#: Steps of SQLite between looks at the clock.
+_STEPS = 10_000
 
 
 def file_of_part(name: str) -> str:
@@ -90,6 +143,9 @@ def file_of_part(name: str) -> str:
     if not _DRIVER.match(name):
         return ""
     pieces = re.split(r'[:"]', name)
+    if len(pieces) > _MOST_PIECES:
+        # Each stretch of them would be looked for.
+        return ""
     spans = combinations(range(1, len(pieces) + 1), 2)
     # The longest first: a path may hold colons.
     paths = sorted((":".join(pieces[start:end]) for start, end in spans), key=len, reverse=True)
@@ -148,7 +204,8 @@ def drivers_for(path: str) -> list[str]:
     part = file_of_part(path)
     file = Path(part or path)
     # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
-    _check(file, (file.parent, _real(file).parent, *_folders()), 0, set())
+    folders = (file.parent, _real(file).parent, *_folders())
+    _check(file, tuple(dict.fromkeys(map(_real, folders))), 0, {})
     return [name for name in DRIVERS if name != "VRT"] if part else list(DRIVERS)
 
 
@@ -158,19 +215,26 @@ def _folders() -> Iterator[Path]:
             yield Path(one)
 
 
-def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
-    """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named."""
+def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]) -> int:
+    """Look through a file and those that GDAL opens with it; ``depth`` is 0 for what the user has named.
+
+    Returns
+    -------
+    int
+        How often it reads other files, and these others; ``seen`` has that of those that were looked through.
+    """
     whole = _real(file)
     if whole in seen:
-        return
-    seen.add(whole)
+        return seen[whole]
+    seen[whole] = 0
     if depth > MAX_VRT_DEPTH:
         raise InvalidInput("reads {0} within more than {1} others", file.name, MAX_VRT_DEPTH)
     head = _head(file)
     if _VRT.search(head):
-        for name, relative in _named(file):
-            for source in _places(file, name, relative):
-                _check_source(file, source, folders, depth, seen)
+        for (name, relative), times in Counter(_named(file)).items():
+            each = [_check_source(file, at, folders, depth, seen) for at in _places(file, name, relative)]
+            seen[whole] += times * (1 + max(each))
+            _check_reads(file, seen[whole])
     elif _DESCRIPTIONS.search(head):
         raise InvalidInput(
             "{0} describes a service or a collection, whose requests keep to no terms",
@@ -179,15 +243,75 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -
         )
     elif depth and head and not (head.startswith(_MAGIC) or _is_srtm(file)):
         raise InvalidInput("{0} is of no format of images that a VRT may read here", file.name)
-    for ending in _COMPANIONS:
-        beside = file.with_name(file.name + ending)
-        if is_there(beside):
-            _check(beside, folders, depth + 1, seen)
+    for beside in _companions(file):
+        _check(beside, folders, depth + 1, seen)
     aux = file.with_name(file.name + ".aux.xml")
-    if _names(_NAMED_BESIDE, _head(aux, MAX_VRT_BYTES) if is_there(aux) else b""):
+    notes = _head(aux, MAX_VRT_BYTES + 1) if is_there(aux) else b""
+    if len(notes) > MAX_VRT_BYTES:
+        raise InvalidInput("{0} holds more than {1} MB of metadata", aux.name, MAX_VRT_BYTES >> 20)
+    if _names(_NAMED_BESIDE, notes):
         raise InvalidInput("{0} names other files, which are not read", aux.name)
-    if _names(_NAMED_WITHIN, _tiff_metadata(file, head)):
+    check_directories(file, head)
+    within = _tiff_text(file, head, _TIFF_METADATA)
+    if _names(_NAMED_WITHIN, within):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
+    _check_items(aux, notes)
+    _check_items(file, within)
+    check_references(file)
+    return seen[whole]
+
+
+def _companions(file: Path) -> list[Path]:
+    """Files that GDAL opens with a raster; refuses pipes and the like in the place of one, which it waits for."""
+    try:
+        companions, odd = _beside(str(file.parent), file.parent.stat().st_mtime_ns)
+    except OSError:
+        # A folder that may be searched and not listed.
+        companions, odd = {}, ()
+    for name in odd:
+        if name.lower().startswith(file.stem.lower()):
+            raise InvalidInput("{0}: is no regular file, and lies beside {1}", name, file.name)
+    found = [name for ending in _COMPANIONS for name in companions.get((file.name + ending).lower(), ())]
+    there = [file.with_name(file.name + ending) for ending in _COMPANIONS]
+    return [*dict.fromkeys([*(one for one in there if is_there(one)), *map(file.with_name, found)])]
+
+
+@lru_cache(maxsize=16)
+def _beside(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[str, ...]]:
+    """Overviews and masks in a folder, by their names in lower case, and what there is no file.
+
+    GDAL looks for them in a list of the folder, in any case of letters. Kept while the folder is as it was.
+    """
+    companions: dict[str, list[str]] = {}
+    odd = []
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.lower().endswith(_COMPANIONS):
+                companions.setdefault(entry.name.lower(), []).append(entry.name)
+            if not (entry.is_file() or entry.is_dir()) and Path(entry.path).exists():
+                odd.append(entry.name)
+    return companions, tuple(odd)
+
+
+def _check_reads(vrt: Path, count: int) -> None:
+    if count > MAX_VRT_SOURCES:
+        raise InvalidInput(
+            "{0} reads files more than {1:,} times",
+            vrt.name,
+            MAX_VRT_SOURCES,
+            remedy="make one raster of it, with gdal_translate",
+        )
+
+
+def _check_items(file: Path, metadata: bytes) -> None:
+    """Refuse metadata of so many items that GDAL is busy with them for long."""
+    count = sum(1 for _ in _ITEMS.finditer(metadata))
+    if count > MAX_RASTER_ITEMS:
+        _refuse_number(file, count, MAX_RASTER_ITEMS, Message("items of metadata"))
+
+
+def _refuse_number(file: Path, count: int, most: int, what: str) -> None:
+    raise InvalidInput("{0} has {1:,} {2} or more: must be at most {3:,}", file.name, count, what, most)
 
 
 def _is_srtm(file: Path) -> bool:
@@ -199,20 +323,134 @@ def _names(what: re.Pattern[str], metadata: bytes) -> bool:
     return what.search(html.unescape(metadata.decode("latin-1"))) is not None
 
 
-def _tiff_metadata(file: Path, head: bytes) -> bytes:
-    """What GDAL has noted in the first directory of a TIFF; empty of any other file."""
+def check_references(file: Path) -> None:
+    """Refuse a raster whose coordinate reference system names a file, which PROJ would open as soon as GDAL reads it.
+
+    Raises
+    ------
+    InvalidInput
+        With the reason alone, which names the file that states it.
+    """
+    aux = file.with_name(file.name + ".aux.xml")
+    if is_there(aux):
+        # Older programs wrote it in their own encoding, of which all bytes are characters here.
+        _parse(aux, _References(aux), "iso-8859-1")
+    beside = [file.with_name(file.name + ending) for ending in _BEHIND]
+    for ending in _IN_PLACE if file.suffix else ():
+        beside += [file.with_suffix(ending), file.with_suffix(ending.upper())]
+    for place in beside:
+        if place != file and is_there(place):
+            for text in _chunks(place, 0, place.stat().st_size):
+                _check_words(place, text.decode("utf-8", "replace"))
+    head = _head(file)
+    if _VRT.search(head):
+        _parse(file, _References(file))
+    for text in _texts(file, head):
+        _check_words(file, text.decode("utf-8", "replace"))
+
+
+def check_fetched(name: str, data: bytes) -> None:
+    """Refuse an image of a dataset, fetched from elsewhere, for the same reason."""
+    for found in re.finditer(rb"ESRI PE String", data):
+        _check_words(Path(name), data[found.end() :][:MAX_CRS_CHARACTERS].decode("utf-8", "replace"))
+
+
+def _check_words(file: Path, words: str) -> None:
+    """Refuse a text that has a coordinate reference system with the name of a file in it."""
+    named = file_named(words)
+    if named:
+        raise InvalidInput(
+            "{0}: its coordinate reference system names the file {1}, which is not opened; must be a code such as "
+            "EPSG:25832, or WKT without files",
+            file.name,
+            one_line(named),
+        )
+    if words.lstrip().startswith("{") and "CRS" in words.upper():
+        try:
+            check_reference(words)
+        except InvalidInput as wrong:
+            raise InvalidInput("{0}: {1}", file.name, wrong) from wrong
+
+
+def _texts(file: Path, head: bytes) -> Iterator[bytes]:
+    """Parts of a raster's file that may have its coordinate reference system as text."""
+    size = file.stat().st_size
+    if head.startswith(_SQLITE):
+        yield from _definitions(file)
+    elif head.startswith(_BOXES):
+        for start, end in _boxes(file, size):
+            yield from _chunks(file, start, end)
+    elif head.startswith((b"II", b"MM")):
+        yield _tiff_text(file, head, _TIFF_KEY_TEXTS)
+    elif not head.startswith(_WITHOUT_TEXT) and not _VRT.search(head):
+        yield from _chunks(file, 0, size)
+
+
+def _chunks(file: Path, start: int, end: int) -> Iterator[bytes]:
+    """Bytes of a file, some of which come twice, so that no name is cut."""
+    with open_foreign(file) as opened:
+        kept = b""
+        opened.seek(start)
+        while start < end:
+            chunk = opened.read(min(_CHUNK_BYTES, end - start))
+            if not chunk:
+                return
+            start += len(chunk)
+            yield kept + chunk
+            kept = chunk[-_OVERLAP_BYTES:]
+
+
+def _boxes(file: Path, size: int) -> Iterator[tuple[int, int]]:
+    """Where each box of a file of JPEG 2000 or JPEG XL begins and ends that may have text."""
+    with open_foreign(file) as opened:
+        at = 0
+        while at < size:
+            opened.seek(at)
+            head = opened.read(16)
+            if len(head) < 8:
+                return
+            length = int.from_bytes(head[:4], "big")
+            if length == 1:
+                length = int.from_bytes(head[8:], "big")
+            end = at + length if length else size
+            if end < at + 8:
+                return
+            if head[4:8] not in _PIXEL_BOXES:
+                yield at, min(end, size)
+            at = end
+
+
+def _definitions(file: Path) -> Iterator[bytes]:
+    """Coordinate reference systems that a GeoPackage defines."""
+    sqlite3: Any = importlib.import_module("sqlite3")
+    until_s = time.monotonic() + MAX_QUERY_S
+    try:
+        with contextlib.closing(sqlite3.connect(f"{file.absolute().as_uri()}?mode=ro", uri=True)) as database:
+            database.set_progress_handler(lambda: time.monotonic() > until_s, _STEPS)
+            kinds = database.execute("SELECT type FROM sqlite_master WHERE name = 'gpkg_spatial_ref_sys'")
+            if any(kind != "table" for (kind,) in kinds):
+                raise InvalidInput("{0}: has a view in place of its coordinate reference systems", file.name)
+            for row in database.execute("SELECT * FROM gpkg_spatial_ref_sys"):
+                yield from (str(value).encode("utf-8", "replace") for value in row)
+    except sqlite3.Error:
+        # GDAL says what is wrong with such a file.
+        return
+
+
+def _tiff_text(file: Path, head: bytes, wanted: int) -> bytes:
+    """What a tag of the first directory of a TIFF has; empty of any other file."""
     order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
     try:
         form = _TIFF_FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order else None
         if form is None:
             return b""
         offset_kind, offset_at, count_kind, entry_kind, entry_bytes = form
-        with file.open("rb") as opened:
+        with open_foreign(file) as opened:
             opened.seek(struct.unpack_from(order + offset_kind, head, offset_at)[0])
             (count,) = struct.unpack(order + count_kind, opened.read(struct.calcsize(count_kind)))
             entries = opened.read(min(count, _TIFF_ENTRIES) * entry_bytes)
             for tag, _, length, value in struct.iter_unpack(order + entry_kind, entries):
-                if tag == _TIFF_METADATA and length > len(value):
+                if tag == wanted and length > len(value):
                     opened.seek(struct.unpack(order + offset_kind, value)[0])
                     if length > MAX_VRT_BYTES:
                         raise InvalidInput(
@@ -228,17 +466,19 @@ def _tiff_metadata(file: Path, head: bytes) -> bytes:
     return b""
 
 
-def _check_source(vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: set[Path]) -> None:
+def _check_source(
+    vrt: Path, source: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, int]
+) -> int:
+    """Look through a file that a VRT reads, as `_check`; ``folders`` are those that links lead to."""
     within = _real(source)
-    if not any(_is_within(within, _real(folder)) for folder in folders):
+    if not any(_is_within(within, folder) for folder in folders):
         raise InvalidInput(
             "{0} reads {1}, which is not beside it",
             vrt.name,
             source,
             remedy=Message("set {0}={1} if that is right", FOLDERS_ENV, source.parent),
         )
-    if is_there(source):
-        _check(source, folders, depth + 1, seen)
+    return _check(source, folders, depth + 1, seen) if is_there(source) else 0
 
 
 def _real(path: Path) -> Path:
@@ -267,7 +507,7 @@ def _places(vrt: Path, name: str, relative: str | None) -> Iterator[Path]:
 
 def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
     try:
-        with file.open("rb") as opened:
+        with open_foreign(file) as opened:
             return opened.read(size)
     except OSError as wrong:
         raise InvalidInput("{0}: cannot be read ({1})", file.name, wrong.strerror) from wrong
@@ -275,12 +515,19 @@ def _head(file: Path, size: int = _HEAD_BYTES) -> bytes:
 
 def _named(vrt: Path) -> list[tuple[str, str | None]]:
     """Names of data in a VRT, and whether each is relative to it ("1") as GDAL reads that."""
-    body = _head(vrt, MAX_VRT_BYTES + 1)
-    if len(body) > MAX_VRT_BYTES:
-        raise InvalidInput("{0}: is a VRT of more than {1} MB", vrt.name, MAX_VRT_BYTES >> 20)
     reader = _Reader(vrt)
+    _parse(vrt, reader)
+    return reader.found
+
+
+def _parse(file: Path, reader: _References, encoding: str = "utf-8") -> None:
+    """Read a VRT, or the file of GDAL's in XML beside a raster."""
+    body = _head(file, MAX_VRT_BYTES + 1)
+    body = body[3:] if body.startswith(codecs.BOM_UTF8) else body
+    if len(body) > MAX_VRT_BYTES:
+        raise InvalidInput("{0}: is a VRT of more than {1} MB", file.name, MAX_VRT_BYTES >> 20)
     expat: Any = importlib.import_module("xml.parsers.expat")
-    parser = expat.ParserCreate("utf-8")
+    parser = expat.ParserCreate(encoding)
     parser.StartElementHandler = reader.start
     parser.EndElementHandler = reader.end
     parser.CharacterDataHandler = reader.text
@@ -290,21 +537,52 @@ def _named(vrt: Path) -> list[tuple[str, str | None]]:
     try:
         parser.Parse(body, True)
     except expat.ExpatError as broken:
-        raise InvalidInput("{0}: is a VRT that cannot be read ({1})", vrt.name, broken) from broken
-    return reader.found
+        raise InvalidInput("{0}: is a VRT that cannot be read ({1})", file.name, broken) from broken
 
 
-class _Reader:
+class _References:
+    """Looks for coordinate reference systems in XML of GDAL's that name files."""
+
+    def __init__(self, file: Path) -> None:
+        self._file = file
+        self._text: list[str] = []
+
+    def start(self, _name: str, attributes: dict[str, str]) -> None:
+        self._check_text()
+        for value in attributes.values():
+            _check_words(self._file, value)
+
+    def end(self, _name: str) -> None:
+        self._check_text()
+
+    def text(self, words: str) -> None:
+        self._text.append(words)
+
+    def between(self, *_: object) -> None:
+        """Take what is between texts for nothing, as GDAL does."""
+
+    def refuse(self, *_: object) -> None:
+        raise InvalidInput("{0}: has a document type, which GDAL writes none of", self._file.name)
+
+    def _check_text(self) -> None:
+        words, self._text = "".join(self._text), []
+        _check_words(self._file, words)
+
+
+class _Reader(_References):
     """Collects what a VRT names. GDAL takes an attribute for an element, in any case of letters."""
 
     def __init__(self, vrt: Path) -> None:
+        super().__init__(vrt)
         self.found: list[tuple[str, str | None]] = []
         self._vrt = vrt
         self._open: list[tuple[str, dict[str, str]]] = []
-        self._text: list[str] = []
+        self._counts: Counter[str] = Counter()
 
     def start(self, name: str, attributes: dict[str, str]) -> None:
         self._take_text()
+        self._count(name.lower())
+        _check_reads(self._vrt, len(self.found))
         name, given = name.lower(), {one.lower(): value for one, value in attributes.items()}
         if self._is_name(self._open[-1]) if self._open else False:
             self.refuse()
@@ -317,6 +595,24 @@ class _Reader:
                 self.found.append((value, None))
             elif name not in _TEXTS and one != "key" and _ELSEWHERE.search(value):
                 self.refuse()
+
+    def _count(self, name: str) -> None:
+        self._counts[""] += 1
+        if self._counts[""] > MAX_XML_ELEMENTS or len(self._open) >= MAX_XML_DEPTH:
+            raise InvalidInput(
+                "{0}: is a VRT of more than {1:,} elements, or of more than {2:,} within each other",
+                self._vrt.name,
+                MAX_XML_ELEMENTS,
+                MAX_XML_DEPTH,
+            )
+        if name not in _MOST:
+            return
+        if name == "vrtrasterband":
+            self._counts["overview"] = 0
+        self._counts[name] += 1
+        most, what = _MOST[name]
+        if self._counts[name] > most:
+            _refuse_number(self._vrt, self._counts[name], most, what)
 
     def end(self, _name: str) -> None:
         self._take_text()

@@ -22,8 +22,9 @@ from numpy.typing import NDArray
 from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
+from ..overflown import Overflown
 from ..plan import Plan
-from ..relief import Overflown, no_ground
+from ..relief import no_ground
 from .sorties import continuous
 
 Floats = NDArray[np.float64]

@@ -18,8 +18,9 @@ from ...geodesy.ways import way_around
 from ..area import Points, Polygon
 from ..mission import Mission
 from ..no_fly import in_no_fly
+from ..overflown import Overflown, Profile
 from ..parts import GROUND, HOVER, ONE_WAY
-from ..relief import Overflown, Profile, ReliefBelow, no_ground
+from ..relief import ReliefBelow, no_ground
 from .motion import legs
 
 Floats = NDArray[np.float64]

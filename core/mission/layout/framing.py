@@ -488,7 +488,8 @@ class CameraFraming:
                 raise _too_fine(mission.pixels.gsd_m_per_px, finest_m)
             width = ground_m / mission.pixels.gsd_m_per_px
         elif mission.pixels.zoom is not None:
-            width = ground_m / self._pixels_m(layout, mission.pixels.zoom)
+            zoom = _checked_zoom(mission.pixels.zoom, mission, grid)
+            width = ground_m / self._pixels_m(layout, zoom)
         elif not mission.pixels.upsample:
             shown = ground_m / self._pixels_m(layout, _highest(mission, grid))
             width = np.minimum(width, np.maximum(shown, max(1.0, aspect)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shutil
+import sys
 
 import numpy as np
 import pytest
@@ -237,3 +238,106 @@ def test_a_run_is_cancelled_between_queries(benchmark):
     )
     assert found is None
     assert told == [(1, 24), (2, 24)]
+
+
+#: Methods whose answers are of other types than plain ones, or whose faults cannot be printed.
+ODD = """
+import itertools
+import numpy as np
+from terrainav.core.benchmark.answers import Answer
+
+def generator(benchmark, gallery):
+    ids = [benchmark.references.id[at] for at in gallery]
+    return lambda query: Answer((name for name in ids), np.float32(35.0), np.array([-90.0]))
+
+def answers(benchmark, gallery):
+    yield Answer()
+
+def gives(benchmark, gallery):
+    return lambda query: (one for one in [Answer()])
+
+def endless(benchmark, gallery):
+    return lambda query: Answer(itertools.cycle(["a"]))
+
+def lists(benchmark, gallery):
+    return lambda query: Answer([["a"]])
+
+def numbers(benchmark, gallery):
+    return lambda query: Answer([7])
+
+def far(benchmark, gallery):
+    return lambda query: Answer(lat_deg=91.0, lon_deg=0.0)
+
+def infinite(benchmark, gallery):
+    return lambda query: Answer(height_m=float("inf"))
+
+class Mute(Exception):
+    def __str__(self):
+        raise ValueError("no words")
+
+class Wrong(Exception):
+    def __str__(self):
+        return 7
+
+class Shy:
+    def __repr__(self):
+        raise ValueError("no words")
+
+def mute(benchmark, gallery):
+    def locate(query):
+        raise Mute()
+    return locate
+
+def wrong(benchmark, gallery):
+    raise Wrong()
+
+def shy(benchmark, gallery):
+    return lambda query: Shy()
+
+def shy_itself(benchmark, gallery):
+    return Shy()
+
+def late(benchmark, gallery):
+    def names():
+        yield benchmark.references.id[0]
+        raise Mute()
+    return lambda query: Answer(names())
+"""
+
+
+@pytest.fixture
+def odd(tmp_path, monkeypatch):
+    (tmp_path / "odd.py").write_text(ODD)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "odd", raising=False)
+
+
+def test_answers_may_be_of_any_type_that_can_be_read(odd, benchmark):
+    found = run_method(benchmark, method_named("odd:generator"))
+    assert (found.ranking >= 0).all()
+    assert found.ranking.shape[1] == len(benchmark.gallery(""))
+    assert found.pose[:, :2].tolist() == [[35.0, -90.0]] * len(found.index)
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("answers", "no function of a query"),
+        ("gives", "no Answer"),
+        ("endless", "more references than there are"),
+        ("lists", "no text"),
+        ("numbers", "no text"),
+        ("far", "91, 0 is not on the Earth"),
+        ("infinite", "height_m inf: must be a finite number"),
+        ("mute", "failed with Mute: <Mute, which cannot be printed>"),
+        ("wrong", "failed with Wrong: <Wrong, which cannot be printed>"),
+        ("shy", "<Shy, which cannot be printed>, which is no Answer"),
+        ("shy_itself", "<Shy, which cannot be printed>, which is no function of a query"),
+        ("late", "cannot be read: Mute: <Mute, which cannot be printed>"),
+    ],
+)
+def test_a_method_of_another_kind_is_refused_in_one_line(odd, benchmark, name, said):
+    with pytest.raises(InvalidInput, match="method") as refused:
+        run_method(benchmark, method_named(f"odd:{name}"))
+    assert said in str(refused.value)
+    assert "\n" not in str(refused.value)

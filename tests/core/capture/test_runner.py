@@ -79,7 +79,7 @@ def test_every_picture_is_there_and_each_part_was_fetched_once(in_one_go):
         assert {path.name for path in (folder / map_type).iterdir()} == {
             f"{name}.tif" for name in worked_out.names
         } | {"meta_data.csv"}
-    files = {"mission.json", "plan.csv", "footprints.geojson", "journal.jsonl"}
+    files = {"mission.json", "begun.json", "plan.csv", "footprints.geojson", "journal.jsonl"}
     assert {path.name for path in folder.iterdir()} == files | set(MISSION.imagery.map_types)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import threading
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 
 import numpy as np
 import pyproj
@@ -328,3 +329,113 @@ def test_tiles_with_encoded_heights_over_http(encoding, encode, step_m):
     finally:
         server.shutdown()
         server.server_close()
+
+
+_GEOGRAPHIC = pyproj.CRS.from_epsg(4326).to_wkt()
+_DEPTH = (
+    'VERTCRS["EGM96 depth",VDATUM["EGM96 geoid",ID["EPSG",5171]],CS[vertical,1],AXIS["depth",down],{unit}]'
+)
+
+
+def _compound(vertical):
+    return f'COMPOUNDCRS["x",{pyproj.CRS.from_epsg(32618).to_wkt()},{vertical}]'
+
+
+def _described(path, system):
+    """Give a raster a coordinate reference system by the file beside it, as GDAL does that cannot write it inside."""
+    import html
+
+    Path(path + ".aux.xml").write_text(f"<PAMDataset><SRS>{html.escape(system)}</SRS></PAMDataset>")
+    return path
+
+
+@pytest.mark.parametrize("library", [GdalFile, RasterioFile])
+@pytest.mark.parametrize(
+    ("unit", "unit_m"),
+    [('LENGTHUNIT["metre",1]', 1.0), ('LENGTHUNIT["foot",0.3048]', 0.3048)],
+    ids=["m", "ft"],
+)
+def test_values_along_an_axis_that_points_down_are_depths(tmp_path, monkeypatch, library, unit, unit_m):
+    if library is RasterioFile:
+        pytest.importorskip("rasterio", reason="rasterio is the extra `raster`")
+    monkeypatch.setattr(raster_source, "opener", lambda: library)
+    system = _compound(_DEPTH.replace("{unit}", unit))
+    assert pyproj.CRS.from_wkt(system).sub_crs_list[1].axis_info[0].direction == "down"
+    path = _described(written(tmp_path / "dem.tif", HEIGHTS, crs=None), system)
+    column, row = RNG.uniform(1.0, COLUMNS - 1.0, 50), RNG.uniform(1.0, ROWS - 1.0, 50)
+    lat, lon = places(32618, column, row)
+    found, _ = asked([path], lat, lon)
+    vertical = _DEPTH.replace("{unit}", unit)
+    to_ellipsoid = pyproj.Transformer.from_crs(
+        f'COMPOUNDCRS["y",{_GEOGRAPHIC},{vertical}]', 4979, always_xy=True
+    )
+    wanted = to_ellipsoid.transform(lon, lat, bilinear(HEIGHTS, column, row))[2]
+    assert found == pytest.approx(wanted, abs=0.02)
+    assert (wanted - to_ellipsoid.transform(lon, lat, 0.0 * lat)[2] < 0.0).all()
+    # A unit of the user's is one of depths, too.
+    found, _ = asked([path], lat, lon, unit="us-ft")
+    wanted = to_ellipsoid.transform(lon, lat, bilinear(HEIGHTS, column, row) * (1200.0 / 3937.0) / unit_m)[2]
+    assert found == pytest.approx(wanted, abs=0.02)
+    with pytest.raises(
+        InvalidInput, match=r"^dem\.tif: its vertical axis points down, and that of EGM96 height up"
+    ):
+        asked([path], lat, lon, datum="EGM96")
+
+
+def test_heights_named_by_the_code_of_depths_are_depths(tmp_path, monkeypatch):
+    path = written(tmp_path / "dem.tif")
+    column, row = np.array([10.0, 60.0]), np.array([20.0, 30.0])
+    # PROJ has no way from any code of depths to the ellipsoid here: that of EGM96 stands in for it.
+    monkeypatch.setattr(Datum, "check", lambda _: None)
+    datum = Datum.named("EPSG:5715", 0.3048)
+    assert datum.unit_m == -0.3048
+    assert Datum.named("EGM96", 0.3048).unit_m == 0.3048
+    monkeypatch.setattr(Datum, "heights_m", lambda _, lat, __: np.full(np.shape(lat), 7.0))
+    found, _ = asked([path], *places(32618, column, row), datum="EPSG:5715")
+    assert found == pytest.approx(7.0 - bilinear(HEIGHTS, column, row), abs=1e-4)
+
+
+def test_a_file_of_heights_is_no_file_of_depths(tmp_path, monkeypatch):
+    monkeypatch.setattr(Datum, "check", lambda _: None)
+    path = _described(written(tmp_path / "dem.tif", crs=None), _compound(pyproj.CRS.from_epsg(5773).to_wkt()))
+    with pytest.raises(
+        InvalidInput, match=r"^dem\.tif: its vertical axis points up, and that of MSL depth down"
+    ):
+        asked([path], *places(32618, np.array([10.0]), np.array([20.0])), datum="EPSG:5715")
+
+
+@pytest.mark.parametrize("unit", ["0", "-1"])
+def test_units_of_heights_that_are_none_are_refused(tmp_path, unit):
+    vertical = f'VERTCRS["v",VDATUM["v"],CS[vertical,1],AXIS["h",up],LENGTHUNIT["x",{unit}]]'
+    path = _described(written(tmp_path / "dem.tif", crs=None), _compound(vertical))
+    with pytest.raises(InvalidInput, match=f"unit 'x' of {unit}: must be greater than 0"):
+        asked([path], *places(32618, np.array([10.0]), np.array([20.0])))
+
+
+@pytest.mark.parametrize(("scale", "offset"), [(0.0, 1.0), (np.nan, 0.0), (np.inf, 0.0), (1.0, np.nan)])
+def test_a_scale_that_leaves_no_heights_is_refused(tmp_path, scale, offset):
+    path = written(tmp_path / "dem.tif")
+    dataset = gdal.Open(path, gdal.GA_Update)
+    dataset.GetRasterBand(1).SetScale(scale)
+    dataset.GetRasterBand(1).SetOffset(offset)
+    dataset = None
+    with pytest.raises(InvalidInput, match=r"^dem\.tif: its heights have the scale .*: must be finite"):
+        asked([path], *places(32618, np.array([10.0]), np.array([20.0])))
+
+
+@pytest.mark.parametrize("nodata", [None, -32768.0])
+def test_a_scaled_band_s_stored_void_is_no_ground(tmp_path, nodata):
+    stored = np.rint(HEIGHTS * 10.0)
+    stored[20:30, 30:50] = -9999.0
+    path = written(tmp_path / "dem.tif", stored, data_type=gdal.GDT_Int16, nodata=nodata)
+    dataset = gdal.Open(path, gdal.GA_Update)
+    dataset.GetRasterBand(1).SetScale(0.1)
+    dataset = None
+    lat, lon = places(32618, np.array([40.0]), np.array([25.0]))
+    if nodata is None:
+        with pytest.raises(InvalidInput, match=r"^dem\.tif: height -999\.9 m at .*stands for no data"):
+            asked([path], lat, lon)
+    else:
+        # Another value stands for no data: this one is a height.
+        found, _ = asked([path], lat, lon)
+        assert found == pytest.approx([-999.9], abs=1e-3)

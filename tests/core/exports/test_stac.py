@@ -437,12 +437,12 @@ def test_images_in_stores_that_are_in_no_shards_are_objects(mapped, tmp_path):
 
 
 def test_a_store_that_refuses_is_one_line(monkeypatch):
-    def refuse(*_, **__):
+    async def refuse(*_, **__):
         raise PermissionError("AccessDenied")
 
     with s3_store(monkeypatch) as address:
         place = in_shards(f"{address}/out")
-        monkeypatch.setattr(place.fs, "pipe_file", refuse)
+        monkeypatch.setattr(place.fs, "_pipe_file", refuse)
         with pytest.raises(
             OutputError, match=r"^s3://data/out/items\.parquet: access is refused: the credentials"
         ):

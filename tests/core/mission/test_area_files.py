@@ -11,6 +11,7 @@ import pytest
 from terrainav.core import safe_xml
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
+from terrainav.core.limits import MAX_POLYGONS
 from terrainav.core.mission import area_files
 from terrainav.core.mission.area import Polygon, Polygons
 from terrainav.core.mission.area_files import load_area, load_no_fly
@@ -422,3 +423,42 @@ def test_spaces_around_corners_take_time_in_proportion(tmp_path):
         assert load_area(path).rings[0][:3] == ((8.0, 47.0), (9.0, 47.0), (9.0, 48.0))
 
     assert growth(read, 10_000) < PROPORTIONAL
+
+
+def squares(corners):
+    """GeoJSON of squares, by their south-western corners."""
+    rings = ([[x, y], [x + 0.001, y], [x + 0.001, y + 0.001], [x, y + 0.001], [x, y]] for x, y in corners)
+    shapes = [{"type": "Polygon", "coordinates": [ring]} for ring in rings]
+    return json.dumps({"type": "GeometryCollection", "geometries": shapes})
+
+
+def test_equal_polygons_are_checked_once(tmp_path, monkeypatch):
+    path = tmp_path / "same.geojson"
+    path.write_text(squares([(10.0, 45.0)] * 20_000))
+    checked = []
+    monkeypatch.setattr(area_files, "check_rings", checked.append)
+    assert isinstance(load_area(path), Polygon)
+    assert len(checked) == 1
+
+
+def test_more_polygons_than_are_laid_out_are_refused(tmp_path):
+    path = tmp_path / "many.geojson"
+    path.write_text(squares((10.0 + one * 1e-9, 45.0) for one in range(MAX_POLYGONS + 1)))
+    with pytest.raises(InvalidInput, match="holds more than 10,000 polygons"):
+        load_area(path)
+
+
+def test_sides_beside_each_other_without_measure_are_refused(tmp_path):
+    """Each of 40,000 sides of a comb shares its longitudes with half of the others: 400 million pairs."""
+    count = 20_000
+    comb = [
+        corner
+        for one in range(count // 2)
+        for corner in ([10.0, 45 + 2 * one / count], [11.0, 45 + 2 * one / count],
+                       [11.0, 45 + (2 * one + 1) / count], [10.001, 45 + (2 * one + 1) / count])
+    ]  # fmt: skip
+    ring = [*comb, [9.0, 46.0], [9.0, 45.0], comb[0]]
+    path = tmp_path / "comb.geojson"
+    path.write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
+    with pytest.raises(InvalidInput, match=r"pairs of them share a longitude; 100,000,000 at most"):
+        load_area(path)

@@ -16,7 +16,7 @@ from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.camera import Camera  # noqa: E402
 from terrainav.core.geodesy.mercator import PixelGrid  # noqa: E402
 from terrainav.core.geodesy.projections import LocalPlane  # noqa: E402
-from terrainav.core.mission import relief as mission_relief  # noqa: E402
+from terrainav.core.mission import overflown  # noqa: E402
 from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
 from terrainav.core.mission.export import write_plan  # noqa: E402
 from terrainav.core.mission.flight.path import TRANSIT  # noqa: E402
@@ -160,7 +160,7 @@ def test_a_detour_keeps_clear_of_the_tower_that_it_passes(dem, tmp_path, ending)
 def test_places_far_apart_are_flown_between_over_the_finest_heights(dem, tmp_path, monkeypatch):
     """More relief than is read at once: towers narrower than cells of what holds all of it."""
     monkeypatch.setattr(elevation, "MOST_CELLS", 1 << 17)
-    monkeypatch.setattr(mission_relief, "_SIDE_CELLS", 64)
+    monkeypatch.setattr(overflown, "_SIDE_CELLS", 64)
     mission = Mission(
         box(60.0, 180.0, 180.0, 60.0),
         45.0,
@@ -173,7 +173,7 @@ def test_places_far_apart_are_flown_between_over_the_finest_heights(dem, tmp_pat
     made = worked_out(mission)
     lat, lon = made.path.lat_deg, made.path.lon_deg
     whole = made.relief.around(lat, lon, 0.0)
-    assert isinstance(whole, mission_relief.OverflownInParts)
+    assert isinstance(whole, overflown.OverflownInParts)
     # The squares together are what one surface is.
     monkeypatch.setattr(elevation, "MOST_CELLS", 1 << 23)
     at_once, plane = made.relief._read_around(lat, lon, 0.0), LocalPlane(float(lat[0]), float(lon[0]))

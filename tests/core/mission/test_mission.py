@@ -466,3 +466,10 @@ def test_an_angle_that_no_version_took_is_refused(flight, says):
     box = {"type": "box", "north_deg": 1, "west_deg": 0, "south_deg": 0, "east_deg": 1}
     with pytest.raises(InvalidInput, match=says):
         Mission.from_dict({"schema": 2, "area": box, "flight": {"agl_m": 100, **flight}})
+
+
+@pytest.mark.parametrize("imagery", [{"source": "a\0b"}, {"imageries": ("x=a\0b",)}])
+def test_a_source_with_a_nul_is_refused_in_a_line(imagery):
+    with pytest.raises(InvalidInput, match="holds a NUL character") as wrong:
+        Mission(Box(35.14, -89.87, 35.13, -89.86), 120.0, **imagery)
+    assert "\0" not in str(wrong.value)

@@ -564,6 +564,11 @@ def test_names_are_the_published_ones():
             "resolve 4e-08 m",
         ),
         (Mission(AGRICENTER, 120.0, zoom=23), "zoom 23: the source has 0 to 22"),
+        (Mission(AGRICENTER, 120.0, zoom=28913, tilt_deg=30.0), "zoom 28913: the source has 0 to 22"),
+        (
+            Mission(AGRICENTER, 120.0, zoom=10**18, row_azimuth_deg=30.0),
+            f"zoom {10**18}: the source has 0 to 22",
+        ),
         (Mission(Points(((35, -89, 0.01),)), 0.01, zoom=5), "under one pixel"),
         (
             Mission(Points(((35, -89, 120.0),)), 120.0, camera=Camera(60.0, 1e4), tilt_deg=1.0),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import re
@@ -13,6 +14,7 @@ from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.cli.exits import BAD_INPUT
 from terrainav.core.errors import Cancelled, InvalidInput
+from terrainav.core.exports.views import Views
 from terrainav.core.geodesy.camera import image_axes
 from terrainav.core.geodesy.local import LocalFrame
 from terrainav.core.geodesy.projections import geodesics
@@ -422,6 +424,37 @@ def test_images_with_the_horizon_end_where_they_look_too_flat(tmp_path):
         < max(result.width_px, result.height_px)
         < 2.2 * 100.0 * math.tan(math.radians(80.0)) / math.cos(math.radians(35.13))
     )
+
+
+@pytest.mark.parametrize("frame", ["camera", "map"])
+@pytest.mark.parametrize(
+    ("column", "cell"),
+    [("pose_lat_deg", "1e30"), ("pose_lon_deg", "inf"), ("agl_m", "1e400"), ("tilt_deg", "-inf")],
+)
+def test_poses_that_are_nowhere_are_refused_by_name(tmp_path, frame, column, cell):
+    captured(tmp_path / "set", frame=frame)
+    _write_cell(tmp_path / "set", column, cell)
+    with pytest.raises(InvalidInput, match=rf"^image .*: {column} .* in its table: must be from -"):
+        make_orthomosaic(tmp_path / "set")
+
+
+@pytest.mark.parametrize("column", ["pose_lat_deg", "pose_lon_deg", "agl_m", "tilt_deg"])
+def test_camera_frames_need_poses(tmp_path, column):
+    captured(tmp_path / "set", tilt_deg=10.0)
+    _write_cell(tmp_path / "set", column, "")
+    for wants in (make_orthomosaic, Views.read):
+        with pytest.raises(InvalidInput, match=f"its table has no {column} of it"):
+            wants(tmp_path / "set")
+
+
+def _write_cell(folder, column, cell):
+    """Change a cell of a table's first row."""
+    path = folder / "satellite" / "meta_data.csv"
+    with path.open(newline="") as file:
+        rows = list(csv.reader(file))
+    rows[1][rows[0].index(column)] = cell
+    with path.open("w", newline="") as file:
+        csv.writer(file).writerows(rows)
 
 
 @pytest.mark.parametrize("gsd_m", [0.0, -1.0, math.nan])

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import platform
 import sys
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
 from uuid import uuid4
 
 from terrainav.core.capture import holding
-from terrainav.core.capture.blocks.engines import Engine, open_engine
+from terrainav.core.capture.begun import BEGUN_FILE
+from terrainav.core.capture.blocks.engines import Engine, _Workers, open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
 from terrainav.core.capture.runner import capture
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.resources import version
 from terrainav.core.stores import put, store_path
 
 from tests.core.remedies.files import extra_brings
@@ -128,6 +131,48 @@ def _not_installed(case: Case) -> None:
         case.follow("install it on each, of the same version", go)
 
 
+@remedy("capture/blocks/running.py", "workers: not all have what TerrAInav needs ({}); install it on each")
+def _not_whole(case: Case) -> None:
+    with Failing(ModuleNotFoundError("No module named 'pyproj'")) as workers:
+        engine = Engine(workers, lambda: 1)
+        place = case.tmp_path / "out"
+
+        def go():
+            return capture(
+                plan(MISSION, SOURCE.grid), SOURCE, place, executor=engine, blocks=Blocks(), resume=True
+            )
+
+        case.refused(go)
+        workers.wrong = None
+        case.follow("install it on each", go)
+
+
+class _Asked:
+    """A client of a cluster of one worker."""
+
+    answer: object
+
+    def nthreads(self):
+        return {"tcp://127.0.0.1:1": 1}
+
+    def run(self, *_, **__):
+        return {"tcp://127.0.0.1:1": self.answer}
+
+
+@remedy(
+    "capture/blocks/engines.py",
+    "cluster: {} of {} workers cannot make blocks: {} {}; install it there: pip install 'terrainav[cluster]=={}'",
+)
+def _worker_without(case: Case) -> None:
+    client = _Asked()
+    client.answer = ModuleNotFoundError("No module named 'terrainav'", name="terrainav")
+    case.refused(lambda: _Workers(client).slots())
+    client.answer = (platform.python_version(), version(), True)
+    case.follow(
+        f"install it there: pip install 'terrainav[cluster]=={version()}'", lambda: _Workers(client).slots()
+    )
+
+
 @remedy("capture/holding.py", "address {}: another run is at work there; wait until it has ended")
 def _at_work(case: Case) -> None:
     case.monkeypatch.setattr(holding, "BEAT_S", 0.1)
@@ -149,6 +194,37 @@ def _at_work(case: Case) -> None:
         captured(address, resume=True)
 
     case.follow("wait until it has ended", ended)
+
+
+@remedy(
+    "capture/begun.py",
+    "{}: its {} cannot be read ({}), so it is not known how it was begun; choose another folder",
+)
+def _torn_settings(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    (case.tmp_path / "out" / BEGUN_FILE).write_bytes(b"{")
+    case.refused(lambda: captured(case.tmp_path / "out", resume=True))
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other"))
+
+
+@remedy(
+    "capture/begun.py",
+    "{}: its {} was edited since the capture began: {}; put it back as it was or choose another folder",
+)
+def _edited(case: Case) -> None:
+    captured(case.tmp_path / "out")
+    mark = case.tmp_path / "out" / "mission.json"
+    text = mark.read_bytes()
+    other = MISSION.with_(seed=8)
+    other.save(mark)
+    case.refused(lambda: captured(case.tmp_path / "out", other, resume=True))
+
+    def put_back():
+        mark.write_bytes(text)
+        captured(case.tmp_path / "out", resume=True)
+
+    case.follow("put it back as it was", put_back)
+    case.follow("choose another folder", lambda: captured(case.tmp_path / "other", other))
 
 
 @remedy(

@@ -20,11 +20,13 @@ from terrainav.core.imagery.http.transport import Response
 from terrainav.core.imagery.opening import kind_of, named_source, open_source
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.raster import reading as raster_files
+from terrainav.core.imagery.raster import sizes, trust
 from terrainav.core.imagery.raster.source import open_raster
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
 from terrainav.core.imagery.template import check_address
 from terrainav.core.imagery.xyz import XYZSource
+from terrainav.core.limits import MAX_RASTER_BANDS
 
 from tests.core.remedies.files import extra_brings
 from tests.support.ranges import RangeServer
@@ -566,3 +568,88 @@ def _whole_files_only(case: Case) -> None:
         server.files["/r.tif"], server.sends_parts = (path.read_bytes(), '"one"'), False
         case.refused(lambda: read(f"{server.url}/r.tif"))
     case.follow("name a copy of it on this machine", lambda: read(path))
+
+
+def _made_by_gdal(case: Case, path, *words, name="less.tif"):
+    """What ``gdal_translate`` makes of a file with these words."""
+    from osgeo import gdal
+
+    target = case.tmp_path / name
+    gdal.Translate(str(target), str(path), options=list(words)).FlushCache()
+    return target
+
+
+@remedy(
+    "imagery/raster/sizes.py",
+    "has {} bands: must be at most {}; make a copy of those that you need, with gdal_translate -b",
+)
+def _too_many_bands(case: Case) -> None:
+    path = raster(case, bands=MAX_RASTER_BANDS + 1, size=1)
+    case.refused(lambda: read(path))
+    case.follow(
+        "make a copy of those that you need, with gdal_translate -b",
+        lambda: read(_made_by_gdal(case, path, "-b", "1", "-b", "2", "-b", "3")),
+    )
+
+
+@remedy(
+    "imagery/raster/sizes.py",
+    "has {} overviews: must be at most {}; make a copy without them, with gdal_translate",
+)
+def _too_many_overviews(case: Case) -> None:
+    path = raster(case)
+    case.monkeypatch.setattr(sizes, "MAX_RASTER_OVERVIEWS", 1)
+    from osgeo import gdal
+
+    gdal.Open(str(path), gdal.GA_Update).BuildOverviews("NEAREST", [2, 4])
+    case.refused(lambda: read(path))
+    case.follow("make a copy without them, with gdal_translate", lambda: read(_made_by_gdal(case, path)))
+
+
+@remedy(
+    "imagery/raster/sizes.py",
+    "is decoded in blocks of {}x{} px, {} MB each: must be at most {} MB; "
+    "make a copy in tiles, with gdal_translate -co TILED=YES",
+)
+def _large_blocks(case: Case) -> None:
+    path = raster(case, size=1024)
+    case.monkeypatch.setattr(sizes, "MAX_RASTER_BLOCK_BYTES", 1 << 18)
+    from osgeo import gdal
+
+    strip = _made_by_gdal(case, path, "-co", "COMPRESS=LZW", "-co", "BLOCKYSIZE=1024", name="s.tif")
+    assert gdal.Open(str(strip)).GetRasterBand(1).GetBlockSize() == [1024, 1024]
+    case.refused(lambda: read(strip))
+    case.follow(
+        "make a copy in tiles, with gdal_translate -co TILED=YES",
+        lambda: read(_made_by_gdal(case, strip, "-co", "TILED=YES")),
+    )
+
+
+@remedy(
+    "imagery/raster/sizes.py",
+    "{} has more than {} directories; make a copy of its first image, with gdal_translate",
+)
+def _many_directories(case: Case) -> None:
+    path = raster(case)
+    case.monkeypatch.setattr(sizes, "MAX_TIFF_DIRECTORIES", 1)
+    from osgeo import gdal
+
+    gdal.Open(str(path), gdal.GA_Update).BuildOverviews("NEAREST", [2, 4])
+    case.refused(lambda: read(path))
+    case.follow(
+        "make a copy of its first image, with gdal_translate", lambda: read(_made_by_gdal(case, path))
+    )
+
+
+@remedy(
+    "imagery/raster/trust.py",
+    "{} reads files more than {} times; make one raster of it, with gdal_translate",
+)
+def _many_sources(case: Case) -> None:
+    from osgeo import gdal
+
+    path = case.tmp_path / "m.vrt"
+    gdal.BuildVRT(str(path), [str(raster(case))]).FlushCache()
+    case.monkeypatch.setattr(trust, "MAX_VRT_SOURCES", 2)
+    case.refused(lambda: read(path))
+    case.follow("make one raster of it, with gdal_translate", lambda: read(_made_by_gdal(case, path)))

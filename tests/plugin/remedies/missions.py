@@ -11,6 +11,7 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.dataset import mosaic
 from terrainav.terrainav_plugin.dataset_window.tasks import CleanTask
+from terrainav.terrainav_plugin.foreign import check_vector
 from terrainav.terrainav_plugin.missions.plan_export import ExportTask
 
 from tests.plugin.remedies.panel import captured, single
@@ -299,3 +300,17 @@ def _same_tile(case: Case) -> None:
             return grey_images(folder) == set()
 
         case.follow(f"enter {DIGEST} under “Tiles to treat as missing” and run it again.", again)
+
+
+@remedy("foreign.py", "{path}: QGIS would open {other} in its place; rename the folder")
+def _another_file(case: Case) -> None:
+    path = case.tmp_path / "flights|layername=other" / "footprints.geojson"
+    path.parent.mkdir()
+    path.write_text('{"type": "FeatureCollection", "features": []}')
+    case.refused(lambda: check_vector(path))
+
+    def renamed():
+        check_vector(path.parent.rename(case.tmp_path / "flights") / path.name)
+        return True
+
+    case.follow("rename the folder", renamed)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import io
 import os
+import platform
 import signal
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, suppress
 
 import pytest
+from terrainav.core.capture.blocks import engines
 from terrainav.core.capture.blocks.engines import open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.runner import capture
@@ -21,6 +23,7 @@ from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.resources import version
 from terrainav.core.stores import get, sizes_in, store_path
 
 from tests.support.command import command
@@ -169,12 +172,24 @@ def process(*arguments: str) -> Iterator[None]:
             begun.terminate()
 
 
-def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
+@contextmanager
+def scheduler() -> Iterator[int]:
+    """A scheduler of Dask's; yields its port."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
+    module = ("-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
+    with process(*module, "--no-dashboard"):
+        yield port
+
+
+def worker(program: str, port: int) -> AbstractContextManager[None]:
+    return process(
+        "-c", program, f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", "--no-dashboard"
+    )
+
+
+def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
     run = command(tmp_path, monkeypatch, capsys)
-    scheduler = ("-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
-    worker = (f"tcp://127.0.0.1:{port}", "--nthreads", "1", "--no-nanny", "--no-dashboard")
 
     def captured():
         asked = ("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", "--max-px", "200")
@@ -182,15 +197,70 @@ def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
             *asked, "--block", "8", "--cluster", f"dask://127.0.0.1:{port}", "--data-dir", "out", "--resume"
         )
 
-    with process(*scheduler, "--no-dashboard"):
-        with process("-c", WITHOUT, *worker):
+    with scheduler() as port:
+        with worker(WITHOUT, port), worker_there(port):
             refused = captured()
-        with process("-c", WORKER, *worker):
+        assert refused.returncode == 3
+        last = refused.stderr.splitlines()[-1]
+        assert last.startswith("terrainav: cluster: 1 of 1 workers cannot make blocks: tcp://127.0.0.1:")
+        assert last.endswith(
+            f" has no TerrAInav; install it there: pip install 'terrainav[cluster]=={version()}'"
+        )
+        assert not (tmp_path / "out").exists()
+        with worker(WORKER, port):
             done = captured()
-    assert (refused.returncode, done.returncode) == (3, 0), done.stderr
-    last = refused.stderr.splitlines()[-1]
-    assert last.startswith("terrainav: workers: not all have TerrAInav 0.")
+    assert done.returncode == 0, done.stderr
     assert "4 images written, 0 failed" in done.stdout
+
+
+@contextmanager
+def worker_there(port: int) -> Iterator[None]:
+    """Wait until a scheduler has a worker."""
+    from distributed import Client
+
+    with Client(f"tcp://127.0.0.1:{port}", set_as_default=False) as client:
+        wait_for(lambda: len(client.nthreads()) == 1)
+    yield
+
+
+def wait_for(is_so) -> None:
+    until_s = time.monotonic() + 120.0
+    while not is_so():
+        assert time.monotonic() < until_s
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        (ModuleNotFoundError("No module named 'numpy'", name="numpy"), "has no numpy, which TerrAInav needs"),
+        (AttributeError("no version"), "cannot import TerrAInav (AttributeError: no version)"),
+        ((platform.python_version(), "0.0.9", True), f"has TerrAInav 0.0.9, and the run has {version()}"),
+        (("3.8.2", version(), True), f"has Python 3.8.2, and the run has {platform.python_version()}"),
+        ((platform.python_version(), version(), True), None),
+        (OSError("it has gone"), None),
+    ],
+)
+def test_what_a_worker_lacks_is_named(answer, said):
+    assert engines._problem(answer) == said
+
+
+def test_each_worker_is_asked_once_also_one_that_comes_later():
+    with scheduler() as port, worker(WORKER, port), open_engine(f"dask://127.0.0.1:{port}") as engine:
+        wait_for(lambda: engine.slots() == 1)
+        client = engine.executor._client
+        asked = []
+        run = client.run
+        client.run = lambda *arguments, **how: asked.append(how["workers"]) or run(*arguments, **how)
+        assert [engine.slots() for _ in range(5)] == [1] * 5
+        assert asked == []
+        with worker(WITHOUT, port):
+            wait_for(lambda: len(client.nthreads()) == 2)
+            with pytest.raises(
+                OutputError, match=r"cluster: 1 of 1 workers cannot make blocks: tcp://.* has no"
+            ):
+                engine.slots()
+        assert len(asked) == 1
 
 
 @pytest.mark.parametrize(
@@ -210,7 +280,7 @@ def test_workers_of_a_scheduler_that_is_there(tmp_path, monkeypatch, capsys):
 )
 def test_bad_input_is_one_line(options, said, bucket, tmp_path, monkeypatch, capsys):
     run = command(tmp_path, monkeypatch, capsys)
-    monkeypatch.setattr("terrainav.core.capture.blocks.engines._ANSWER_S", 0.5)
+    monkeypatch.setattr("terrainav.core.capture.blocks.engines.MAX_SCHEDULER_SILENCE_S", 0.5)
     places = () if "--data-dir" in options else ("--data-dir", "out")
     done = run("capture", "--coords", "35.16_-89.90_35.158_-89.898_120", *places, *options)
     assert done.returncode in (2, 3), done.stderr

@@ -1,13 +1,20 @@
 """Who runs blocks: what their processes are set to."""
 
 import asyncio
+import contextlib
+import gc
 import multiprocessing
 import os
+import socket
+import struct
+import threading
 import time
 
 import pytest
 from terrainav.core.capture.blocks import running
+from terrainav.core.capture.blocks.division import images_of
 from terrainav.core.capture.blocks.engines import open_engine
+from terrainav.core.errors import InvalidInput, OutputError
 
 distributed = pytest.importorskip("distributed", reason="needs Dask's distributed")
 #: Dask's own warnings, of ports that are taken and workers that are slow to end, are none of ours.
@@ -102,3 +109,86 @@ def test_a_cluster_ends_while_a_worker_is_begun_again(monkeypatch):
             time.sleep(0.01)
         time.sleep(0.1)
     assert set(multiprocessing.active_children()) <= others
+
+
+def _serve(data):
+    """Serve bytes to whoever connects; returns the port, and what ends it."""
+    server = socket.create_server(("127.0.0.1", 0))
+
+    def answer():
+        while True:
+            try:
+                connection, _ = server.accept()
+            except OSError:
+                return
+            with connection, contextlib.suppress(OSError):
+                connection.sendall(data)
+                connection.recv(1 << 16)
+
+    threading.Thread(target=answer, daemon=True).start()
+    return server.getsockname()[1], server.close
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        bytes(1 << 16),
+        # Announces more than any memory holds.
+        b"HTTP/1.1 400 Bad Request\r\n\r\n" * 100,
+        # A message of Dask's in msgpack that is none, and one that says nothing.
+        *(
+            struct.pack("<3Q", 8 + 8 + len(body), 1, len(body)) + body
+            for body in (b"\xc1" * 5, b"\x80", b"\x93" + b"\xc0" * 3)
+        ),
+    ],
+)
+def test_what_is_no_scheduler_is_told_in_one_line(data):
+    port, end = _serve(data)
+    try:
+        with (
+            pytest.raises(OutputError, match="no scheduler answers there"),
+            open_engine(f"dask://127.0.0.1:{port}"),
+        ):
+            pass
+        # What Dask has half made is not ended when it is collected, which takes 20 s and prints a traceback.
+        gc.collect()
+    finally:
+        end()
+
+
+@pytest.mark.parametrize(
+    "text", ["local:" + "9" * 5000, "dask://h:" + "9" * 5000, "dask://h:0", "dask://h:65536"]
+)
+def test_numbers_without_end_name_no_cluster(text):
+    with pytest.raises(InvalidInput, match="must be local:N"), open_engine(text):
+        pass
+
+
+def test_workers_that_cannot_be_begun_are_told_in_one_line(monkeypatch):
+    async def start(self):
+        raise RuntimeError("no process")
+
+    monkeypatch.setattr(distributed.nanny.WorkerProcess, "start", start)
+    with pytest.raises(OutputError) as refused, open_engine("local:1"):
+        pass
+    assert str(refused.value) == (
+        "cluster local:1: its processes cannot be started (RuntimeError: Nanny failed to start.)"
+    )
+
+
+def test_a_cluster_that_does_not_end_well_takes_nothing_back(monkeypatch):
+    close = distributed.LocalCluster.close
+
+    def fails(self, *arguments, **named):
+        close(self, *arguments, **named)
+        raise TimeoutError("late")
+
+    monkeypatch.setattr(distributed.LocalCluster, "close", fails)
+    with open_engine("local:1") as engine:
+        assert engine.executor.submit(os.getpid).result(timeout=60.0)
+
+
+@pytest.mark.parametrize("size", ["9" * 5000, "9" * 5000 + "MB", "9" * 300 + ".5MB"])
+def test_blocks_without_end_are_refused(size):
+    with pytest.raises(InvalidInput, match="must be 1 to"):
+        images_of(size, lambda: 1000.0)

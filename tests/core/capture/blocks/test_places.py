@@ -167,7 +167,7 @@ def test_a_store_that_stays_out_of_reach_ends_the_run(address, monkeypatch):
 
 def test_a_run_that_ends_leaves_the_mark_of_the_one_that_took_over(address):
     lock = store_path(f"{address}/run.lock")
-    with holding.held(store_path(address)):
+    with pytest.raises(OutputError, match="another run has taken over"), holding.held(store_path(address)):
         lock.write_bytes(b'{"run": "another", "beat": 0}')
     assert json.loads(get(lock))["run"] == "another"
 

@@ -376,10 +376,10 @@ def test_a_torn_shard_is_named_while_it_is_streamed(in_memory):
 def test_a_store_that_refuses_is_one_line(in_s3, monkeypatch):
     batches = Batches(in_s3, 4, **CHOICE)
 
-    def refused(*_args, **_options):
+    async def refused(*_args, **_options):
         raise PermissionError(f"403 {SECRET}")
 
-    monkeypatch.setattr(batches.samples.images.folder.fs, "cat_file", refused)
+    monkeypatch.setattr(batches.samples.images.folder.fs, "_call_s3", refused)
     with pytest.raises(OutputError, match="access is refused") as wrong:
         list(batches)
     assert SECRET not in str(wrong.value)

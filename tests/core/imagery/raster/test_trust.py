@@ -12,13 +12,14 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
+from terrainav.core.addresses import is_key_name  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E402
 from terrainav.core.imagery.opening import open_source  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.raster.trust import check_virtual, drivers_for  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
-from terrainav.core.imagery.template import check_address, is_key_name  # noqa: E402
+from terrainav.core.imagery.template import check_address  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
 from tests.support.services import ServiceServer  # noqa: E402
@@ -411,3 +412,28 @@ def test_names_that_keys_go_by(name):
 )
 def test_names_that_are_none_of_keys(name):
     assert not is_key_name(name)
+
+
+@pytest.mark.parametrize("name", ["map.tif.OVR", "map.tif.Ovr", "MAP.TIF.ovr"])
+def test_overviews_are_looked_through_in_any_case_of_letters(tmp_path, server, name):
+    """GDAL finds them in a list of the folder, and takes no notice of case there."""
+    path = rasters.write(tmp_path / "map.tif", np.full((3, SIZE, SIZE), 77, np.uint8), ON_GRID, 3857)
+    assert drivers_for(str(path))
+    (tmp_path / name).write_text(WMS.format(url=server.url))
+    with pytest.raises(InvalidInput, match="describes a service"):
+        drivers_for(str(path))
+    assert server.asked == []
+
+
+@pytest.mark.parametrize(
+    "name", ["map.tif.ovr", "map.tif.msk", "map.tif.aux.xml", "map.tif.aux", "map.tfw", "MAP.wld"]
+)
+def test_a_pipe_in_the_place_of_a_file_beside_a_raster_is_refused(tmp_path, name):
+    """GDAL would wait for it for good."""
+    path = rasters.write(tmp_path / "map.tif", np.full((3, SIZE, SIZE), 77, np.uint8), ON_GRID, 3857)
+    os.mkfifo(tmp_path / "other.tif.ovr")
+    (tmp_path / "map.tif.gone").symlink_to("nowhere")
+    assert drivers_for(str(path))
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(InvalidInput, match=f"{name}: is no regular file, and lies beside map.tif"):
+        drivers_for(str(path))

@@ -181,6 +181,8 @@ BEYOND = {
         f"more than {MAX_XML_DEPTH} deep",
     ),
     "elements": (lambda: "<a/>" * (2 * MAX_XML_ELEMENTS), "1,000,000 elements"),
+    "empty elements": (lambda: "<a/>" * MAX_XML_ELEMENTS, "1,000,000 elements"),
+    "small elements": (lambda: "<a b='' c='' d=''/>" * 800_000, "3,000,000 elements and attributes"),
     "attributes": (
         lambda: f"<a {' '.join(f'b{i}=%s' for i in range(300_000))}/>" % (("''",) * 300_000),
         "attributes of one",
@@ -205,6 +207,8 @@ BEYOND = {
         {f"{kind}, {name}": (kind, *case) for kind in ("wmts", "wms") for name, case in BEYOND.items()},
         [
             *(f"wmts, {name}" for name in ("depth", "attributes", "names of attributes", "styles")),
+            "wms, empty elements",
+            "wms, small elements",
             *(f"wms, {name}" for name in ("depth", "elements", "names", "layers")),
         ],
     ),

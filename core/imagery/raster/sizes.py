@@ -1,0 +1,165 @@
+"""How much of anything a raster may have: bands, overviews, directories of a TIFF, bytes of a block.
+
+A TIFF's directories are looked through before GDAL reads them, as a VRT may read any number of TIFFs.
+"""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from typing import IO, NamedTuple
+
+from ...errors import InvalidInput
+from ...files import open_foreign
+from ...limits import (
+    MAX_RASTER_BANDS,
+    MAX_RASTER_BLOCK_BYTES,
+    MAX_RASTER_ITEMS,
+    MAX_RASTER_OVERVIEWS,
+    MAX_TIFF_DIRECTORIES,
+)
+
+#: By the number of the version: how offsets, numbers of entries and entries are written, and where the first offset is.
+_FORMS = {42: ("I", 4, "H", "HHI4s"), 43: ("Q", 8, "Q", "HHQ8s")}
+#: Entries of a directory; libtiff refuses those with more.
+_MOST_ENTRIES = 4096
+#: Tags, by their numbers in the specification.
+_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS = 256, 257, 258, 259, 277, 278
+_PLANAR, _TILE_WIDTH, _TILE_HEIGHT, _TIE_POINTS = 284, 322, 323, 33922
+#: Types of whole numbers: of 1, 2, 4 and 8 bytes.
+_TYPES = {1: "B", 3: "H", 4: "I", 16: "Q"}
+_UNCOMPRESSED, _SEPARATE = 1, 2
+#: More rows than these in a single strip GDAL reads line by line, of uncompressed images, or of so few bits.
+_SPLIT_ROWS, _SPLIT_BITS = 2000, 8
+#: Tags whose first values are of interest, and bytes of an entry's value in files of 32 bits.
+_READ = frozenset([_WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS, _PLANAR, _TILE_WIDTH, _TILE_HEIGHT])
+_CLASSIC_BYTES = 4
+#: Numbers of a tie point.
+_TIE_POINT_NUMBERS = 6
+
+
+def check_counts(bands: int, overviews: int) -> None:
+    """Refuse more bands or overviews than there may be; raises InvalidInput with the reason alone."""
+    if bands > MAX_RASTER_BANDS:
+        raise InvalidInput(
+            "has {0:,} bands: must be at most {1:,}",
+            bands,
+            MAX_RASTER_BANDS,
+            remedy="make a copy of those that you need, with gdal_translate -b",
+        )
+    if overviews > MAX_RASTER_OVERVIEWS:
+        raise InvalidInput(
+            "has {0:,} overviews: must be at most {1:,}",
+            overviews,
+            MAX_RASTER_OVERVIEWS,
+            remedy="make a copy without them, with gdal_translate",
+        )
+
+
+def check_block(width: int, height: int, bytes_per_px: float) -> None:
+    """Refuse pixels that are decoded in blocks of too many bytes; raises InvalidInput with the reason alone."""
+    size = width * height * bytes_per_px
+    if size > MAX_RASTER_BLOCK_BYTES:
+        raise InvalidInput(
+            "is decoded in blocks of {0:,}x{1:,} px, {2:,.0f} MB each: must be at most {3:,} MB",
+            width,
+            height,
+            size / (1 << 20),
+            MAX_RASTER_BLOCK_BYTES >> 20,
+            remedy="make a copy in tiles, with gdal_translate -co TILED=YES",
+        )
+
+
+class _Entry(NamedTuple):
+    """An entry of a directory: how many values it has, and the first of them."""
+
+    length: int
+    value: int
+
+
+def check_directories(path: Path, head: bytes) -> None:
+    """Refuse a TIFF with more directories, control points or larger blocks than GDAL can read in reasonable time.
+
+    Parameters
+    ----------
+    head : bytes
+        What the file begins with; other files than TIFFs pass.
+
+    Raises
+    ------
+    InvalidInput
+    """
+    order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
+    form = _FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order and len(head) >= 16 else None
+    if form is None:
+        return
+    offset_kind, offset_at, count_kind, entry_kind = form
+    (at,) = struct.unpack_from(order + offset_kind, head, offset_at)
+    number = 0
+    try:
+        with open_foreign(path) as file:
+            while at:
+                number += 1
+                if number > MAX_TIFF_DIRECTORIES:
+                    raise InvalidInput(
+                        "{0} has more than {1:,} directories",
+                        path.name,
+                        MAX_TIFF_DIRECTORIES,
+                        remedy="make a copy of its first image, with gdal_translate",
+                    )
+                file.seek(at)
+                entries = _entries(file, order, count_kind, entry_kind)
+                _check_entries(path, entries)
+                (at,) = struct.unpack(order + offset_kind, file.read(struct.calcsize(offset_kind)))
+    except (OSError, OverflowError, ValueError, struct.error) as wrong:
+        if isinstance(wrong, InvalidInput):
+            raise
+        # GDAL says what is wrong with such a file.
+        return
+
+
+def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> dict[int, _Entry]:
+    """Entries of the directory that begins here, by their tags; the file is behind it then."""
+    (count,) = struct.unpack(order + count_kind, file.read(struct.calcsize(count_kind)))
+    if count > _MOST_ENTRIES:
+        raise ValueError(count)
+    size = struct.calcsize(order + entry_kind)
+    content = file.read(count * size)
+    behind = file.tell()
+    found: dict[int, _Entry] = {}
+    for tag, kind, length, values in struct.iter_unpack(order + entry_kind, content):
+        first = 0
+        if kind in _TYPES and tag in _READ:
+            own = order + _TYPES[kind]
+            if struct.calcsize(own) * length > len(values):
+                file.seek(struct.unpack(order + ("I" if len(values) == _CLASSIC_BYTES else "Q"), values)[0])
+                first = struct.unpack(own, file.read(struct.calcsize(own)))[0]
+            else:
+                first = struct.unpack_from(own, values)[0]
+        found.setdefault(tag, _Entry(length, first))
+    file.seek(behind)
+    return found
+
+
+def _check_entries(path: Path, entries: dict[int, _Entry]) -> None:
+    def value(tag: int, usual: int) -> int:
+        return entries[tag].value if tag in entries else usual
+
+    points = entries[_TIE_POINTS].length // _TIE_POINT_NUMBERS if _TIE_POINTS in entries else 0
+    if points > MAX_RASTER_ITEMS:
+        raise InvalidInput(
+            "{0} has {1:,} ground control points: must be at most {2:,}", path.name, points, MAX_RASTER_ITEMS
+        )
+    width, height = value(_WIDTH, 0), value(_HEIGHT, 0)
+    bits = value(_BITS, 1)
+    samples = 1 if value(_PLANAR, 1) == _SEPARATE else value(_SAMPLES, 1)
+    across, down = value(_TILE_WIDTH, 0), value(_TILE_HEIGHT, 0)
+    if not (across and down):
+        across, down = width, min(value(_ROWS, height), height)
+        is_split = value(_COMPRESSION, _UNCOMPRESSED) == _UNCOMPRESSED or bits <= _SPLIT_BITS
+        if is_split and down == height > _SPLIT_ROWS:
+            return
+    try:
+        check_block(across, down, samples * bits / 8)
+    except InvalidInput as wrong:
+        raise InvalidInput("{0} {1}", path.name, wrong) from wrong

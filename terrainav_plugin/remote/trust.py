@@ -1,0 +1,129 @@
+"""Servers and files that the user has agreed to in this profile of QGIS.
+
+A project, a dataset and a mission file name where imagery, heights and datasets come from, and may be somebody else's:
+nothing of it is asked until the user has agreed, as QGIS itself asks before it runs what a project holds. What a user
+has chosen or entered in this profile is agreed to; so are the shipped catalogue, the user's own sources, and layers and
+connections of QGIS.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+from urllib.parse import unquote
+
+from ...core.errors import InvalidInput
+from ...core.imagery.catalogue import shelf
+from ...core.imagery.entry import serving
+from ...core.imagery.template import host_of
+from ...core.safe_json import parse_json
+from ..settings import Settings
+
+if TYPE_CHECKING:
+    from ...core.mission.mission import Mission
+
+#: Places that are remembered, and characters of one of them: a name of 253 letters and what stands in it in braces.
+_MOST, _LONGEST = 1000, 1000
+#: Scheme and server of an address, placeholders and all; programs take one slash or several. A drive has one letter.
+_ADDRESS = re.compile(
+    r"(?<![a-z0-9+.-])([a-z0-9+.-]{2,}):[/\\]{1,9}"
+    r"((?:\{[^{}]*\}|\[[^\[\]]*\]|[^\s/\\?#&|'\"<>,{}\[\]]|[{}\[\]])+)",
+    re.IGNORECASE,
+)
+#: Path of a file that another machine has, as Windows writes it.
+_SHARE = re.compile(r"[\\/]{2}(?:[?.][\\/]+UNC[\\/]+)?[^\\/?.][^\\/]*", re.IGNORECASE)
+#: What GDAL reads more than the one file of.
+_VIRTUAL = re.compile(r"[\\/]vsi|\.vrt$", re.IGNORECASE)
+#: Names that lead to their address alone: in others it may be part of a bucket's key, or of an option that is not used.
+_BY_ADDRESS = re.compile(
+    r"(?:/vsi(?:zip|gzip|tar)/+){0,8}(?:/vsicurl(?:_streaming)?/|[a-z]+:)?https?:"
+    r"|/vsicurl\?url=https?(?::|%(?:25)?3A)[^&]*$",
+    re.IGNORECASE,
+)
+#: How often an address within an address is decoded.
+_MOST_DECODED = 3
+
+
+def sources_of(mission: Mission) -> tuple[str, ...]:
+    """What a mission names its imagery and its heights by."""
+    imagery = [one.source for one in mission.imagery.named] or [mission.imagery.source]
+    return (*imagery, *heights_of(mission))
+
+
+def heights_of(mission: Mission) -> tuple[str, ...]:
+    """What a mission names its heights by."""
+    return (*mission.terrain.elevation, *mission.terrain.surface)
+
+
+def strangers(texts: Iterable[str]) -> tuple[str, ...]:
+    """Servers and files that sources lead to and that the user has not agreed to; nothing is asked for it.
+
+    Parameters
+    ----------
+    texts : iterable of str
+        Sources as missions name them, addresses of datasets, paths of folders.
+
+    Returns
+    -------
+    tuple of str
+        Each once: ``https://host`` of an address, the name itself of a file by which GDAL reads others.
+    """
+    found = dict.fromkeys(one for text in texts for one in _places(text))
+    known = {*_agreed()} if found else set()
+    unknown = [one for one in found if one not in known and not _is_shipped(one)]
+    own = {*_own()} if unknown else set()
+    return tuple(one for one in unknown if one not in own)
+
+
+def agree(texts: Iterable[str]) -> None:
+    """Note that the user has chosen sources, or has agreed to what `strangers` returned of them."""
+    new = [one for one in strangers(texts) if len(one) <= _LONGEST]
+    if new:
+        Settings().agreed = json.dumps([*_agreed(), *new][-_MOST:])
+
+
+def _agreed() -> list[str]:
+    try:
+        found = parse_json(Settings().agreed or "[]")
+    except InvalidInput:
+        return []
+    return [one for one in found if isinstance(one, str)] if isinstance(found, list) else []
+
+
+def _own() -> Iterator[str]:
+    """Places of the sources that the user has added."""
+    try:
+        entries = shelf().entries
+    except InvalidInput:
+        return
+    for entry in entries:
+        for url in entry.urls.values():
+            yield from _places(url)
+
+
+def _is_shipped(place: str) -> bool:
+    """Whether a place is a server of the shipped catalogue."""
+    return place.startswith("https://") and "{" not in place and serving(host_of(place)) is not None
+
+
+def _places(text: str) -> Iterator[str]:
+    """Servers that a text leads to, in whatever way it writes them; a file that leads on; nothing for all others."""
+    text = text.strip()
+    if text.startswith("qgis:"):
+        return
+    readings = [text]
+    while len(readings) <= _MOST_DECODED and (decoded := unquote(readings[-1])) != readings[-1]:
+        readings.append(decoded)
+    found = [
+        f"{scheme}://{server.rpartition('@')[2]}".lower()
+        for reading in readings
+        for scheme, server in _ADDRESS.findall(reading)
+    ]
+    share = _SHARE.match(text)
+    if share is not None:
+        found.append(share[0].replace("\\", "/").lower())
+    if _VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text)):
+        found.append(text)
+    yield from found

@@ -1,0 +1,85 @@
+"""A capture of a process of its own that waits for files: ``python -m tests.support.overtaken KIND PLACE SIGNALS``.
+
+It makes the file ``asked`` when it first needs imagery, and goes on once ``go`` is there. KIND says what holds the
+place: ``no-locks`` has a file system without locks, ``lost`` one whose lock is lost in silence, as a server of files
+that was begun again loses it, ``flock`` an ordinary one. With ``-blocks`` the capture is in blocks.
+"""
+
+from __future__ import annotations
+
+import errno
+import fcntl
+import sys
+import time
+from pathlib import Path
+
+from terrainav.core.capture import holding
+from terrainav.core.capture.blocks.running import Blocks
+from terrainav.core.capture.runner import capture
+from terrainav.core.errors import TerrAInavError
+from terrainav.core.mission.area import Box
+from terrainav.core.mission.mission import Mission
+from terrainav.core.mission.plan import plan
+
+from tests.support.sources import NamedPattern, PatternSource
+
+MISSION = Mission(Box(35.142, -89.867, 35.140, -89.864), 120.0, max_px=100)
+PATIENCE_S = 120.0
+
+
+class Waiting(PatternSource):
+    """A source that answers once there is a file."""
+
+    def paint(self, map_type, part):
+        signals = Path(sys.argv[3])
+        (signals / "asked").touch()
+        until_s = time.monotonic() + PATIENCE_S
+        while not (signals / "go").exists() and time.monotonic() < until_s:
+            time.sleep(0.01)
+        return super().paint(map_type, part)
+
+
+def main() -> int:
+    """Capture; 3 where that is refused, as the command says it."""
+    kind, place, _ = sys.argv[1:]
+    # Who was stopped counts as dead soon.
+    holding.BEAT_S, holding.DEAD_S = 0.05, 0.5
+    if not kind.startswith("flock"):
+        fcntl.flock = _no_locks if kind.startswith("no-locks") else _lost_locks()
+    blocks = Blocks(2) if kind.endswith("-blocks") else None
+    source = NamedPattern(opens=Waiting) if blocks else Waiting()
+    try:
+        result = capture(plan(MISSION, source.grid), source, place, resume=True, blocks=blocks, workers=1)
+    except TerrAInavError as wrong:
+        print(wrong, file=sys.stderr)
+        return 3
+    print(f"{result.written} written, {len(result.failed)} failed")
+    return 0
+
+
+def _no_locks(_file, _how):
+    raise OSError(errno.ENOLCK, "No locks available")
+
+
+def _lost_locks():
+    """Locks within this process alone: it takes them for held, and others can have them, too."""
+    held = {}
+
+    def path_of(file):
+        return Path(f"/proc/self/fd/{file}").resolve()
+
+    def flock(file, how):
+        path = path_of(file)
+        if how & fcntl.LOCK_UN:
+            held.pop(path)
+            return
+        # What was closed is let go of.
+        if held.get(path, file) != file and path_of(held[path]) == path:
+            raise OSError(errno.EAGAIN, "held")
+        held[path] = file
+
+    return flock
+
+
+if __name__ == "__main__":
+    sys.exit(main())
