@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, asdict, fields
 from pathlib import Path
 from typing import Any
 
-from ..dataset.folder import MISSION_FILE, PLAN_FILE
+from ..dataset.folder import MISSION_FILE
 from ..errors import InvalidInput, Message, OutputError
-from ..files import json_bytes, open_foreign, read_limited, text_lines, write_whole
+from ..files import json_bytes, read_limited, write_whole
 from ..geodesy.camera import Camera
-from ..limits import MAX_SETTINGS_BYTES, MAX_TABLE_BYTES
-from ..mission.export.rows import POSE_COLUMNS, WINDOW_COLUMNS, batches
+from ..limits import MAX_SETTINGS_BYTES
 from ..mission.mission import Mission
 from ..mission.parts import FLAT_PARTS
-from ..mission.plan import Plan
 from ..safe_json import parse_json
 from ..stores import is_file
 from ..text import shortened
@@ -31,29 +27,18 @@ _SCHEMA = 1
 _LONGEST_CHARACTERS = 200
 #: Characters of a value, and changes, that a message shows.
 _SHOWN_CHARACTERS, _SHOWN_CHANGES = 60, 3
-#: Versions may differ in a number's last digits; who edits a plan changes more of it.
-_ABSOLUTE, _RELATIVE = 1e-6, 1e-9
 #: Parts whose fields have defaults.
 _DECLARED: dict[str, Any] = {**FLAT_PARTS, "camera": Camera}
 
 
-def hold_to_plan(root: Path, plan: Plan, mission: Mission) -> None:
+def hold_to_mission(root: Path, mission: Mission) -> None:
     """Hold a run to the mission that a capture was begun with, or note it; for the run that holds the place.
-
-    A dataset that an earlier version has begun says nothing but its plan, whose poses and windows have to be these.
 
     Raises
     ------
     OutputError
         ``mission.json`` was edited since; the message names each field with its old and new value.
     """
-    if _kept(root) is None:
-        _check_planned(root, plan)
-    hold_to_mission(root, mission)
-
-
-def hold_to_mission(root: Path, mission: Mission) -> None:
-    """Hold a run to a mission as `hold_to_plan` does, where there is no one plan."""
     hold_to(root, MISSION_FILE, _parts_of(mission))
 
 
@@ -182,36 +167,3 @@ def _shown(value: Any) -> Message | str:
             else Message("others")
         )
     return shortened(json.dumps(value, ensure_ascii=False), _SHOWN_CHARACTERS)
-
-
-def _check_planned(root: Path, plan: Plan) -> None:
-    """Raise OutputError where the plan that an earlier run has left is of other poses or windows."""
-    path = root / PLAN_FILE
-    if not is_file(path):
-        return
-    try:
-        with open_foreign(path, MAX_TABLE_BYTES) as file:
-            _compare(root, csv.DictReader(text_lines(file, "utf-8")), plan)
-    except (OSError, ValueError, csv.Error) as wrong:
-        raise _unreadable(path, getattr(wrong, "strerror", None) or wrong) from wrong
-
-
-def _compare(root: Path, rows: Iterator[dict[str, Any]], plan: Plan) -> None:
-    for batch in batches(plan):
-        columns = [name for name in (*POSE_COLUMNS, "time_utc", *WINDOW_COLUMNS) if name in batch]
-        for values in zip(*(batch[name] for name in columns)):
-            row = next(rows, None)
-            if row is None:
-                raise _edited(root, MISSION_FILE, [Message("it plans more images")])
-            for name, new in zip(columns, values):
-                # Earlier versions had fewer columns.
-                old = row.get(name) or str(new)
-                if old != str(new) and (isinstance(new, str) or not _is_near(float(old), new)):
-                    of_what = name if name == "name" else f"{values[0]} {name}"
-                    raise _edited(root, MISSION_FILE, [_change(of_what, old, str(new))])
-    if next(rows, None) is not None:
-        raise _edited(root, MISSION_FILE, [Message("it plans fewer images")])
-
-
-def _is_near(old: float, new: float) -> bool:
-    return math.isclose(old, new, rel_tol=_RELATIVE, abs_tol=_ABSOLUTE)

@@ -24,7 +24,7 @@ from ..imagery.source import Source, Window
 from ..mission.export import write_plan
 from ..mission.plan import Plan
 from ..stores import is_address, store_path
-from .begun import hold_to_plan
+from .begun import hold_to_mission
 from .folder import (
     captured_mission,
     check_captured,
@@ -159,7 +159,7 @@ def capture(
     path = open_folder(folder, mission, resume=resume or only_failed)
     listener = Listener(progress, cancelled, paused)
     with Journal(path / JOURNAL_FILE) as journal, kept(path / JOURNAL_FILE, journal.file) as check:
-        hold_to_plan(path, plan, mission)
+        hold_to_mission(path, mission)
         run = _Run(plan, source, path, journal, chosen, listener, check, only_failed=only_failed)
         making = Making(
             plan,

@@ -13,7 +13,7 @@ from ...limits import MAX_RECORD_BYTES, MAX_SETTINGS_BYTES
 from ...mission.plan import Plan
 from ...safe_json import parse_json
 from ...stores import is_address, is_file, sizes_in, store_path
-from ..begun import hold_to_plan
+from ..begun import hold_to_mission
 from ..choices import BLOCKS_FOLDER, DIVISION_FILE, FOLDERS, WEBDATASET
 from ..folder import captured_mission, is_complete, open_place, sizes_of_pictures
 from ..journal import FAILED
@@ -96,7 +96,7 @@ class Destination:
         """
         self._layout = layout
         self._check_blocks(layout, images)
-        hold_to_plan(self.root, self._plan, self._mission)
+        hold_to_mission(self.root, self._mission)
 
     def _check_blocks(self, layout: str, images: int) -> None:
         wanted: dict[str, Any] = {

@@ -317,32 +317,6 @@ def test_a_dataset_of_an_earlier_version_goes_on_and_is_held_from_then_on(earlie
         captured(MISSION.with_(seed=8), earlier, resume=True)
 
 
-@pytest.mark.parametrize(
-    ("part", "values", "said"),
-    [
-        ("attitude", {"roll_deg": 1.0}, "name from "),
-        ("wind", {"speed_m_per_s": 9.0}, "name from "),
-        ("flight", {"order": "one-way"}, "name from "),
-        ("pixels", {"max_px": 80}, "name from "),
-    ],
-)
-def test_the_plan_of_an_earlier_version_tells_other_poses(earlier, part, values, said):
-    edited(earlier / "mission.json", part, **values)
-    before = contents(earlier)
-    with pytest.raises(OutputError) as refused:
-        captured(Mission.load(earlier / "mission.json"), earlier, resume=True)
-    assert said in str(refused.value)
-    assert contents(earlier) == before
-
-
-def test_the_plan_of_an_earlier_version_tells_other_attitudes(tmp_path):
-    captured(Mission(Points(((35.14, -89.865, 120.0),)), 120.0, frame="camera", max_px=64), tmp_path)
-    (tmp_path / BEGUN_FILE).unlink()
-    edited(tmp_path / "mission.json", "attitude", yaw_deg=45.0)
-    with pytest.raises(OutputError, match=r"began: 0_0_\S+ yaw_deg from 0\.0 to 45\.0; put it back"):
-        captured(Mission.load(tmp_path / "mission.json"), tmp_path, resume=True)
-
-
 @pytest.mark.parametrize("text", ["", "[", "[]", '{"schema": 1}', '{"schema": 9, "settings": {}}', "{" * 200])
 def test_a_record_that_cannot_be_read_is_one_line(begun, tmp_path, text):
     folder = shutil.copytree(begun, tmp_path / "out")

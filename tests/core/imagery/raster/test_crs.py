@@ -10,6 +10,7 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their rasters by GDAL's Python module")
 
+from terrainav.core.capture.begun import BEGUN_FILE  # noqa: E402
 from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.errors import InvalidInput, OutputError  # noqa: E402
 from terrainav.core.imagery.opening import SourceOptions, named_source, open_source  # noqa: E402
@@ -99,9 +100,12 @@ def test_a_folder_whose_mission_does_not_say_it_is_resumed_if_its_images_are_the
     del text["imagery"]["crs"]
     earlier = json.dumps(text)
     stated.write_text(earlier)
+    # A version that did not state it kept no settings either.
+    (folder / BEGUN_FILE).unlink()
     captured(file, folder, resume=True)
     assert stated.read_text() == earlier
     captured(file, folder, OWN, resume=True)
+    (folder / BEGUN_FILE).unlink()
     with pytest.raises(OutputError, match="holds this mission with other images"):
         captured(file, folder, "EPSG:3857", resume=True)
     # Where it says it, the system is part of the mission.
