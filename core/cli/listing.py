@@ -9,6 +9,7 @@ import textwrap
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InvalidInput, Message, SourceError
+from ..stores import is_address
 from ..text import printable
 from .exits import DONE
 
@@ -240,6 +241,8 @@ def _check_folder(folder: str | None) -> None:
     # As from a variable that is not set: the current folder, which it would stand for, is not meant.
     if folder == "":
         raise InvalidInput("cache folder '': must be the name of a folder, or left out for the usual one")
+    if folder is not None and is_address(folder):
+        raise InvalidInput("cache folder {0}: must be on this machine", folder)
 
 
 def run_cache(arguments: argparse.Namespace) -> int:

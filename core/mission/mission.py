@@ -228,9 +228,9 @@ class Mission:
             raise InvalidInput("mission without {0}: the field is needed", "'area'")
         if "agl_m" not in values:
             raise InvalidInput("mission without {0}: the field is needed", "'agl_m'")
-        camera = _made(Camera, "camera", data.get("camera") or {})
+        camera = _made(Camera, "camera", {} if data.get("camera") is None else data["camera"])
         wind = None if data.get("wind") is None else _made(Wind, "wind", data["wind"])
-        no_fly = _polygons("no_fly", data.get("no_fly") or [])
+        no_fly = _polygons("no_fly", [] if data.get("no_fly") is None else data["no_fly"])
         return cls(
             area_from_dict(data["area"]), camera=camera, wind=wind, no_fly=no_fly, notes=notes, **values
         )

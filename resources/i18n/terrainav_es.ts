@@ -7532,16 +7532,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/begun.py"/>
-        <source>it plans fewer images</source>
-        <translation>planifica menos imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/begun.py"/>
-        <source>it plans more images</source>
-        <translation>planifica más imágenes</translation>
-    </message>
-    <message>
-        <location filename="../../core/capture/begun.py"/>
         <location filename="../../core/imagery/catalogue.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/services/capabilities.py"/>

@@ -32,6 +32,8 @@ _ADDRESS = re.compile(
     r"((?:\{[^{}]*\}|\[[^\[\]]*\]|[^\s/\\?#&|'\"<>,{}\[\]]|[{}\[\]])+)",
     re.IGNORECASE,
 )
+#: What may follow, where it is the user's name that stands first.
+_SERVER_AFTER_NAME = re.compile(r"[^\s/\\?#]*@([^\s/\\?#&|'\"<>,]+)")
 #: Path of a file that another machine has, as Windows writes it.
 _SHARE = re.compile(r"[\\/]{2}(?:[?.][\\/]+UNC[\\/]+)?[^\\/?.][^\\/]*", re.IGNORECASE)
 #: What GDAL reads more than the one file of.
@@ -117,13 +119,24 @@ def _places(text: str) -> Iterator[str]:
     while len(readings) <= _MOST_DECODED and (decoded := unquote(readings[-1])) != readings[-1]:
         readings.append(decoded)
     found = [
-        f"{scheme}://{server.rpartition('@')[2]}".lower()
+        f"{address[1]}://{server.rpartition('@')[2]}".lower()
         for reading in readings
-        for scheme, server in _ADDRESS.findall(reading)
+        for address in _ADDRESS.finditer(reading)
+        for server in _servers(reading, address)
     ]
     share = _SHARE.match(text)
     if share is not None:
         found.append(share[0].replace("\\", "/").lower())
-    if _VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text)):
+    # Of two servers with \@ between them, some programs take the first, and some the second.
+    if (_VIRTUAL.search(text) and not (found and _BY_ADDRESS.match(text))) or (
+        found and "\\@" in readings[-1]
+    ):
         found.append(text)
     yield from found
+
+
+def _servers(reading: str, address: re.Match[str]) -> Iterator[str]:
+    yield address[2]
+    after_name = _SERVER_AFTER_NAME.match(reading, address.end())
+    if after_name is not None:
+        yield after_name[1]

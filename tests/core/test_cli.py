@@ -439,6 +439,12 @@ def test_a_folder_without_a_name_is_not_the_current_one(run, tmp_path, option):
     assert sorted(tmp_path.iterdir()) == before
 
 
+def test_tiles_are_kept_on_this_machine_only(run):
+    for words in (("capture", "--coords", BOX), ("cache", "list")):
+        refused = run(*words, "--cache-dir", "s3://bucket/tiles")
+        assert "cache folder s3://bucket/tiles: must be on this machine" in one_line(refused, 2)
+
+
 def test_a_signal_that_an_import_turns_into_another_error_stops_all_the_same(run, monkeypatch):
     def interrupted(*_):
         try:

@@ -256,6 +256,9 @@ def test_another_host_or_scheme_is_not_agreed_to():
         "https://host.evil/x",
         "https://host:8080/x",
         "https://host@evil/x",
+        "https://host&@evil/x",
+        "https://host,a=b@evil/x",
+        "/vsicurl/https://host\\@evil/x",
         "https://{host}/x",
     )
     assert [text for text in others if not strangers([text])] == []
@@ -277,7 +280,9 @@ def test_the_record_is_bounded():
     assert len(json.loads(Settings().agreed)) == 1000
 
 
-@pytest.mark.parametrize("piece", ["a", "a.", "https:", "{", "[", "{a", "%25", "://", "a:/"])
+@pytest.mark.parametrize(
+    "piece", ["a", "a.", "https:", "{", "[", "{a", "%25", "://", "a:/", "ab:/b&@", "ab:\\b&"]
+)
 def test_the_work_of_a_long_text_grows_with_its_length(piece):
     def seconds(count):
         began = time.process_time()
