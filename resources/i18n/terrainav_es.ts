@@ -10256,6 +10256,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>{0} reads {1}, which is no regular file</source>
+        <translation>{0} lee {1}, que no es un archivo normal</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>{0} reads {1}, which is not beside it</source>
         <translation>{0} lee {1}, que no está junto a él</translation>
     </message>

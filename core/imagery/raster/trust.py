@@ -286,9 +286,12 @@ def _beside(folder: str, _changed_ns: int) -> tuple[dict[str, list[str]], tuple[
     odd = []
     with os.scandir(folder) as entries:
         for entry in entries:
-            if entry.name.lower().endswith(_COMPANIONS):
+            is_companion = entry.name.lower().endswith(_COMPANIONS)
+            if is_companion:
                 companions.setdefault(entry.name.lower(), []).append(entry.name)
-            if not (entry.is_file() or entry.is_dir()) and Path(entry.path).exists():
+            # Some of GDAL's formats are folders, whose descriptions name other files.
+            is_plain = entry.is_file() or (entry.is_dir() and not is_companion)
+            if not is_plain and Path(entry.path).exists():
                 odd.append(entry.name)
     return companions, tuple(odd)
 
@@ -478,7 +481,12 @@ def _check_source(
             source,
             remedy=Message("set {0}={1} if that is right", FOLDERS_ENV, source.parent),
         )
-    return _check(source, folders, depth + 1, seen) if is_there(source) else 0
+    if is_there(source):
+        return _check(source, folders, depth + 1, seen)
+    if os.path.exists(source):  # noqa: PTH110
+        # GDAL waits for a pipe for good, and takes a folder for a product whose description names other files.
+        raise InvalidInput("{0} reads {1}, which is no regular file", vrt.name, source)
+    return 0
 
 
 def _real(path: Path) -> Path:

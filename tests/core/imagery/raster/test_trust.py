@@ -191,6 +191,28 @@ def test_a_link_beside_a_vrt_leads_nowhere_else(folder, outside, library):
     assert "is not beside it" in refusal(naming(folder / "map.vrt", outside, "own.tif", "1"))
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+@pytest.mark.parametrize("kind", ["pipe", "link to a device", "folder"])
+def test_a_vrt_reads_regular_files_alone(folder, outside, library, kind):
+    """GDAL waits for a pipe for good, and some of its formats are folders whose descriptions name other files."""
+    inside = folder / "odd.tif"
+    if kind == "pipe":
+        os.mkfifo(inside)
+    elif kind == "folder":
+        inside.mkdir()
+    else:
+        inside.symlink_to("/dev/zero")
+    text = refusal(naming(folder / "map.vrt", outside, "odd.tif", "1"))
+    assert "which is no regular file" in text or (kind == "link to a device" and "is not beside it" in text)
+
+
+@pytest.mark.parametrize("ending", [".ovr", ".msk", ".OVR"])
+def test_a_folder_in_the_place_of_overviews_is_refused(outside, library, ending):
+    """GDAL would look for a format in it, of which some name other files."""
+    outside.with_name(outside.name + ending).mkdir()
+    assert "is no regular file, and lies beside" in refusal(outside)
+
+
 @pytest.mark.skipif(os.name == "nt", reason="links need rights there")
 def test_a_link_to_a_vrt_reads_what_is_beside_that(folder, outside, library):
     vrt_of(outside.parent / "own.vrt", outside)
