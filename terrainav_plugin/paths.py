@@ -87,10 +87,24 @@ def open_in_system(path: Path) -> None:
     QDesktopServices.openUrl(QUrl.fromLocalFile(str(path)))
 
 
+def exists(path: Path) -> bool:
+    """Whether something is at a path.
+
+    Not for one that nobody can look at, where `Path.exists` raises: in a folder of another user, or with a name longer
+    than systems take. The same holds for `is_folder`, and for files of `files.is_there`.
+    """
+    return os.path.exists(path)  # noqa: PTH110
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is that of a folder."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
 def next_folder(folder: Path, taken: Collection[Path] = ()) -> Path:
     """Folder beside ``folder`` that does not exist yet and is not ``taken``: mission, mission-2, mission-3."""
     stem = re.sub(r"-\d+$", "", folder.name)
     number = 2
-    while (candidate := folder.with_name(f"{stem}-{number}")).exists() or candidate in taken:
+    while exists(candidate := folder.with_name(f"{stem}-{number}")) or candidate in taken:
         number += 1
     return candidate

@@ -28,10 +28,20 @@ def shown_plain(text: str) -> str:
 
 def escaped_field(name: str) -> str:
     """Value of a field in the HTML of a map tip."""
-    field = f'"{name}"'
+    return f"[% {_escaped_value(name)} %]"
+
+
+def image_in_tip(name: str, width_px: int) -> str:
+    """Image in the HTML of a map tip, by the field of its path; nothing where that is no file: a pipe has no end."""
+    start, end = '<img src="file:///', f'" width="{width_px}"/><br/>'
+    return f"[% if(is_file(\"{name}\"), '{start}' || {_escaped_value(name)} || '{end}', '') %]"
+
+
+def _escaped_value(name: str) -> str:
+    value = f'"{name}"'
     for sign, written in (("&", "&amp;"), ("<", "&lt;"), ('"', "&quot;")):
-        field = f"replace({field}, '{sign}', '{written}')"
-    return f"[% {field} %]"
+        value = f"replace({value}, '{sign}', '{written}')"
+    return value
 
 
 def path_inside(folder: str, name: str, ending: str) -> str:

@@ -34,7 +34,7 @@ from .panel.form import FormMemory
 from .panel.planning import Planning
 from .panel.runs import RunPanel
 from .panel.source_list import SourceList
-from .paths import folder_of, next_folder, open_in_system
+from .paths import exists, folder_of, next_folder, open_in_system
 from .planner import Planned, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
@@ -293,7 +293,7 @@ class Session(QObject):
             state = replace(state, agl_unit="ft", agl=_USUAL_AGL_FT)
         if not state.folder:
             first = self.settings.missions / "mission-1"
-            self.settings.suggested_folder = str(next_folder(first) if first.exists() else first)
+            self.settings.suggested_folder = str(next_folder(first) if exists(first) else first)
             state = replace(state, folder=self.settings.suggested_folder)
         self.dock.form.set_state(state)
         self._show_hint()

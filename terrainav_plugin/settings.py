@@ -13,6 +13,7 @@ from qgis.core import QgsApplication, QgsSettings
 from ..core.errors import InvalidInput
 from ..core.safe_json import parse_json
 from ..core.units import LENGTHS_M
+from .paths import exists
 
 if TYPE_CHECKING:
     from ..core.imagery.cache.tile_cache import TileCache
@@ -219,7 +220,7 @@ def recent() -> list[Path]:
         paths = parse_json(Settings().recent or "[]")
     except InvalidInput:
         return []
-    return [Path(path) for path in paths if isinstance(path, str) and Path(path).exists()]
+    return [Path(path) for path in paths if isinstance(path, str) and exists(Path(path))]
 
 
 def remember(path: Path) -> None:

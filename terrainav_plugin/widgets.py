@@ -77,8 +77,8 @@ QLabel[terrainavMark="true"]:disabled {{ color: palette(mid); }}
 _SUM = re.compile(r"[-+*/^().\d\s]{3,100}")
 #: What an entry leaves free beside its text.
 _BESIDE_TEXT_PX = 5
-#: Characters of a text that its tooltip shows.
-_MOST_TIP = 200
+#: Characters of a text that its tooltip shows, and of one that is measured: screens are no wider.
+_MOST_TIP, _MOST_MEASURED = 200, 10_000
 #: Characters of what is said below a field: some lines.
 _MOST_SAID = 1000
 #: Where windows come up, from the corner of the map.
@@ -239,7 +239,7 @@ class ShortLine(QLineEdit):
         self.initStyleOption(option)
         room = self.style().subElementRect(QStyle.SubElement.SE_LineEditContents, option, self).width()
         # Qt leaves two pixels on either side of the text, and one for the cursor.
-        is_cut = self.fontMetrics().horizontalAdvance(text) > room - _BESIDE_TEXT_PX
+        is_cut = self.fontMetrics().horizontalAdvance(text[:_MOST_MEASURED]) > room - _BESIDE_TEXT_PX
         begins = f"{whole[:_MOST_TIP]}\n" if whole != text or is_cut else ""
         super().setToolTip(shown_plain(begins + self._tip))
 

@@ -6762,6 +6762,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>huellas {path}: no tienen poses</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/results/shots.py"/>
+        <source>footprints {path}: {name} is no name of an image</source>
+        <translation>huellas {path}: {name} no es un nombre de imagen</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/results/viewer.py"/>
         <source>&amp;Zoom to</source>
         <translation>&amp;Zoom a</translation>

@@ -24,7 +24,7 @@ from ...core.capture.journal import FAILED, Outcome
 from ...core.dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE
 from ...core.dataset.vectors import json_without_tags
 from ...core.errors import InvalidInput, OutputError
-from ...core.files import open_foreign, write_whole
+from ...core.files import is_there, open_foreign, write_whole
 from ...core.limits import MAX_JOURNAL_LINE_BYTES
 from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
@@ -120,12 +120,14 @@ def hide_antimeridian(layer: QgsVectorLayer) -> None:
 
 
 def open_raster(path: Path, title: str) -> QgsRasterLayer:
-    """Open a picture as a layer; raises OutputError."""
+    """Open a picture as a layer; raises OutputError. As of footprints, a style beside it is not taken."""
     try:
         check_raster(path)
     except InvalidInput as wrong:
         raise OutputError("{0}", wrong) from wrong
-    layer = QgsRasterLayer(str(path), title, "gdal")
+    options = QgsRasterLayer.LayerOptions()
+    options.loadDefaultStyle = False
+    layer = QgsRasterLayer(str(path), title, "gdal", options)
     if not layer.isValid():
         raise OutputError("image {0}: QGIS cannot open it", path)
     # Smooth where several pixels of the picture share one of the screen; pixels stay pixels when enlarged.
@@ -136,7 +138,7 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
 def open_failed(folder: Path) -> QgsVectorLayer | None:
     """Open what has failed of a dataset, on any thread; None where nothing has."""
     path = folder / FAILED_FILE
-    return _for_main_thread(open_footprints(path, tr("Failed images"))) if path.is_file() else None
+    return _for_main_thread(open_footprints(path, tr("Failed images"))) if is_there(path) else None
 
 
 class FailedImages:
@@ -190,7 +192,7 @@ class FailedImages:
 
     def _follow_journal(self) -> None:
         path = self._folder / JOURNAL_FILE
-        if not path.is_file():
+        if not is_there(path):
             return
         with open_foreign(path) as file:
             file.seek(self._read_bytes)

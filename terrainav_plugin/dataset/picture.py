@@ -14,6 +14,7 @@ from osgeo import gdal
 from qgis.PyQt.QtGui import QImage
 
 from ...core.errors import InvalidInput
+from ...core.files import is_there
 from ...core.imagery.raster.trust import check_fetched
 from ...core.text import one_line
 from ..i18n import tr
@@ -102,7 +103,7 @@ def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth 
     data : bytes or None
         Of the file, where it is not on this machine.
     """
-    if data is None and not path.is_file():
+    if data is None and not is_there(path):
         return None
     try:
         with _openable(path, data) as name:
@@ -151,7 +152,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Pict
     data : bytes or None
         Of the file, where it is not on this machine.
     """
-    if data is None and not path.is_file():
+    if data is None and not is_there(path):
         return Picture(path, None, problem=tr("There is no image (yet)."))
     try:
         with _openable(path, data) as name:

@@ -22,7 +22,7 @@ from ..compat import field
 from ..i18n import tr
 from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from ..paths import place_of, style
-from ..plain import escaped_field, path_inside
+from ..plain import escaped_field, image_in_tip, path_inside
 from .layers import OpenedResults, hide_antimeridian, open_raster
 from .mosaic import Mosaic
 
@@ -204,7 +204,7 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> 
         )
         tip = escaped_field(name)
         if mission.output.image_format in _SHOWN_IN_TIPS:
-            tip = f'<img src="file:///{tip}" width="{_TIP_PX}"/><br/>{tip}'
+            tip = image_in_tip(name, _TIP_PX) + tip
         tips.append(f"<p>{tip}</p>")
     pose = '[% round("yaw_deg", 2) %]°, [% round("tilt_deg", 2) %]°, [% round("roll_deg", 2) %]°'
     attitude = tr("yaw, tilt, roll: {angles}").format(angles=pose)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...core.dataset.entropy import Report, deciding_entropies, otsu, parts_groups
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.table import REJECTED
+from ...core.files import is_there
 
 Floats = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -107,7 +108,7 @@ class Entropies:
     def _example(self, row: int) -> Example:
         name = self.names[row]
         kept, moved = self.folder / name, self.folder / REJECTED_FOLDER / name
-        return Example(row, moved if not kept.is_file() and moved.is_file() else kept, float(self.bits[row]))
+        return Example(row, moved if not is_there(kept) and is_there(moved) else kept, float(self.bits[row]))
 
 
 def read_entropies(folder: Path, progress: Report | None = None) -> dict[str, Entropies]:

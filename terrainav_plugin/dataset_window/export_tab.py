@@ -21,7 +21,7 @@ from ...core.exports.kinds import BENCHMARKS, BESIDE_TABLES, DATASETS, KINDS, VI
 from ...core.map_types import SATELLITE
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
-from ..paths import folder_of, next_folder, open_in_system
+from ..paths import exists, folder_of, next_folder, open_in_system
 from ..plain import shown_plain
 from ..widgets import combo, folder_entry, growing_form, named, push_button, wrapped_label
 from .tab import Tab, no_folder
@@ -168,7 +168,7 @@ class ExportTab(Tab):
         self._suggested = ""
         if self.kind not in BESIDE_TABLES:
             beside = self.folder.with_name(f"{self.folder.name}-{self.kind}")
-            self._suggested = str(next_folder(beside) if beside.exists() else beside)
+            self._suggested = str(next_folder(beside) if exists(beside) else beside)
         with QSignalBlocker(self.target):
             self.target.setFilePath(self._suggested)
 

@@ -18,6 +18,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QObject
 
 from ...core.dataset.folder import MISSION_FILE
+from ...core.files import is_there
 from ..i18n import tr
 from ..tasks import single_shot
 
@@ -326,6 +327,6 @@ class MissionGroup:
     def _around(self) -> QgsLayerTreeGroup:
         """Group that this one is in: of the mission that has this dataset beside others, or the layer tree itself."""
         outer = Path(self._folder).parent
-        if not (outer / MISSION_FILE).is_file():
+        if not is_there(outer / MISSION_FILE):
             return self.project.layerTreeRoot()
         return MissionGroup(self.project, outer).made()

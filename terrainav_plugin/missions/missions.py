@@ -14,6 +14,7 @@ from qgis.PyQt.QtWidgets import QDialog, QFileDialog, QMenu, QToolButton
 
 from ...core.dataset.folder import JOURNAL_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, OutputError, TerrAInavError
+from ...core.files import is_there
 from ...core.limits import MAX_LINE_CHARACTERS
 from ...core.text import one_line, shortened
 from ..compat import RASTER
@@ -25,7 +26,7 @@ from ..form.area import FormError
 from ..form.state import BOX_FIELDS, DECLARED
 from ..i18n import tr, translate
 from ..map.mission_group import SavedMission, addresses, mission_layers, saved_missions
-from ..paths import folder_of, next_folder
+from ..paths import exists, folder_of, is_folder, next_folder
 from ..plain import shown_plain
 from ..remote.address import Address
 from ..remote.copies import address_of, copy_dataset, copy_of, has_images_elsewhere, why_unchangeable
@@ -279,11 +280,11 @@ class Missions(QObject):
         menu.addSeparator()
         failed = menu.addAction(tr("Capture only the &failed images"), self.capture_failed)
         failed.setToolTip(tr("Capture the images of the panel's mission that failed earlier"))
-        failed.setEnabled((self._folder() / FAILED_FILE).is_file())
+        failed.setEnabled(is_there(self._folder() / FAILED_FILE))
         unchangeable = why_unchangeable(self._folder())
         clean = menu.addAction(tr("&Dataset…"), self.clean)
         clean.setToolTip(tr("Clean, split, export and look at the dataset of the panel's mission"))
-        clean.setEnabled((self._folder() / MISSION_FILE).is_file() and not unchangeable)
+        clean.setEnabled(is_there(self._folder() / MISSION_FILE) and not unchangeable)
         for action in (failed, clean) if unchangeable else ():
             action.setToolTip(shown_plain(unchangeable))
         compare = menu.addAction(tr("Co&mpare images…"), self.compare_wanted.emit)
@@ -377,9 +378,9 @@ class Missions(QObject):
         address = address_of(path)
         if address is not None:
             self.open_address(address)
-        elif path.is_dir():
+        elif is_folder(path):
             self.open_dataset(path)
-        elif path.name == MISSION_FILE and (path.parent / JOURNAL_FILE).is_file():
+        elif path.name == MISSION_FILE and is_there(path.parent / JOURNAL_FILE):
             self.open_dataset(path.parent)
         else:
             self.open_file(path)
@@ -392,7 +393,7 @@ class Missions(QObject):
         try:
             mission = Mission.load(path)
             state = self._state_of(
-                mission, self._suggested(folder if not folder.exists() else next_folder(folder))
+                mission, self._suggested(next_folder(folder) if exists(folder) else folder)
             )
         except TerrAInavError as wrong:
             self._tell_broken(path.name, wrong)
@@ -412,7 +413,7 @@ class Missions(QObject):
         if self._task is not None:
             return
         try:
-            if not (folder / MISSION_FILE).is_file():
+            if not is_there(folder / MISSION_FILE):
                 raise InvalidInput(
                     tr(
                         "folder {folder}: has no {name}, so it is no dataset of a capture; choose its folder"
@@ -462,7 +463,7 @@ class Missions(QObject):
         if not any(getattr(state, name) for name in _NO_AREA):
             return
         folder = self._folder()
-        if state.folder.strip() and folder.exists():
+        if state.folder.strip() and exists(folder):
             taken = set(self._captures())
             state = replace(state, folder=str(self._suggested(next_folder(folder, taken))))
         self._write(replace(state, **_NO_AREA))
@@ -645,7 +646,7 @@ def _missions_inside(mission: Mission, folder: Path) -> dict[Path, Mission]:
     if not mission.imagery.imageries:
         return {folder: mission}
     places = [folder / one.name for one in mission.imagery.named]
-    return {place: Mission.load(place / MISSION_FILE) for place in places if (place / MISSION_FILE).is_file()}
+    return {place: Mission.load(place / MISSION_FILE) for place in places if is_there(place / MISSION_FILE)}
 
 
 def _is_same_flight(text: str, mission: Mission) -> bool:

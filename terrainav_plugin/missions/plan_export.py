@@ -12,7 +12,7 @@ from qgis.PyQt.QtWidgets import QFileDialog, QMessageBox, QWidget
 from ...core.errors import TerrAInavError
 from ..form.mission_form import refused_fields
 from ..i18n import tr, translate
-from ..paths import open_in_system
+from ..paths import exists, is_folder, open_in_system
 from ..plain import shown_plain
 from ..settings import Settings
 from ..tasks import Task
@@ -126,7 +126,7 @@ class PlanExport(QObject):
             self._parent.window(),
             tr("TerrAInav: export plan"),
             # Of an ending in two parts the last: the dialog puts the others in its place by the last dot.
-            str((folder if folder.is_dir() else Path.home()) / f"{name}{Path(usual).suffix or usual}"),
+            str((folder if is_folder(folder) else Path.home()) / f"{name}{Path(usual).suffix or usual}"),
             file_filters(),
             f"{known[usual]} (*{usual})",
         )
@@ -134,7 +134,7 @@ class PlanExport(QObject):
             return
         path = with_ending(Path(chosen), kind, usual)
         # The dialog has asked for the name that it shows, which may have got another ending.
-        if path != Path(chosen) and path.exists() and not self._may_replace((path,)):
+        if path != Path(chosen) and exists(path) and not self._may_replace((path,)):
             return
         settings.plan_ending = _ending(path.name) or usual
         refusal = tr("Nothing to export yet.")

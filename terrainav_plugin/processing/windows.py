@@ -12,7 +12,7 @@ from qgis.PyQt.QtCore import QObject
 from qgis.utils import plugins
 
 from ..i18n import number_text, tr
-from ..paths import next_folder
+from ..paths import exists, next_folder
 from ..settings import Settings
 from .mission_parameters import leave_mission_to_file
 
@@ -43,7 +43,7 @@ class BenchmarkWindows(QObject):
         file = QgsProcessingUtils.generateTempFilename("mission.json")
         mission.save(file)
         folder = Settings().missions / "benchmark-1"
-        usual = {"MISSION": file, "FOLDER": str(next_folder(folder) if folder.exists() else folder)}
+        usual = {"MISSION": file, "FOLDER": str(next_folder(folder) if exists(folder) else folder)}
         dialog = self._show(_MAKE, usual)
         if dialog is not None:
             dialog.algorithmFinished.connect(self._made)

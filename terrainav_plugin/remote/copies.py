@@ -19,12 +19,12 @@ from ...core.dataset.vectors import checked_geojson
 from ...core.errors import InvalidInput, OutputError
 from ...core.files import partial_file, read_limited, write_whole
 from ...core.imagery.http.client import NotThere
-from ...core.limits import MAX_SETTINGS_BYTES
+from ...core.limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
 from ...core.mission.mission import Mission
 from ...core.safe_json import parse_json
 from ..foreign import check_driver
 from ..i18n import tr
-from ..paths import COPIES
+from ..paths import COPIES, exists, is_folder
 from .address import Address
 from .geoparquet import ITEMS_FILE, can_read, write_from_items
 from .store import Store
@@ -67,7 +67,7 @@ def found_copy(source: str) -> str:
     # Projects come from elsewhere: nothing is written outside.
     if _copies() not in path.parents or ".." in path.parts:
         return source
-    if path.name == FOOTPRINTS_FILE and not path.exists():
+    if path.name == FOOTPRINTS_FILE and not exists(path):
         try:
             _make_folder(path.parent)
             write_whole(path, _NONE_YET)
@@ -93,7 +93,9 @@ def address_of(folder: Path) -> Address | None:
 
 def has_images_elsewhere(folder: Path) -> bool:
     """Whether images of a dataset are no files in its folder: it is at an address, or they are in shards."""
-    return address_of(folder) is not None or any(folder.glob(f"*/{SHARDS_FILE}"))
+    if address_of(folder) is not None:
+        return True
+    return is_folder(folder) and any(folder.glob(f"*/{SHARDS_FILE}"))
 
 
 def why_unchangeable(folder: Path) -> str:
@@ -144,7 +146,7 @@ def _copy_mission(store: Store, folder: Path, place: str) -> Mission:
     """Copy the mission of a dataset, of one inside where ``place`` says so; raises NotThere for that."""
     path = folder / place / MISSION_FILE
     try:
-        text = b"".join(store.pieces(place + MISSION_FILE))
+        text = b"".join(store.pieces(place + MISSION_FILE, most_bytes=MAX_MISSION_BYTES))
     except NotThere as wrong:
         if place:
             raise

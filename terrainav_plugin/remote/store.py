@@ -26,7 +26,8 @@ from .address import Address
 _PIECE_BYTES = 4 << 20
 #: A user waits for it: no more attempts than it takes to get over a hitch.
 _TRIES = 3
-_RANGE = re.compile(r"bytes (\d+)-(\d+)/(\d+)")
+#: Python reads whole numbers of some thousand digits only; no file has a length of more than these.
+_RANGE = re.compile(r"bytes ([0-9]{1,18})-([0-9]{1,18})/([0-9]{1,18})")
 
 
 class _Piece(NamedTuple):
@@ -82,7 +83,12 @@ class Store:
         """End it."""
         self._client.close()
 
-    def pieces(self, name: str, go_on: Callable[[float], bool] = lambda _: True) -> Iterator[bytes]:
+    def pieces(
+        self,
+        name: str,
+        go_on: Callable[[float], bool] = lambda _: True,
+        most_bytes: int = MAX_FETCHED_FILE_BYTES,
+    ) -> Iterator[bytes]:
         """All of a file, piece by piece.
 
         Parameters
@@ -91,6 +97,8 @@ class Store:
             In the folder.
         go_on : callable
             Told the share that has come, 0 to 1; returns whether to go on.
+        most_bytes : int
+            How long it may be.
 
         Raises
         ------
@@ -103,12 +111,12 @@ class Store:
         start, version = 0, ""
         while True:
             piece = self._piece(name, start, start + _PIECE_BYTES)
-            if piece.size > MAX_FETCHED_FILE_BYTES:
+            if piece.size > most_bytes:
                 raise OutputError(
                     "{0}: has {1} bytes, more than {2}",
                     self.address.file(name),
                     piece.size,
-                    MAX_FETCHED_FILE_BYTES,
+                    most_bytes,
                 )
             if start and (piece.version != version or not piece.is_part):
                 raise OutputError("{0}: has changed while it was read", self.address.file(name))
@@ -162,6 +170,8 @@ class Store:
         told = _RANGE.fullmatch(response.headers.get("content-range", ""))
         if told is None and not response.body:
             return _Piece(b"", start, version, is_part)
-        if told is None or int(told[1]) != start or int(told[2]) + 1 - start != len(response.body):
+        # A part without a byte would be asked for again and again.
+        length = len(response.body)
+        if told is None or not length or int(told[1]) != start or int(told[2]) + 1 - start != length:
             raise PartError("{0}: the server sent another part than asked for", what)
         return _Piece(response.body, int(told[3]), version, is_part)

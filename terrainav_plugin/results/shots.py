@@ -10,10 +10,12 @@ from typing import Any, NamedTuple
 from qgis.core import QgsGeometry, QgsPointXY, QgsVectorLayer
 
 from ...core.dataset.folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
+from ...core.dataset.stored import is_name
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
-from ...core.files import open_foreign, text_lines
+from ...core.files import is_there, open_foreign, text_lines
 from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
+from ...core.text import one_line
 from ..dataset.footprints import FootprintFile, rings_of, stamp_of
 from ..dataset.picture import Depth, Picture, read_depth, read_picture
 from ..i18n import tr, translate
@@ -155,6 +157,13 @@ class Finder:
             ]
         except (KeyError, TypeError) as wrong:
             raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong
+        # Footprints come from elsewhere: their names lead into their own folder only.
+        if not (is_name(name) and name.isprintable()):
+            raise InvalidInput(
+                tr("footprints {path}: {name} is no name of an image").format(
+                    path=file.path, name=one_line(repr(name))
+                )
+            )
         return Shot(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
 
 
@@ -181,7 +190,7 @@ def see(shot: Shot, map_type: str, longest_px: int, images: Images) -> Seen:
     map_type = map_type if map_type in mission.imagery.map_types else mission.imagery.map_types[0]
     file = f"{shot.name}.{mission.output.image_format}"
     path, rejected = folder / map_type / file, folder / map_type / REJECTED_FOLDER / file
-    moved = rejected.is_file() and not path.is_file()
+    moved = is_there(rejected) and not is_there(path)
     row = _row(folder / map_type / TABLE_FILE, file)
     depth_path = folder / DEPTH / f"{shot.name}.tif"
     try:

@@ -506,3 +506,34 @@ def test_a_file_of_negative_size_in_a_shard_is_said(plugin, tmp_path, size, said
     row = {"shard": "x.tar", "offset_bytes": "512", "size_bytes": "5"}
     with pytest.raises(InvalidInput, match=rf"x\.tar: {said} for the file at byte 1,024$"):
         Images().fetch(tmp_path, "satellite", "a.png", row, with_depth=False)
+
+
+# --- servers that answer with other parts than were asked for
+
+PARTS = {
+    "nothing, again and again": (
+        lambda first, last: (b" " * (last + 1), f"bytes 0-{last}/999999999")
+        if first == 0
+        else (b"", f"bytes {first}-{first - 1}/999999999")
+    ),
+    "a size of 4,500 digits": lambda first, last: (b" " * (last + 1 - first), f"bytes {first}-{last}/{'9' * 4500}"),
+    "a mission of 16 GB": lambda first, last: (b" " * (last + 1 - first), f"bytes {first}-{last}/{16 * 10**9}"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", PARTS)
+def test_a_server_that_sends_other_parts_is_left_at_once(desk, server, folder, kind):
+    address = serve(server, folder)
+    server.sends_instead = PARTS[kind]
+
+    def stop():
+        desk.session.missions._task.cancel()
+
+    # One that goes on would be asked for hours.
+    server.when = 20, stop
+    open_address(desk, address)
+    assert len(server.asked) < 20
+    (message,) = desk.messages()
+    assert "mission.json" in message
+    assert "unexpected" not in message
+    assert len(message) < 500

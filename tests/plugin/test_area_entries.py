@@ -20,6 +20,7 @@ from terrainav.terrainav_plugin.form.area import (
 )
 from terrainav.terrainav_plugin.form.mission_form import mission, state_of
 from terrainav.terrainav_plugin.form.state import FormState
+from terrainav.terrainav_plugin.widgets import ShortLine
 
 from tests.support.growth import PROPORTIONAL, growth
 
@@ -222,3 +223,25 @@ def test_group_is_reached_by_keyboard_and_fits(desk, screenshot):
     screenshot("area-menu")
     area.area_from.menu().close()
     screenshot("area-group", desk.dock)
+
+
+def test_of_a_long_text_its_beginning_alone_is_measured(qtbot):
+    """Measuring a million characters took most of the seconds for which a paste held the window."""
+    line = ShortLine(lambda text: text)
+    qtbot.addWidget(line)
+    line.setToolTip("an edge")
+    metrics, measured = line.fontMetrics(), []
+
+    class Counting:
+        def horizontalAdvance(self, text):
+            measured.append(len(text))
+            return metrics.horizontalAdvance(text)
+
+    line.fontMetrics = Counting
+    line.setMaxLength(1_000_000)
+    line.setText("1" * 1_000_000)
+    assert max(measured) <= 10_000
+    assert line.text() == "1" * 1_000_000
+    assert line.toolTip() == "1" * 200 + "\nan edge"
+    line.setText("1")
+    assert line.toolTip() == "an edge"

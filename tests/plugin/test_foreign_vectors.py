@@ -7,16 +7,25 @@ import os
 import shutil
 
 import pytest
-from qgis.core import QgsProject
+from qgis.core import (
+    QgsExpression,
+    QgsExpressionContext,
+    QgsExpressionContextUtils,
+    QgsProject,
+    QgsRasterLayer,
+)
 from qgis.PyQt.QtWidgets import QFileDialog
 from terrainav.core.capture.journal import FAILED
 from terrainav.core.dataset.vectors import check_geojson
 from terrainav.core.errors import InvalidInput
-from terrainav.terrainav_plugin.dataset.layers import FailedImages, open_failed, open_footprints
+from terrainav.core.mission.mission import Mission
+from terrainav.terrainav_plugin.dataset.layers import FailedImages, open_failed, open_footprints, open_raster
 from terrainav.terrainav_plugin.dataset.picture import read_depth, read_picture
+from terrainav.terrainav_plugin.dataset.placing import _name_pictures
 from terrainav.terrainav_plugin.foreign import check_raster
 from terrainav.terrainav_plugin.remote.address import Address
 from terrainav.terrainav_plugin.remote.copies import address_of, copy_of
+from terrainav.terrainav_plugin.results.shots import Finder, Footprints
 
 from tests.plugin.test_addresses import open_address, serve
 from tests.plugin.test_project import choose_in_menu
@@ -143,6 +152,61 @@ def test_a_style_beside_footprints_is_not_taken(folder, other):
     layer = open_footprints(folder / "footprints.geojson", "x")
     assert layer.mapTipTemplate() == ""
     assert layer.actions().actions() == []
+
+
+def test_a_style_beside_an_image_is_not_taken(folder):
+    """Newer QGIS evaluates its expressions, which may open layers, and shows its map tip."""
+    image = next((folder / "satellite").glob("*.png"))
+    image.with_suffix(".qml").write_text(
+        "<!DOCTYPE qgis><qgis styleCategories='AllStyleCategories'><customproperties><Option type='Map'>"
+        "<Option name='theirs' type='QString' value='1'/></Option></customproperties><pipe>"
+        "<rasterrenderer type='singlebandgray' grayBand='1' opacity='0.3' alphaBand='-1'/></pipe></qgis>",
+        "utf-8",
+    )
+    layer = open_raster(image, "x")
+    assert "theirs" not in layer.customPropertyKeys()
+    assert layer.opacity() == 1.0
+    # QGIS itself takes it.
+    assert "theirs" in QgsRasterLayer(str(image), "x", "gdal").customPropertyKeys()
+
+
+def test_a_pipe_in_an_images_place_is_in_no_map_tip(clean_project, folder):
+    """QGIS would wait for what comes out of it, for good."""
+    layer = open_footprints(folder / "footprints.geojson", "x")
+    clean_project.addMapLayer(layer)
+    _name_pictures(layer, Mission.load(folder / "mission.json"), has_paths=True)
+    feature = next(layer.getFeatures())
+
+    def tip():
+        context = QgsExpressionContext(QgsExpressionContextUtils.globalProjectLayerScopes(layer))
+        context.setFeature(feature)
+        return QgsExpression.replaceExpressionText(layer.mapTipTemplate(), context)
+
+    image = folder / "satellite" / f"{feature['name']}.png"
+    shown = f'<img src="file:///{image}" width="320"/>'
+    assert shown in tip()
+    image.unlink()
+    assert "<img" not in tip()
+    os.mkfifo(image)
+    assert "<img" not in tip()
+    assert str(image) in tip()
+    image.unlink()
+    image.symlink_to("/dev/zero")
+    assert "<img" not in tip()
+
+
+@pytest.mark.parametrize("name", ["../../outside", "/outside", "..", "a\0b", "a\u202eb", ""])
+def test_an_images_name_leads_into_its_folder_only(folder, name):
+    path = folder / "footprints.geojson"
+    lines = path.read_text("utf-8").splitlines()
+    at = next(number for number, line in enumerate(lines) if line.startswith('{"type": "Feature"'))
+    feature = json.loads(lines[at].rstrip(","))
+    feature["properties"]["name"] = name
+    lines[at] = json.dumps(feature) + ","
+    path.write_text("\n".join(lines), "utf-8")
+    footprints = Footprints("x", folder)
+    with pytest.raises(InvalidInput, match="no name of an image"):
+        Finder(lambda: False).first([footprints])
 
 
 def test_a_folder_that_says_it_is_a_copy_asks_no_address(desk, monkeypatch, folder, other):

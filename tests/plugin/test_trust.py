@@ -17,7 +17,7 @@ from terrainav.terrainav_plugin.map.mission_group import MissionGroup
 from terrainav.terrainav_plugin.remote.address import Address
 from terrainav.terrainav_plugin.remote.copies import copy_of
 from terrainav.terrainav_plugin.remote.trust import agree, sources_of, strangers
-from terrainav.terrainav_plugin.settings import Settings
+from terrainav.terrainav_plugin.settings import Settings, recent
 
 from tests.plugin.test_addresses import open_address, serve
 from tests.plugin.test_project import choose_in_menu
@@ -327,6 +327,25 @@ def test_wrong_values_in_a_project_are_told_in_a_line_and_stay_nowhere(desk, tmp
     desk.wait_planned()
     desk.iface.newProject(False)
     assert "\0" not in desk.session.state().to_json()
+
+
+def test_a_folder_whose_name_is_too_long_for_systems_is_none_that_is_there(desk, tmp_path):
+    """As is one that only another user may look into: `pathlib` raises of both."""
+    for folder in (tmp_path / ("a" * 300), tmp_path / ("b" * 300) / "c"):
+        saved_project(desk, tmp_path / "theirs.qgz", Mission(BOX, 120.0).to_json(), str(folder))
+        open_project(desk, tmp_path / "theirs.qgz")
+        assert desk.session.state().folder == str(folder)
+        desk.session.missions.menu.aboutToShow.emit()
+        entries = {action.text(): action for action in desk.session.missions.menu.actions()}
+        assert not entries["Capture only the &failed images"].isEnabled()
+        desk.session.missions.begin_new()
+        assert desk.session.state().folder != str(folder)
+        desk.session.missions.open_path(folder)
+        assert "was not opened" in desk.messages()[0]
+        assert "\n" not in desk.messages()[0]
+        desk.iface.messageBar().clearWidgets()
+    Settings().recent = json.dumps([str(folder), str(tmp_path)])
+    assert recent() == [tmp_path]
 
 
 def test_a_nul_in_a_mission_comes_into_no_panel(desk, tmp_path):

@@ -50,6 +50,9 @@ class _Handler(BaseHTTPRequestHandler):
         if owner.keeps_conditions and self.headers.get("If-Match", etag) != etag:
             return self._send(412, b"", {})
         wanted = re.fullmatch(r"bytes=(\d+)-(\d*)", self.headers.get("Range", ""))
+        if wanted is not None and owner.sends_instead is not None:
+            part, range_sent = owner.sends_instead(int(wanted.group(1)), int(wanted.group(2)))
+            return self._send(206, part, {"Content-Range": range_sent})
         if wanted is None or not owner.sends_parts:
             return self._send(200, body, named)
         first, last = int(wanted.group(1)), int(wanted.group(2) or len(body) - 1)
@@ -98,6 +101,8 @@ class RangeServer:
         Whether it answers requests for heads, as it does not where addresses are signed for GET alone.
     when : (int, callable) or None
         After how many requests something happens.
+    sends_instead : callable or None
+        Of the first and the last byte that are asked for: what is sent in their place, and what is said that it is.
     cuts_at : int or None
         Bytes after which the connection is closed in bodies that are longer.
     """
@@ -106,6 +111,7 @@ class RangeServer:
         self.files, self.redirects, self.asked, self.faults = {}, {}, [], []
         self.sends_parts = self.names_versions = self.keeps_conditions = self.answers_heads = True
         self.when, self.cuts_at, self.latency_s = None, None, 0.0
+        self.sends_instead = None
         self.sent_bytes = self.under_way = self.most_under_way = 0
         self.lock = threading.Lock()
         self._http = ThreadingHTTPServer(("127.0.0.1", 0), _Handler)
