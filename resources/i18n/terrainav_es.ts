@@ -7141,6 +7141,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/answers.py"/>
+        <source>predictions: query {0!r} ranks {1:,} tiles; of {2:,} queries each may rank {3:,} at most</source>
+        <translation>predicciones: la consulta {0!r} ordena {1:,} teselas; de {2:,} consultas, cada una puede ordenar {3:,} como máximo</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/answers.py"/>
         <source>reference {0!r} of query {1!r} is not in the benchmark</source>
         <translation>la referencia {0!r} de la consulta {1!r} no está en el banco de pruebas</translation>
     </message>
@@ -7221,6 +7226,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/dataset/table.py"/>
+        <source>table {0}</source>
+        <translation>tabla {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
         <source>table {0}, line {1}: has {2} cells, not {3}</source>
         <translation>tabla {0}, línea {1}: tiene {2} celdas, no {3}</translation>
     </message>
@@ -7266,6 +7277,12 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/benchmark/folder.py"/>
         <source>{0}: does not say where the mosaic lies ({1})</source>
         <translation>{0}: no dice dónde está el mosaico ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/benchmark/folder.py"/>
+        <location filename="../../core/dataset/table.py"/>
+        <source>{0}: has column {1} more than once</source>
+        <translation>{0}: tiene la columna {1} más de una vez</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/folder.py"/>
@@ -8590,6 +8607,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
+        <source>has {0} {1!r}, not from {2:.0f} to {3:.0f}</source>
+        <translation>tiene {0} {1!r}, que no va de {2:.0f} a {3:.0f}</translation>
+    </message>
+    <message>
+        <location filename="../../core/dataset/table.py"/>
         <source>line {0} {1}</source>
         <translation>la línea {0} {1}</translation>
     </message>
@@ -8610,18 +8632,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
-        <source>table {0}</source>
-        <translation>tabla {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/table.py"/>
         <source>time_utc {0!r}: is no time in ISO 8601</source>
         <translation>time_utc {0!r}: no es una hora en formato ISO 8601</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/table.py"/>
-        <source>{0}: has column {1} more than once</source>
-        <translation>{0}: tiene la columna {1} más de una vez</translation>
     </message>
     <message>
         <location filename="../../core/dataset/table.py"/>
