@@ -127,10 +127,13 @@ MAX_SETTINGS_BYTES = 16 << 20
 MAX_JOURNAL_LINE_BYTES = 1 << 20
 #: Length of a line in a table or of a feature in a line, bytes: rows of a kB have some dozen columns.
 MAX_LINE_BYTES = 1 << 20
-#: Length of a table, a plan or a file of footprints, bytes: those of ten million images take some GB.
+#: Length of a table, a plan, a journal or a file of footprints, bytes: those of ten million images take some GB.
 MAX_TABLE_BYTES = 16 << 30
 #: Length of a record of a block in an object store, bytes: a block of 100,000 images takes some 40 MB.
 MAX_RECORD_BYTES = 256 << 20
+#: Places in the rankings of a benchmark's queries, as many for each as the longest has: 64 bytes each while they are
+#: judged. Ten thousand queries that rank ten thousand tiles are as many.
+MAX_RANKED = 100_000_000
 #: Length of the heights of a relief that a run leaves to its workers, bytes.
 MAX_RELIEF_BYTES = 4 << 30
 #: Length of a file with a mission or its places, bytes: ten million points, as many as a mission may have images by

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
+from ..limits import MAX_RANKED
 from .folder import Benchmark, number_of, read_rows, write_columns
 
 Floats = NDArray[np.float64]
@@ -136,11 +137,21 @@ class Predictions:
     def of(
         cls, benchmark: Benchmark, index: Sequence[int], answers: Sequence[Answer], seconds: Sequence[float]
     ) -> Predictions:
-        """Predictions of answers; raises InvalidInput where one names a tile that is not there, or twice."""
+        """Predictions of answers; raises InvalidInput where one names no tile, one twice, or too many."""
         ranked = [
             _ranked(benchmark, answer.references, benchmark.queries.id[at])
             for at, answer in zip(index, answers)
         ]
+        # One that ranks many takes as much room for all queries.
+        longest, queries = max(map(len, ranked), default=0), len(benchmark.queries)
+        if longest * queries > MAX_RANKED:
+            raise InvalidInput(
+                "predictions: query {0!r} ranks {1:,} tiles; of {2:,} queries each may rank {3:,} at most",
+                benchmark.queries.id[index[max(range(len(ranked)), key=lambda at: len(ranked[at]))]],
+                longest,
+                queries,
+                MAX_RANKED // queries,
+            )
         pose = [[getattr(answer, name) for name in POSE] for answer in answers]
         return cls(
             np.array(index, np.int64),

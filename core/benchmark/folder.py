@@ -348,7 +348,8 @@ class Benchmark:
         try:
             mosaic = Mosaic(**about["mosaic"])
             middle = mosaic.ground(np.array([mosaic.width_px / 2.0]), np.array([mosaic.height_px / 2.0]))
-            if not np.isfinite(middle).all():
+            # Of a latitude beyond a pole the CRS is no map.
+            if not (np.isfinite(middle).all() and abs(middle[0][0]) <= 90.0):
                 raise InvalidInput("{0} {1!r}: cannot be that of a mosaic", "west", mosaic.west)
         except (TypeError, InvalidInput, ProjError) as wrong:
             raise InvalidInput("{0}: does not say where the mosaic lies ({1})", mark, wrong) from wrong
@@ -519,7 +520,7 @@ def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int,
     Raises
     ------
     InvalidInput
-        It cannot be read, has no header, or a row has more cells or fewer.
+        It cannot be read, has no header or one name twice in it, or a row has more cells or fewer.
     """
     try:
         text = decoded(read_limited(path, MAX_MISSION_BYTES, named_by_user=named_by_user))
@@ -533,7 +534,9 @@ def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int,
         for row in reader:
             if not row:
                 continue
-            width = width or len(row)
+            if not width:
+                width = len(row)
+                _check_header(path, row)
             if len(row) != width:
                 raise InvalidInput(
                     "table {0}, line {1}: has {2} cells, not {3}", path, reader.line_num, len(row), width
@@ -543,6 +546,12 @@ def read_rows(path: Path, *, named_by_user: bool = False) -> Iterator[tuple[int,
         raise InvalidInput("table {0}, line {1}: is not CSV ({2})", path, reader.line_num, wrong) from wrong
     if not width:
         raise InvalidInput("table {0}: is empty", path)
+
+
+def _check_header(path: Path, header: Sequence[str]) -> None:
+    twice = next((name for name, count in Counter(header).items() if name and count > 1), None)
+    if twice is not None:
+        raise InvalidInput("{0}: has column {1} more than once", Message("table {0}", path), twice)
 
 
 def number_of(text: str, where: str) -> float:

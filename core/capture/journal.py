@@ -18,8 +18,9 @@ from typing import IO, Any
 
 from ..errors import OutputError
 from ..files import open_locked, open_own
-from ..limits import MAX_JOURNAL_LINE_BYTES
+from ..limits import MAX_JOURNAL_LINE_BYTES, MAX_TABLE_BYTES
 from ..safe_json import parse_json
+from ..store_requests import larger_than
 
 DONE = "done"
 FAILED = "failed"
@@ -147,6 +148,10 @@ class Journal:
         self.outcomes: dict[tuple[str, str], Outcome] = {}
         try:
             with open_own(self._path, "rb", buffering=_READ_BYTES) as file:
+                if os.fstat(file.fileno()).st_size > MAX_TABLE_BYTES:
+                    raise OutputError(
+                        "journal {0}: cannot be read ({1})", self._path, larger_than(MAX_TABLE_BYTES)
+                    )
                 while line := file.readline(MAX_JOURNAL_LINE_BYTES):
                     self._take(line)
         except FileNotFoundError:

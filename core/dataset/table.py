@@ -34,6 +34,11 @@ _OLD_HEADERS = {"row": "rows"}
 #: Columns of the published dataset, which every table has; all others may be missing, and their cells empty.
 _NEEDED = ("img_names", "columns", "rows", "lat_deg", "lon_deg", "zoom")
 _WHOLE = ("columns", "rows", "zoom")
+#: Least and greatest of them: a double holds whole numbers up to 2^53, and pixels at a zoom above 1,000 no size.
+_WHOLE_RANGES = {
+    **dict.fromkeys(("columns", "rows"), (-(2.0**53), 2.0**53)),
+    "zoom": (-1000.0, 1000.0),
+}
 _TEXT = ("img_names", "time_utc", "crs", "source", "attribution", "imagery_date", "status", "reason", "shard")
 #: Those whose text is a provider's or a server's.
 _FOREIGN = ("source", "attribution", "imagery_date", "reason")
@@ -354,18 +359,26 @@ def other_columns(path: Path) -> dict[str, dict[str, str]]:
         Where it has such columns and cannot be read.
     """
     try:
-        if not path.exists():
-            return {}
-        with open_foreign(path, MAX_TABLE_BYTES) as file:
-            headers = set(next(csv.reader(text_lines(file, "utf-8-sig")), []))
-        if headers <= set(HEADERS):
+        if _headers(path) <= set(HEADERS):
             return {}
         table = Table.load(path)
-    except (OSError, UnicodeDecodeError, csv.Error, InvalidInput) as wrong:
+    except InvalidInput as wrong:
         raise OutputError(
             "{0}", wrong, remedy="repair the table, or remove it to have it written anew"
         ) from wrong
     return {header: dict(zip(table.img_names, cells)) for header, cells in table.other.items()}
+
+
+def _headers(path: Path) -> set[str]:
+    """Headers of a table, none where there is no such file; raises InvalidInput, which names it."""
+    try:
+        if not path.exists():
+            return set()
+        with open_foreign(path, MAX_TABLE_BYTES) as file:
+            return set(next(csv.reader(text_lines(file, "utf-8-sig")), []))
+    except (OSError, UnicodeDecodeError, csv.Error, InvalidInput) as wrong:
+        reason = getattr(wrong, "strerror", None) or wrong
+        raise InvalidInput("table {0}: cannot be read ({1})", path, reason) from wrong
 
 
 #: Fields of `Table` that are columns of ours, in the order they are written.
@@ -513,7 +526,10 @@ def _may_be(name: str, values: Floats) -> bool:
     """Whether a column may have such numbers, NaN among them for empty cells."""
     if name in _NEEDED and not np.isfinite(values).all():
         return False
-    return name not in _WHOLE or bool((values == np.floor(values)).all())
+    if name not in _WHOLE:
+        return True
+    low, high = _WHOLE_RANGES[name]
+    return bool(((values == np.floor(values)) & (values >= low) & (values <= high)).all())
 
 
 def _read_one_by_one(
@@ -534,6 +550,11 @@ def _read_one_by_one(
             faults.append((line, Message("has {0} {1!r}, not a finite number", header, cell)))
         elif name in _WHOLE and not values[index].is_integer():
             faults.append((line, Message("has {0} {1!r}, not a whole number", header, cell)))
+        elif name in _WHOLE and not _may_be(name, values[index : index + 1]):
+            low, high = _WHOLE_RANGES[name]
+            faults.append(
+                (line, Message("has {0} {1!r}, not from {2:.0f} to {3:.0f}", header, cell, low, high))
+            )
     return values
 
 

@@ -7,6 +7,7 @@ import logging
 import os
 import platform
 import re
+import signal
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -16,10 +17,11 @@ from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
+from multiprocessing import resource_tracker
 from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
-from ...errors import InvalidInput, Message, OutputError
+from ...errors import Cancelled, InvalidInput, Message, OutputError
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
 from ...stores import check_no_credentials
@@ -148,15 +150,17 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
     }
     with dask.config.set(settings):
         try:
-            cluster = distributed.LocalCluster(
-                n_workers=processes,
-                threads_per_worker=1,
-                processes=True,
-                host="127.0.0.1",
-                dashboard_address="127.0.0.1:0",
-                silence_logs=50,
+            cluster = _deaf_to_ctrl_c(
+                lambda: distributed.LocalCluster(
+                    n_workers=processes,
+                    threads_per_worker=1,
+                    processes=True,
+                    host="127.0.0.1",
+                    dashboard_address="127.0.0.1:0",
+                    silence_logs=50,
+                )
             )
-        except MemoryError:
+        except (MemoryError, Cancelled):
             raise
         except Exception as wrong:
             # Dask has no error of its own for processes, ports and threads that the system does not give it.
@@ -181,6 +185,32 @@ def _local_cluster(processes: int) -> Iterator[Engine]:
         finally:
             _end(lambda: cluster.sync(_begin_no_worker_again, cluster))
             _end(cluster.close)
+
+
+def _deaf_to_ctrl_c(begin: Callable[[], Any]) -> Any:
+    """Result of what begins processes, which do not hear the Ctrl-C of their terminal: this process ends them.
+
+    Threads and processes take over what the thread that begins them does not hear. Windows has no such thing.
+    """
+    begun = Future[Any]()
+
+    def run() -> None:
+        if hasattr(signal, "pthread_sigmask"):
+            # Begun later, it would have this thread hear Ctrl-C again.
+            resource_tracker.ensure_running()
+            signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            begun.set_result(begin())
+        except BaseException as wrong:  # noqa: BLE001  (whatever it is, it is told where it is waited for)
+            begun.set_exception(wrong)
+
+    threading.Thread(target=run, daemon=True).start()
+    try:
+        wait_for(begun, lambda: None)
+    except BaseException:
+        begun.add_done_callback(lambda it: _end(lambda: it.result().close()))
+        raise
+    return begun.result()
 
 
 def _end(close: Callable[[], object]) -> None:

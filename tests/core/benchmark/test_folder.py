@@ -67,6 +67,7 @@ def without(name):
         (replaced("benchmark.json", '"mosaic"', '"mosaik"'), "is not finished"),
         (replaced("benchmark.json", '"pixel_width"', '"pixels"'), "does not say where the mosaic lies"),
         (without("queries.csv"), "queries.csv: cannot be read"),
+        (replaced("queries.csv", "fy_px", "lat_deg"), "queries.csv: has column lat_deg more than once"),
         (replaced("queries.csv", "fx_px", "focal"), "has no column fx_px"),
         (replaced("queries.csv", "old/", "old/,"), "line 2: has 20 cells, not 19"),
         (replaced("queries.csv", "queries/old", "/etc/passwd"), "is no file of the benchmark"),
@@ -88,7 +89,7 @@ def test_broken_ones_are_refused_in_one_line(copy, change, said):
         *(("width_px", value) for value in (0, -1, 1.5, "9", None, True, 10**12)),
         *(("pixel_height", value) for value in (0.0, -1.0, "x", [], 1e300)),
         *(("west", value) for value in (1e300, "x", None)),
-        *(("crs", value) for value in ("EPSG:0", 5, "")),
+        *(("crs", value) for value in ("EPSG:0", 5, "", "EPSG:4326", "EPSG:4979")),
         *(("file", value) for value in (5, "/etc/passwd", "../elsewhere.tif")),
     ],
 )

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 from pyproj import Geod
 from scipy.spatial.transform import Rotation
+from terrainav.core.benchmark import answers
 from terrainav.core.benchmark import page as pages
 from terrainav.core.benchmark.answers import Answer, Predictions
 from terrainav.core.benchmark.folder import Benchmark, Positives
@@ -46,6 +47,30 @@ def truth(benchmark, **changes):
         )
     rows = range(len(queries))
     return Predictions.of(benchmark, rows, answers, [0.25] * len(queries))
+
+
+def test_a_file_whose_column_is_there_twice_is_refused(benchmark, tmp_path):
+    """Nobody knows which of them is meant."""
+    path = tmp_path / "p.csv"
+    path.write_text(f"query,lat_deg,lon_deg,lat_deg\n{benchmark.queries.id[0]},35.1,-89.9,36.1\n")
+    with pytest.raises(InvalidInput, match="has column lat_deg more than once"):
+        Predictions.read(path, benchmark)
+
+
+def test_a_ranking_takes_no_more_room_than_the_limit(benchmark, tmp_path, monkeypatch):
+    """Rankings are as long as the longest one: of 20,000 queries one with 20,000 tiles had all take 3 GB each time."""
+    tiles, queries = benchmark.references.id, benchmark.queries.id
+    most = 3
+    monkeypatch.setattr(answers, "MAX_RANKED", most * len(queries) + 1)
+    path = tmp_path / "p.csv"
+    for count in (most, most + 1):
+        rows = [f"{queries[0]},{tiles[0]}", f"{queries[1]},{' '.join(tiles[:count])}"]
+        path.write_text("\n".join(["query,references", *rows, ""]))
+        if count == most:
+            assert Predictions.read(path, benchmark).ranking.shape == (2, most)
+            continue
+        with pytest.raises(InvalidInput, match=f"query '{queries[1]}' ranks 4 tiles; .* may rank 3 at most"):
+            Predictions.read(path, benchmark)
 
 
 def test_what_is_right_has_no_error(benchmark):

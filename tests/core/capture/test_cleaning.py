@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 
 import numpy as np
@@ -401,6 +402,18 @@ def test_a_capture_does_not_write_over_a_table_that_it_cannot_read(dataset):
     with pytest.raises(OutputError, match="repair the table, or remove it"):
         capture(worked_out, source, folder, resume=True)
     assert path.read_bytes() == before
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows opens no folder")
+def test_a_table_that_is_no_file_is_named(dataset):
+    folder, worked_out, source = dataset
+    path = folder / "satellite" / "meta_data.csv"
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(
+        OutputError, match=r"table .*meta_data\.csv: cannot be read \(it is no regular file\)"
+    ):
+        capture(worked_out, source, folder, resume=True)
 
 
 # --- the command

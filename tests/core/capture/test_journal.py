@@ -8,6 +8,7 @@ from terrainav.core.capture.folder import complete_pictures
 from terrainav.core.capture.journal import Journal, Outcome
 from terrainav.core.errors import OutputError
 from terrainav.core.files import open_locked
+from terrainav.core.limits import MAX_TABLE_BYTES
 
 DONE = Outcome("satellite", "0_0_a", 7.123456789012345)
 FAILED = Outcome("roadmap", "0_0_a", reason='404 "nicht da"\r\nü')
@@ -171,6 +172,15 @@ def test_a_journal_that_cannot_be_opened_is_named(tmp_path):
         pass
     with pytest.raises(OutputError, match="is not open"):
         Journal(tmp_path / "other.jsonl").add(DONE)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="files have no holes")
+def test_a_journal_beyond_the_limit_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "journal.jsonl"
+    path.touch()
+    os.truncate(path, MAX_TABLE_BYTES + 1)
+    with pytest.raises(OutputError, match=r"journal\.jsonl: cannot be read \(larger than 17,180 MB\)"):
+        Journal(path)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="links are for administrators")

@@ -159,6 +159,17 @@ def test_bad_rows_are_named_by_line():
     )
 
 
+@pytest.mark.parametrize("column", ["columns", "rows", "Alt"])
+@pytest.mark.parametrize("cell", ["1e300", "-1e19", "9007199254740994"])
+@pytest.mark.parametrize("quote", ["", '"'])
+def test_whole_numbers_that_no_grid_or_zoom_has_are_refused(column, cell, quote):
+    """Made a whole number of 64 bits, 1e300 is one of the least there are, or any other."""
+    cells = {"columns": "0", "rows": "0", "Alt": "17", column: cell}
+    row = f"{quote}a.tif{quote},{cells['columns']},{cells['rows']},35,-89,{cells['Alt']},1"
+    with pytest.raises(InvalidInput, match=f"line 2 has {column} '{cell}', not from -"):
+        table_of(f"{PUBLISHED}\n{row}\n")
+
+
 @pytest.mark.parametrize("cell", ["nan", "inf", "", "1_20", "\u0661"])
 def test_positions_must_be_finite(cell):
     with pytest.raises(InvalidInput, match="line 2 has Lon"):

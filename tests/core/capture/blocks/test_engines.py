@@ -5,6 +5,7 @@ import contextlib
 import gc
 import multiprocessing
 import os
+import signal
 import socket
 import struct
 import threading
@@ -14,7 +15,8 @@ import pytest
 from terrainav.core.capture.blocks import running
 from terrainav.core.capture.blocks.division import images_of
 from terrainav.core.capture.blocks.engines import open_engine
-from terrainav.core.errors import InvalidInput, OutputError
+from terrainav.core.errors import Cancelled, InvalidInput, OutputError
+from terrainav.core.waiting import ended_where
 
 distributed = pytest.importorskip("distributed", reason="needs Dask's distributed")
 #: Dask's own warnings, of ports that are taken and workers that are slow to end, are none of ours.
@@ -27,6 +29,32 @@ def cluster():
         monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
         with open_engine("local:1") as engine:
             yield engine
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no masks of signals")
+def test_workers_do_not_hear_the_ctrl_c_of_their_terminal(cluster):
+    """They printed a traceback each, or were missed as they began, which ended the command with 3."""
+    pid = cluster.executor.submit(os.getpid).result()
+    os.kill(pid, signal.SIGINT)
+    assert cluster.executor.submit(os.getpid).result(timeout=60.0) == pid
+    assert signal.SIGINT in cluster.executor.submit(signal.pthread_sigmask, signal.SIG_BLOCK, []).result()
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+def test_a_cluster_that_is_being_begun_can_be_cancelled(monkeypatch):
+    let_go, closed = threading.Event(), threading.Event()
+
+    class Slow:
+        close = staticmethod(closed.set)
+
+        def __init__(self, **settings):
+            let_go.wait(60.0)
+
+    monkeypatch.setattr(distributed, "LocalCluster", Slow)
+    with ended_where(lambda: True), pytest.raises(Cancelled), open_engine("local:1"):
+        pass
+    let_go.set()
+    assert closed.wait(60.0)
 
 
 def test_workers_keep_the_memory_of_arrays(cluster):
