@@ -50,6 +50,8 @@ _MODES = {1: "L", 3: "RGB"}
 _NAMED = 3
 #: What Pillow raises for a file that is no whole image, or too large a one.
 UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
+#: What images are written as, whatever their names say: libraries have decoders of many others, each a risk.
+_FORMATS = ("JPEG", "PNG", "TIFF")
 #: Of Pillow's modes, those with eight bits or less: grey, and all that becomes RGB.
 _GREY, _COLOUR = (
     ("1", "L", "LA", "La"),
@@ -667,7 +669,7 @@ def picture_of(path: Place, data: bytes | None = None) -> Iterator[Image.Image]:
             file = open_foreign(path)
         else:
             file = io.BytesIO(_read(path) if data is None else data)
-        image = opened.enter_context(Image.open(opened.enter_context(file)))
+        image = opened.enter_context(Image.open(opened.enter_context(file), formats=_FORMATS))
         width, height = image.size
         if width * height > MAX_PICTURE_PX:
             raise InvalidInput(

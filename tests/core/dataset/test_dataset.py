@@ -148,6 +148,14 @@ def test_an_image_that_cannot_be_read_is_named(dataset):
     assert path.name in str(caught.value)
 
 
+@pytest.mark.parametrize("other", ["BMP", "GIF", "PPM", "TGA"])
+def test_images_of_other_formats_are_refused_whatever_their_names(dataset, other):
+    images = read_dataset(dataset).image_sets["satellite"]
+    Image.new("RGB", (64, 48)).save(images.path(2), other)
+    with pytest.raises(InvalidInput, match=r"cannot be read"):
+        images.pixels(2)
+
+
 def test_bad_rows_are_named(dataset):
     def spoil(rows):
         rows[1][rows[0].index("Lat")] = "north"
