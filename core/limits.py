@@ -106,6 +106,12 @@ MAX_RASTER_BLOCK_BYTES = 256 << 20
 MAX_RASTER_ITEMS = 50_000
 #: Directories of a TIFF, each an image, a mask or an overview: all of them are looked through when it is opened.
 MAX_TIFF_DIRECTORIES = 1_000
+#: Bytes of the texts of a GeoTIFF's keys, which lead to the first 131,070 of them; programs write some hundred.
+MAX_TIFF_TEXT_BYTES = 1 << 17
+#: Boxes, but for those of pixels, of a JPEG 2000 or JPEG XL in an archive or on another machine; there are some ten.
+MAX_BOXES = 1_000
+#: Bytes of them, which GDAL is to have at hand still when it opens what was looked through: it keeps 16 MiB.
+MAX_BOXES_BYTES = 4 << 20
 #: Seconds that a look-up in an MBTiles file may take: an index makes them milliseconds.
 MAX_QUERY_S = 5.0
 #: Characters of a line of metadata, of an MBTiles file or a raster.
