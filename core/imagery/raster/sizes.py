@@ -1,6 +1,7 @@
 """How much of anything a raster may have: bands, overviews, directories of a TIFF, bytes of a block.
 
-A TIFF's directories are looked through before GDAL reads them, as a VRT may read any number of TIFFs. So are their texts, which may name files.
+A TIFF's directories are looked through before GDAL reads them, as a VRT may read any number of TIFFs, and their texts
+may name other files.
 """
 
 from __future__ import annotations
