@@ -179,5 +179,5 @@ MAX_SCHEDULER_SILENCE_S = 10.0
 
 # --- Missions
 
-#: Whole numbers of a mission: those of 64 bits, as its seed may be.
+#: Whole numbers of a mission, and negative ones down to as many: those of 64 bits, as its seed may be.
 MAX_WHOLE_NUMBER = 2**64 - 1
