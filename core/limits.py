@@ -123,6 +123,8 @@ MAX_VIEW_CHARACTERS = 2000
 MAX_STORED_TILE_BYTES = 32 << 20
 #: Characters of the definition of a coordinate reference system; compound ones take some 10,000.
 MAX_CRS_CHARACTERS = 1 << 16
+#: Length of the `crs` of a file of GeoJSON that leads nowhere, with the spaces in it, bytes.
+MAX_GEOJSON_CRS_BYTES = 1024
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
 MAX_JSON_DEPTH = 100
 #: Digits of a whole number in a text: every such number has a float, and takes no time to be read.
@@ -175,6 +177,16 @@ MAX_STORE_ANSWER_BYTES = 8 << 20
 MAX_STORE_NAMES = 10_000_000
 #: Seconds within which a scheduler of Dask's answers.
 MAX_SCHEDULER_SILENCE_S = 10.0
+
+
+# --- Projects
+
+#: Servers and files that QGIS's settings keep as agreed to, the last ones.
+MAX_AGREED_PLACES = 1000
+#: Characters of one of them: a name of 253 letters and what stands in it in braces.
+MAX_PLACE_CHARACTERS = 1000
+#: How often an address within an address is decoded.
+MAX_DECODINGS = 3
 
 
 # --- Missions
