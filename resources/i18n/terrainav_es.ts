@@ -8931,6 +8931,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/fields.py"/>
+        <source>at least {0}</source>
+        <translation>al menos {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/fields.py"/>
         <source>at most {0:g}</source>
         <translation>como máximo {0:g}</translation>
     </message>
@@ -9983,6 +9988,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/reading.py"/>
+        <source>its header cannot be read whole</source>
+        <translation>su cabecera no se puede leer entera</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/reading.py"/>
         <source>no format that GDAL knows</source>
         <translation>ningún formato que GDAL conozca</translation>
     </message>
@@ -10080,8 +10090,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>{0} has numbers in place of the text of tag {1}</source>
+        <translation>{0} tiene números en lugar del texto de la etiqueta {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
         <source>{0} has {1:,} ground control points: must be at most {2:,}</source>
         <translation>{0} tiene {1:,} puntos de control sobre el terreno: deben ser como máximo {2:,}</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/sizes.py"/>
+        <source>{0} holds more than {1:g} MB of metadata</source>
+        <translation>{0} contiene más de {1:g} MB de metadatos</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/source.py"/>
@@ -10181,6 +10201,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>has a box without an end beside its pixels</source>
+        <translation>tiene una caja sin fin además de sus píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>has more than {0:,} boxes, or more than {1} MB beside its pixels</source>
+        <translation>tiene más de {0:,} cajas, o más de {1} MB además de sus píxeles</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>header</source>
+        <translation>cabecera</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>is of a format that is read from folders of this machine alone</source>
+        <translation>es de un formato que solo se lee de carpetas de este equipo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>items of metadata</source>
         <translation>elementos de metadatos</translation>
     </message>
@@ -10191,8 +10231,18 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>
+        <source>name a copy of it, unpacked and on this machine</source>
+        <translation>indique una copia descomprimida en este equipo</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
         <source>name the service itself: wms:URL, wmts:URL or a URL template</source>
         <translation>nombre el servicio mismo: wms:URL, wmts:URL o una plantilla de URL</translation>
+    </message>
+    <message>
+        <location filename="../../core/imagery/raster/trust.py"/>
+        <source>names a place in the file: must name a directory by its number, GTIFF_DIR:2:…</source>
+        <translation>indica un lugar en el archivo: debe indicar un directorio por su número, GTIFF_DIR:2:…</translation>
     </message>
     <message>
         <location filename="../../core/imagery/raster/trust.py"/>

@@ -206,7 +206,7 @@ def drivers_for(path: str) -> list[str]:
         return [name for name in DRIVERS if name != "VRT"]
     part = file_of_part(path)
     if part and path.upper().startswith(_ANYWHERE):
-        raise InvalidInput("names a place in the file in place of a directory", remedy="number the directory")
+        raise InvalidInput("names a place in the file: must name a directory by its number, GTIFF_DIR:2:…")
     file = Path(part or path)
     # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
     folders = (file.parent, _real(file).parent, *_folders())

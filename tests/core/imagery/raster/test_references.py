@@ -197,7 +197,7 @@ def test_a_second_directory_is_looked_at_and_none_of_unknown_place(picture, tmp_
     path.write_bytes(bytes(data + moved))
     with pytest.raises(InvalidInput, match=r"c\.tif: .*names the file /tmp/up\.gtx"):
         open_raster(f"GTIFF_DIR:2:{path}")
-    with pytest.raises(InvalidInput, match="a place in the file in place of a directory"):
+    with pytest.raises(InvalidInput, match="names a place in the file: must name a directory by its number"):
         open_raster(f"GTIFF_DIR:off:{shift + start}:{path}")
 
 
