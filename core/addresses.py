@@ -30,6 +30,8 @@ _WITH_NAMES = ("az", "abfs", "abfss", "adl", "wasb", "wasbs", "ftp", "sftp", "ss
 #: A host and its port, which no password is; and where either ends.
 _PORT = re.compile(r"[^:]*:\d*|\[[^\]]*\](:\d*)?")
 _HOST_END = re.compile(r"[/?#@]")
+#: What may stand behind an address in a sentence.
+_PUNCTUATION = ",.;:!)]}…"
 #: Where a parameter begins, wherever it may have been meant to stand, its name and its value.
 _PARAMETER = re.compile(r"([?&;#])([\w.%-]{1,100})=([^&;#\s'\"<>]*)")
 #: What stands between words in a text.
@@ -82,10 +84,12 @@ def _without_password(word: str) -> str:
     pieces = [word[: schemes[0].start()]] if schemes else [word]
     for found, end in zip(schemes, ends):
         rest = word[found.end() : end]
-        shown = (
-            f"{_MASK}@{_SIGN_IN_END.split(rest)[-1]}" if any(map(_holds_password, _decoded(rest))) else rest
-        )
-        pieces.append(found[0] + shown)
+        is_bucket = found[0].partition(":")[0].lower() in _BUCKETS
+        if any(map(_holds_password, _decoded(rest))):
+            rest = f"{_MASK}@{_SIGN_IN_END.split(rest)[-1]}"
+        elif any(_is_cut_short(text, is_bucket) for text in _decoded(rest)):
+            rest = _MASK
+        pieces.append(found[0] + rest)
     return "".join(pieces)
 
 
@@ -108,6 +112,13 @@ def _holds_credentials(text: str) -> bool:
         or (kind not in _WITH_NAMES and rest[len(host) :].startswith("@"))
         or any(is_key_name(name) for _, name, _ in _PARAMETER.findall(rest))
     )
+
+
+def _is_cut_short(rest: str, is_bucket: bool) -> bool:
+    """Whether what follows the scheme looks like a name and the beginning of a password, as lists are split."""
+    host = _HOST_END.split(rest, 1)[0].rstrip(_PUNCTUATION)
+    has_port = _PORT.fullmatch(host) is not None and not is_bucket
+    return ":" in host and not has_port and not host.lower().startswith("arn:")
 
 
 def _holds_password(rest: str) -> bool:

@@ -223,14 +223,17 @@ class Field:
             except (TypeError, ValueError, OverflowError):
                 # What is no number is said below; one that no float holds is beyond every limit.
                 if isinstance(value, int):
-                    return math.inf
+                    return math.copysign(math.inf, 1 if value > 0 else -1)
         raise self._refused(Message(self.title), repr(value), _TYPES[self.kind])
 
     def _check_limits(self, value: float) -> None:
         title = Message(self.title)
-        if self.kind is int and value > MAX_WHOLE_NUMBER:
+        if self.kind is int and abs(value) > MAX_WHOLE_NUMBER:
             beyond = Message("of more than 64 bits")
-            raise self._refused(title, beyond, Message("at most {0}", MAX_WHOLE_NUMBER))
+            right = Message("at most {0}", MAX_WHOLE_NUMBER)
+            raise self._refused(
+                title, beyond, right if value > 0 else Message("at least {0}", -MAX_WHOLE_NUMBER)
+            )
         within = (
             (self.least is None or value >= self.least)
             and (self.most is None or value <= self.most)

@@ -106,6 +106,12 @@ MAX_RASTER_BLOCK_BYTES = 256 << 20
 MAX_RASTER_ITEMS = 50_000
 #: Directories of a TIFF, each an image, a mask or an overview: all of them are looked through when it is opened.
 MAX_TIFF_DIRECTORIES = 1_000
+#: Bytes of the texts of a GeoTIFF's keys, which lead to the first 131,070 of them; programs write some hundred.
+MAX_TIFF_TEXT_BYTES = 1 << 17
+#: Boxes, but for those of pixels, of a JPEG 2000 or JPEG XL in an archive or on another machine; there are some ten.
+MAX_BOXES = 1_000
+#: Bytes of them, which GDAL is to have at hand still when it opens what was looked through: it keeps 16 MiB.
+MAX_BOXES_BYTES = 4 << 20
 #: Seconds that a look-up in an MBTiles file may take: an index makes them milliseconds.
 MAX_QUERY_S = 5.0
 #: Characters of a line of metadata, of an MBTiles file or a raster.
@@ -117,6 +123,8 @@ MAX_VIEW_CHARACTERS = 2000
 MAX_STORED_TILE_BYTES = 32 << 20
 #: Characters of the definition of a coordinate reference system; compound ones take some 10,000.
 MAX_CRS_CHARACTERS = 1 << 16
+#: Length of the `crs` of a file of GeoJSON that leads nowhere, with the spaces in it, bytes.
+MAX_GEOJSON_CRS_BYTES = 1024
 #: Levels of lists and objects in a JSON text: GeoJSON has up to ten, and Python's stack has room for a thousand.
 MAX_JSON_DEPTH = 100
 #: Digits of a whole number in a text: every such number has a float, and takes no time to be read.
@@ -174,7 +182,17 @@ MAX_STORE_NAMES = 10_000_000
 MAX_SCHEDULER_SILENCE_S = 10.0
 
 
+# --- Projects
+
+#: Servers and files that QGIS's settings keep as agreed to, the last ones.
+MAX_AGREED_PLACES = 1000
+#: Characters of one of them: a name of 253 letters and what stands in it in braces.
+MAX_PLACE_CHARACTERS = 1000
+#: How often an address within an address is decoded.
+MAX_DECODINGS = 3
+
+
 # --- Missions
 
-#: Whole numbers of a mission: those of 64 bits, as its seed may be.
+#: Whole numbers of a mission, and negative ones down to as many: those of 64 bits, as its seed may be.
 MAX_WHOLE_NUMBER = 2**64 - 1

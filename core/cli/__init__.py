@@ -19,6 +19,8 @@ _SAID_CHARACTERS = 200
 #: Characters shown before and after one that cannot be written.
 _AROUND = 60
 _ISSUES = "https://github.com/terrainav/terrainav/issues"
+#: Commands that print nothing before their result.
+_QUIET = ("plan", "poses")
 #: Options that name sources.
 _SOURCES = ("source", "url", "imagery", "elevation", "surface", "cluster")
 #: The module of each command and its function there; only the one that is run is imported.
@@ -121,8 +123,13 @@ def _run(argv: Sequence[str]) -> int:
         return DONE
     _check_addresses(vars(arguments))
     module, function = _COMMANDS[arguments.command]
-    code: int = getattr(importlib.import_module(f".{module}", __name__), function)(arguments)
-    return code
+    run = getattr(importlib.import_module(f".{module}", __name__), function)
+    if arguments.command not in _QUIET:
+        return int(run(arguments))
+    from .printing import at_work
+
+    with at_work():
+        return int(run(arguments))
 
 
 def _check_addresses(values: Mapping[str, object]) -> None:

@@ -4,8 +4,36 @@ from __future__ import annotations
 
 import io
 import sys
+import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+
+#: Seconds without a result after which the command says that it is at work, and from then on every so many.
+QUIET_S, AGAIN_S = 10.0, 60.0
+
+
+@contextmanager
+def at_work() -> Iterator[None]:
+    """Say in a terminal that the command is at work, where what is done inside takes long and prints nothing."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        yield
+        return
+    ended = threading.Event()
+    teller = threading.Thread(target=_say_at_work, args=(ended,), daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        ended.set()
+
+
+def _say_at_work(ended: threading.Event) -> None:
+    began_s, wait_s = time.monotonic(), QUIET_S
+    while not ended.wait(wait_s):
+        wait_s = AGAIN_S
+        took_s = time.monotonic() - began_s
+        print(f"terrainav: at work for {took_s:.0f} s; Ctrl-C ends it", file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -14,12 +14,11 @@ from functools import partial
 
 from ..errors import InvalidInput
 from ..files import open_foreign
+from ..limits import MAX_GEOJSON_CRS_BYTES
 
 #: Beginning in which GDAL's drivers look for what a file is; the most that one of them looks at is some 20 kB.
 HEAD_BYTES = 1 << 16
 _BLOCK_BYTES = 1 << 20
-#: Longest reference system that leads nowhere, with the spaces in it.
-_CRS_BYTES = 1024
 _COLLECTION = re.compile(rb'(?:\xef\xbb\xbf)?\s*\{\s*"type"\s*:\s*"FeatureCollection"\s*[,}]')
 #: A name of the specification of 2008, however its letters are written, and with any quotes that GDAL takes.
 _CRS = re.compile(rb"""["'](?:c|\\u00[46]3)(?:r|\\u00[57]2)(?:s|\\u00[57]3)["']""", re.IGNORECASE)
@@ -68,7 +67,7 @@ def checked_geojson(blocks: Iterable[bytes], name: object) -> Iterator[bytes]:
             if len(head) == HEAD_BYTES:
                 _check_head(head, name)
         # What a block ends with may go on in the next one.
-        rest = _checked(rest + block, name, _CRS_BYTES)
+        rest = _checked(rest + block, name, MAX_GEOJSON_CRS_BYTES)
         yield block
     if len(head) < HEAD_BYTES:
         _check_head(head, name)
@@ -99,7 +98,7 @@ def _checked(text: bytes, name: object, left: int) -> bytes:
     for found in _CRS.finditer(text):
         if found.start() >= until:
             break
-        plain = _PLAIN.match(text, found.start(), found.start() + _CRS_BYTES)
+        plain = _PLAIN.match(text, found.start(), found.start() + MAX_GEOJSON_CRS_BYTES)
         if plain is None:
             raise InvalidInput(
                 "footprints {0}: their crs leads elsewhere, or is none of a code; must be a name such as EPSG:25832, "

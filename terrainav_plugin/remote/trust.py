@@ -18,14 +18,13 @@ from ...core.errors import InvalidInput
 from ...core.imagery.catalogue import shelf
 from ...core.imagery.entry import serving
 from ...core.imagery.template import host_of
+from ...core.limits import MAX_AGREED_PLACES, MAX_DECODINGS, MAX_PLACE_CHARACTERS
 from ...core.safe_json import parse_json
 from ..settings import Settings
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
-#: Places that are remembered, and characters of one of them: a name of 253 letters and what stands in it in braces.
-_MOST, _LONGEST = 1000, 1000
 #: Scheme and server of an address, placeholders and all; programs take one slash or several. A drive has one letter.
 _ADDRESS = re.compile(
     r"(?<![a-z0-9+.-])([a-z0-9+.-]{2,}):[/\\]{1,9}"
@@ -44,8 +43,6 @@ _BY_ADDRESS = re.compile(
     r"|/vsicurl\?url=https?(?::|%(?:25)?3A)[^&]*$",
     re.IGNORECASE,
 )
-#: How often an address within an address is decoded.
-_MOST_DECODED = 3
 
 
 def sources_of(mission: Mission) -> tuple[str, ...]:
@@ -81,9 +78,9 @@ def strangers(texts: Iterable[str]) -> tuple[str, ...]:
 
 def agree(texts: Iterable[str]) -> None:
     """Note that the user has chosen sources, or has agreed to what `strangers` returned of them."""
-    new = [one for one in strangers(texts) if len(one) <= _LONGEST]
+    new = [one for one in strangers(texts) if len(one) <= MAX_PLACE_CHARACTERS]
     if new:
-        Settings().agreed = json.dumps([*_agreed(), *new][-_MOST:])
+        Settings().agreed = json.dumps([*_agreed(), *new][-MAX_AGREED_PLACES:])
 
 
 def _agreed() -> list[str]:
@@ -116,7 +113,7 @@ def _places(text: str) -> Iterator[str]:
     if text.startswith("qgis:"):
         return
     readings = [text]
-    while len(readings) <= _MOST_DECODED and (decoded := unquote(readings[-1])) != readings[-1]:
+    while len(readings) <= MAX_DECODINGS and (decoded := unquote(readings[-1])) != readings[-1]:
         readings.append(decoded)
     found = [
         f"{address[1]}://{server.rpartition('@')[2]}".lower()

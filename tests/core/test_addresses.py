@@ -138,8 +138,18 @@ def test_what_libraries_say_is_shown_without_credentials(text):
             assert SECRET not in Message("{0!r}", said)
 
 
+@pytest.mark.parametrize("joint", [",", ";", " "])
+def test_a_password_that_is_cut_where_a_list_is_split_is_not_shown(joint):
+    for address in (f"s3://KEY:{SECRET}", f"https://me:{SECRET}", f"gs://me:{SECRET[1:]}%2"):
+        said = f"coordinates '50{joint}{address}{joint}more@bucket'"
+        for text in (said, *said.split(joint), f"no float: {address!r}", f"({address})"):
+            assert SECRET[1:] not in without_credentials(text)
+
+
 def test_what_a_text_may_show_stays():
     for text in (
+        "no answer of tcp://scheduler:8786, nor of https://[::1]:8080: wait",
+        "s3://bucket: no such bucket (s3://arn:aws:s3:eu-1:5:accesspoint/x)",
         "write token={key} and set TERRAINAV_KEY",
         "https://tiles.example/{z}/{x}/{y}.png?token={key}",
         "time 5:30 by u@example.org, see https://tiles.example:8080/a?style=dark&format=png",

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol
+from typing import IO, Any, NamedTuple, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +20,8 @@ from ...errors import Cancelled, InvalidInput, Message
 from ...native_calls import NativeCall
 from .remote import Remote
 from .sizes import check_block, check_counts
-from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE
+from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE, VIRTUAL, check_virtual_file
+from .virtual import OPTIONS, ROW_BYTES, VirtualFile, vrt_of_bytes
 
 Bytes = NDArray[np.uint8]
 Values = NDArray[Any]
@@ -35,6 +36,8 @@ _CACHE, _CACHE_MB = "GDAL_CACHEMAX", 64
 #: GDAL's options by name, for one raster.
 Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
+#: GDAL's option to open nothing beside a raster where nothing looks through that first: in archives, on other machines.
+ALONE: Options = MappingProxyType({"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR"})
 #: Domains of GDAL's metadata that say what a band is: the default one, and that of wavelengths.
 _DOMAINS = ("", "IMAGERY")
 #: Item of GDAL's metadata, and its domain, for greys that count from white.
@@ -183,6 +186,31 @@ def opener() -> Opener:
     raise InvalidInput("raster files need rasterio: pip install terrainav[raster]")
 
 
+def _looked_through(
+    kind: Opener, path: str, drivers: Sequence[str], options: Options
+) -> tuple[Sequence[str], Options]:
+    """Formats and options to open a raster by, after a look through one that lies where only GDAL reads files.
+
+    GDAL keeps what it reads of a server's files, so what it opens are the bytes that were looked at.
+
+    Raises
+    ------
+    InvalidInput
+    ReadError
+    """
+    if not path.startswith(VIRTUAL):
+        return drivers, options
+    options = {**ALONE, **options}
+    raw = kind(vrt_of_bytes(path), 0, ("VRT",), {**OPTIONS, **options})
+    file = cast("IO[bytes]", VirtualFile(lambda row: raw.read([1], Box(0, row, ROW_BYTES, 1)).tobytes()))
+    try:
+        return check_virtual_file(path, file, drivers), options
+    except EOFError as wrong:
+        raise ReadError(Message("its header cannot be read whole")) from wrong
+    finally:
+        raw.close()
+
+
 def filled(values: Values, there: NDArray[np.bool_], reach_px: int) -> Values:
     """Values (h, w) of float32 with GDAL's FillNodata where there are none.
 
@@ -259,6 +287,7 @@ class GdalFile:
     ) -> None:
         from osgeo import gdal
 
+        drivers, options = _looked_through(GdalFile, path, drivers, options)
         self._gdal: Any = gdal
         self._options = options
         overview = [f"OVERVIEW_LEVEL={level - 1}"] if level else []
@@ -356,7 +385,7 @@ def _refused(options: Options) -> Iterator[None]:
     """Errors of rasterio as ReadError; a JPEG that is broken off is one."""
     import rasterio
     from rasterio._err import CPLE_BaseError
-    from rasterio.errors import RasterioError
+    from rasterio.errors import CRSError, RasterioError
     from rasterio.session import DummySession
 
     try:
@@ -364,7 +393,7 @@ def _refused(options: Options) -> Iterator[None]:
         # times as long as a tile does. Whatever needs keys finds them in the environment.
         with rasterio.Env(DummySession(), **{STRICT_JPEG: True, _CACHE: _CACHE_MB, **options}):
             yield
-    except (RasterioError, CPLE_BaseError, OSError) as wrong:
+    except (RasterioError, CRSError, CPLE_BaseError, OSError) as wrong:
         # What GDAL said first is the cause of what rasterio says.
         root: BaseException = wrong
         while root.__cause__ is not None:
@@ -384,6 +413,7 @@ class RasterioFile:
         import rasterio
         from rasterio.errors import NotGeoreferencedWarning
 
+        drivers, options = _looked_through(RasterioFile, path, drivers, options)
         overview = {"overview_level": level - 1} if level else {}
         with _refused(options), self._opening, warnings.catch_warnings():
             # Said in words of our own.

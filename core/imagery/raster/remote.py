@@ -1,9 +1,9 @@
 """Rasters on other machines: GDAL reads parts of them over HTTP, under the manners of all other requests.
 
 The requests are GDAL's own, so what it can keep of those manners it is told by its options: who asks, how long it
-waits, how often it tries again, no listing of folders and no search for files beside. A request of one byte before, by
-the client of all other sources, says what GDAL would not: that the server is away, refuses or sends no parts of files,
-and which version of the file this is. Every request of GDAL is then for this version alone.
+waits, how often it tries again. A request of one byte before, by the client of all other sources, says what GDAL would
+not: that the server is away, refuses or sends no parts of files, and which version of the file this is. Every request
+of GDAL is then for this version alone.
 """
 
 from __future__ import annotations
@@ -100,7 +100,6 @@ class Remote:
             "GDAL_HTTP_RETRY_DELAY": f"{FIRST_WAIT_S:g}",
             # One connection for each raster that is open, and these are as many as there are connections.
             "GDAL_HTTP_MULTIRANGE": "SERIAL",
-            "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR",
         }
         self._path_with_key = with_key(path, key)
         self.path, self._url = _address(self._path_with_key)

@@ -1,16 +1,16 @@
 """How much of anything a raster may have: bands, overviews, directories of a TIFF, bytes of a block.
 
-A TIFF's directories are looked through before GDAL reads them, as a VRT may read any number of TIFFs.
+A TIFF's directories are looked through before GDAL reads them, as a VRT may read any number of TIFFs, and their texts
+may name other files.
 """
 
 from __future__ import annotations
 
 import struct
-from pathlib import Path
+from collections.abc import Iterator
 from typing import IO, NamedTuple
 
 from ...errors import InvalidInput
-from ...files import open_foreign
 from ...limits import (
     MAX_RASTER_BANDS,
     MAX_RASTER_BLOCK_BYTES,
@@ -28,6 +28,8 @@ _WIDTH, _HEIGHT, _BITS, _COMPRESSION, _SAMPLES, _ROWS = 256, 257, 258, 259, 277,
 _PLANAR, _TILE_WIDTH, _TILE_HEIGHT, _TIE_POINTS = 284, 322, 323, 33922
 #: Types of whole numbers: of 1, 2, 4 and 8 bytes.
 _TYPES = {1: "B", 3: "H", 4: "I", 16: "Q"}
+#: Types of a byte each, as texts are written.
+_TEXT_TYPES = frozenset([1, 2, 6, 7])
 _UNCOMPRESSED, _SEPARATE = 1, 2
 #: More rows than these in a single strip GDAL reads line by line, of uncompressed images, or of so few bits.
 _SPLIT_ROWS, _SPLIT_BITS = 2000, 8
@@ -71,17 +73,21 @@ def check_block(width: int, height: int, bytes_per_px: float) -> None:
 
 
 class _Entry(NamedTuple):
-    """An entry of a directory: how many values it has, and the first of them."""
+    """An entry of a directory: type and number of its values, the first of them, and the values or their offset."""
 
+    kind: int
     length: int
-    value: int
+    first: int
+    values: bytes
 
 
-def check_directories(path: Path, head: bytes) -> None:
+def check_directories(name: str, file: IO[bytes], head: bytes) -> None:
     """Refuse a TIFF with more directories, control points or larger blocks than GDAL can read in reasonable time.
 
     Parameters
     ----------
+    name : str
+        Of the file.
     head : bytes
         What the file begins with; other files than TIFFs pass.
 
@@ -89,6 +95,33 @@ def check_directories(path: Path, head: bytes) -> None:
     ------
     InvalidInput
     """
+    for _, entries in _directories(name, file, head):
+        _check_entries(name, entries)
+
+
+def tag_texts(name: str, file: IO[bytes], head: bytes, tag: int, most_bytes: int) -> Iterator[bytes]:
+    """Yield the texts that the directories of a TIFF have for a tag; parameters as of `check_directories`.
+
+    Raises
+    ------
+    InvalidInput
+        One is longer than ``most_bytes``, or written as numbers, of which libtiff makes a text.
+    """
+    for order, entries in _directories(name, file, head):
+        entry = entries.get(tag)
+        if entry is None:
+            continue
+        if entry.kind not in _TEXT_TYPES:
+            raise InvalidInput("{0} has numbers in place of the text of tag {1}", name, tag)
+        if entry.length > most_bytes:
+            raise InvalidInput("{0} holds more than {1:g} MB of metadata", name, most_bytes / (1 << 20))
+        if entry.length > len(entry.values):
+            file.seek(_offset(order, entry.values))
+            yield file.read(entry.length)
+
+
+def _directories(name: str, file: IO[bytes], head: bytes) -> Iterator[tuple[str, dict[int, _Entry]]]:
+    """Yield the order of bytes and the entries of each directory, as far as they can be read."""
     order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
     form = _FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order and len(head) >= 16 else None
     if form is None:
@@ -96,26 +129,28 @@ def check_directories(path: Path, head: bytes) -> None:
     offset_kind, offset_at, count_kind, entry_kind = form
     (at,) = struct.unpack_from(order + offset_kind, head, offset_at)
     number = 0
-    try:
-        with open_foreign(path) as file:
-            while at:
-                number += 1
-                if number > MAX_TIFF_DIRECTORIES:
-                    raise InvalidInput(
-                        "{0} has more than {1:,} directories",
-                        path.name,
-                        MAX_TIFF_DIRECTORIES,
-                        remedy="make a copy of its first image, with gdal_translate",
-                    )
-                file.seek(at)
-                entries = _entries(file, order, count_kind, entry_kind)
-                _check_entries(path, entries)
-                (at,) = struct.unpack(order + offset_kind, file.read(struct.calcsize(offset_kind)))
-    except (OSError, OverflowError, ValueError, struct.error) as wrong:
-        if isinstance(wrong, InvalidInput):
-            raise
-        # GDAL says what is wrong with such a file.
-        return
+    while at:
+        number += 1
+        if number > MAX_TIFF_DIRECTORIES:
+            raise InvalidInput(
+                "{0} has more than {1:,} directories",
+                name,
+                MAX_TIFF_DIRECTORIES,
+                remedy="make a copy of its first image, with gdal_translate",
+            )
+        try:
+            file.seek(at)
+            entries = _entries(file, order, count_kind, entry_kind)
+            behind = file.tell()
+        except (OSError, OverflowError, ValueError, struct.error):
+            # GDAL says what is wrong with such a file.
+            return
+        yield order, entries
+        file.seek(behind)
+        following = file.read(struct.calcsize(offset_kind))
+        if len(following) < struct.calcsize(offset_kind):
+            return
+        (at,) = struct.unpack(order + offset_kind, following)
 
 
 def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> dict[int, _Entry]:
@@ -128,27 +163,37 @@ def _entries(file: IO[bytes], order: str, count_kind: str, entry_kind: str) -> d
     behind = file.tell()
     found: dict[int, _Entry] = {}
     for tag, kind, length, values in struct.iter_unpack(order + entry_kind, content):
-        first = 0
-        if kind in _TYPES and tag in _READ:
-            own = order + _TYPES[kind]
-            if struct.calcsize(own) * length > len(values):
-                file.seek(struct.unpack(order + ("I" if len(values) == _CLASSIC_BYTES else "Q"), values)[0])
-                first = struct.unpack(own, file.read(struct.calcsize(own)))[0]
-            else:
-                first = struct.unpack_from(own, values)[0]
-        found.setdefault(tag, _Entry(length, first))
+        is_read = kind in _TYPES and tag in _READ and tag not in found
+        first = _first(file, order, _TYPES[kind], length, values) if is_read else 0
+        found.setdefault(tag, _Entry(kind, length, first, values))
     file.seek(behind)
     return found
 
 
-def _check_entries(path: Path, entries: dict[int, _Entry]) -> None:
+def _first(file: IO[bytes], order: str, kind: str, length: int, values: bytes) -> int:
+    """First value of an entry; 0 where it lies beyond the file, which libtiff forgives some tags."""
+    size = struct.calcsize(kind)
+    try:
+        if size * length > len(values):
+            file.seek(_offset(order, values))
+            values = file.read(size)
+        return int(struct.unpack_from(order + kind, values)[0])
+    except (OSError, OverflowError, ValueError, struct.error):
+        return 0
+
+
+def _offset(order: str, values: bytes) -> int:
+    return int(struct.unpack(order + ("I" if len(values) == _CLASSIC_BYTES else "Q"), values)[0])
+
+
+def _check_entries(name: str, entries: dict[int, _Entry]) -> None:
     def value(tag: int, usual: int) -> int:
-        return entries[tag].value if tag in entries else usual
+        return entries[tag].first if tag in entries else usual
 
     points = entries[_TIE_POINTS].length // _TIE_POINT_NUMBERS if _TIE_POINTS in entries else 0
     if points > MAX_RASTER_ITEMS:
         raise InvalidInput(
-            "{0} has {1:,} ground control points: must be at most {2:,}", path.name, points, MAX_RASTER_ITEMS
+            "{0} has {1:,} ground control points: must be at most {2:,}", name, points, MAX_RASTER_ITEMS
         )
     width, height = value(_WIDTH, 0), value(_HEIGHT, 0)
     bits = value(_BITS, 1)
@@ -162,4 +207,4 @@ def _check_entries(path: Path, entries: dict[int, _Entry]) -> None:
     try:
         check_block(across, down, samples * bits / 8)
     except InvalidInput as wrong:
-        raise InvalidInput("{0} {1}", path.name, wrong) from wrong
+        raise InvalidInput("{0} {1}", name, wrong) from wrong

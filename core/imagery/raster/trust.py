@@ -10,27 +10,30 @@ import codecs
 import contextlib
 import html
 import importlib
+import io
 import os
 import re
-import struct
+import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import lru_cache
 from itertools import combinations
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
 from ...files import is_there, open_foreign
 from ...geodesy.reference import check_reference, file_named
 from ...limits import (
-    MAX_CRS_CHARACTERS,
+    MAX_BOXES,
+    MAX_BOXES_BYTES,
     MAX_QUERY_S,
     MAX_RASTER_BANDS,
     MAX_RASTER_ITEMS,
     MAX_RASTER_OVERVIEWS,
+    MAX_TIFF_TEXT_BYTES,
     MAX_VRT_BYTES,
     MAX_VRT_DEPTH,
     MAX_VRT_SOURCES,
@@ -39,13 +42,17 @@ from ...limits import (
 )
 from ...text import one_line
 from ..template import check_address, host_of
-from .sizes import check_directories
+from .sizes import check_directories, tag_texts
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.
 DRIVERS = tuple(
     "GTiff JPEG PNG JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL ECW MrSID HFA GPKG WEBP GIF BIGGIF BMP ENVI EHdr NITF "
     "RMF SRTMHGT AAIGrid VRT".split()
 )
+#: Those of which files begin in a way of their own and hold no coordinate reference system as text.
+_PLAIN_DRIVERS = frozenset("JPEG PNG GIF BIGGIF WEBP BMP JP2OpenJPEG JP2KAK JP2ECW JP2MrSID JPEGXL".split())
+#: What messages call the part of a raster elsewhere that is looked through: its name may hold a key.
+_HEADER = Message("header")
 #: Environment variable with folders that a VRT may read files of, beside its own.
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
 #: How files of these formats begin, of those that say so.
@@ -91,14 +98,12 @@ _MOST = {
     "gcp": (MAX_RASTER_ITEMS, Message("ground control points")),
 }
 _ITEMS = re.compile(rb"<(mdi|gcp|item)\b", re.IGNORECASE)
-#: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys, and how a directory is written: in classic files,
-#: and in those of 64 bits.
+#: TIFF's tags of GDAL's metadata and of the texts of GeoTIFF's keys.
 _TIFF_METADATA, _TIFF_KEY_TEXTS = 42112, 34737
-_TIFF_FORMS = {42: ("I", 4, "H", "HHI4s", 12), 43: ("Q", 8, "Q", "HHQ8s", 20)}
-#: Entries of a directory; libtiff refuses those with more.
-_TIFF_ENTRIES = 4096
 #: What GDAL's names of rasters within a file begin with, such as GPKG:ortho.gpkg:summer; a drive has one letter.
 _DRIVER = re.compile(r"[A-Z][A-Za-z0-9_]+:")
+#: Such a name of a directory of a TIFF that may lie anywhere in it, where nothing looks for it.
+_ANYWHERE = "GTIFF_DIR:OFF:"
 #: Pieces between the colons and quotation marks of such a name: some formats have five.
 _MOST_PIECES = 20
 #: GDAL's virtual file systems, and what of them is on other machines.
@@ -130,8 +135,6 @@ _WITHOUT_TEXT = (
     b"\xff\x0a",
 )
 _SQLITE = b"SQLite format 3"
-#: Steps of SQLite between looks at the clock.
-_STEPS = 10_000
 #: Bytes of a file that are looked through at once, and those that are looked at again with the next ones.
 _CHUNK_BYTES, _OVERLAP_BYTES = 1 << 22, 1 << 10
 #: Steps of SQLite between looks at the clock.
@@ -202,6 +205,8 @@ def drivers_for(path: str) -> list[str]:
         # What a VRT there names cannot be looked at.
         return [name for name in DRIVERS if name != "VRT"]
     part = file_of_part(path)
+    if part and path.upper().startswith(_ANYWHERE):
+        raise InvalidInput("names a place in the file: must name a directory by its number, GTIFF_DIR:2:…")
     file = Path(part or path)
     # A link leads to what the user has named by it; GDAL takes names in a VRT from there.
     folders = (file.parent, _real(file).parent, *_folders())
@@ -251,13 +256,14 @@ def _check(file: Path, folders: tuple[Path, ...], depth: int, seen: dict[Path, i
         raise InvalidInput("{0} holds more than {1} MB of metadata", aux.name, MAX_VRT_BYTES >> 20)
     if _names(_NAMED_BESIDE, notes):
         raise InvalidInput("{0} names other files, which are not read", aux.name)
-    check_directories(file, head)
-    within = _tiff_text(file, head, _TIFF_METADATA)
+    with open_foreign(file) as opened:
+        check_directories(file.name, opened, head)
+        within = b"".join(tag_texts(file.name, opened, head, _TIFF_METADATA, MAX_VRT_BYTES))
     if _names(_NAMED_WITHIN, within):
         raise InvalidInput("{0} {1}", file.name, NAMES_OVERVIEWS)
     _check_items(aux, notes)
     _check_items(file, within)
-    check_references(file)
+    check_references(file, head)
     return seen[whole]
 
 
@@ -326,8 +332,13 @@ def _names(what: re.Pattern[str], metadata: bytes) -> bool:
     return what.search(html.unescape(metadata.decode("latin-1"))) is not None
 
 
-def check_references(file: Path) -> None:
+def check_references(file: Path, head: bytes | None = None) -> None:
     """Refuse a raster whose coordinate reference system names a file, which PROJ would open as soon as GDAL reads it.
+
+    Parameters
+    ----------
+    head : bytes or None
+        What the file begins with, where that has been read.
 
     Raises
     ------
@@ -343,84 +354,136 @@ def check_references(file: Path) -> None:
         beside += [file.with_suffix(ending), file.with_suffix(ending.upper())]
     for place in beside:
         if place != file and is_there(place):
-            for text in _chunks(place, 0, place.stat().st_size):
-                _check_words(place, text.decode("utf-8", "replace"))
-    head = _head(file)
+            with open_foreign(place) as opened:
+                _check_texts(place.name, _chunks(opened, 0, place.stat().st_size))
+    head = _head(file) if head is None else head
     if _VRT.search(head):
         _parse(file, _References(file))
-    for text in _texts(file, head):
-        _check_words(file, text.decode("utf-8", "replace"))
+    elif head.startswith(_SQLITE):
+        _check_texts(file.name, _definitions(file))
+    else:
+        with open_foreign(file) as opened:
+            _check_texts(file.name, _texts(file.name, opened, head, file.stat().st_size))
 
 
 def check_fetched(name: str, data: bytes) -> None:
     """Refuse an image of a dataset, fetched from elsewhere, for the same reason."""
-    for found in re.finditer(rb"ESRI PE String", data):
-        _check_words(Path(name), data[found.end() :][:MAX_CRS_CHARACTERS].decode("utf-8", "replace"))
+    _check_texts(name, _texts(name, io.BytesIO(data), data[:_HEAD_BYTES], len(data)))
 
 
-def _check_words(file: Path, words: str) -> None:
+def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> list[str]:
+    """Refuse a raster of GDAL's virtual file systems for the same reason, by the bytes that GDAL reads of it.
+
+    Returns
+    -------
+    list of str
+        Those of the formats that it may be of.
+
+    Raises
+    ------
+    InvalidInput
+        With the reason alone; also where it is of a format whose files would have to be read from end to end.
+    """
+    if path.lower().endswith(_SRTM):
+        return [name for name in drivers if name == "SRTMHGT"]
+    head = file.read(_HEAD_BYTES)
+    if head.startswith(_BOXES):
+        _check_boxes(file)
+        return [name for name in drivers if name.startswith("JP")]
+    if head.startswith((b"II", b"MM")):
+        check_directories(_HEADER, file, head)
+        _check_texts(_HEADER, _texts(_HEADER, file, head, sys.maxsize))
+        return [name for name in drivers if name == "GTiff"]
+    if head.startswith(_MAGIC) and not head.startswith(_WITHOUT_TEXT):
+        raise InvalidInput(
+            "is of a format that is read from folders of this machine alone",
+            remedy="name a copy of it, unpacked and on this machine",
+        )
+    return [name for name in drivers if name in _PLAIN_DRIVERS]
+
+
+def _check_boxes(file: IO[bytes]) -> None:
+    """Look through the boxes of a file of unknown size, behind whose end zeros are read."""
+    number = size = 0
+    for start, end in _boxes(file, sys.maxsize):
+        is_last = end == sys.maxsize
+        number, size = number + 1, size + (0 if is_last else end - start)
+        if number > MAX_BOXES or size > MAX_BOXES_BYTES:
+            raise InvalidInput(
+                "has more than {0:,} boxes, or more than {1} MB beside its pixels",
+                MAX_BOXES,
+                MAX_BOXES_BYTES >> 20,
+            )
+        file.seek(start)
+        if is_last and file.read(8).strip(b"\0"):
+            raise InvalidInput("has a box without an end beside its pixels")
+        if not is_last:
+            _check_texts(_HEADER, _chunks(file, start, end))
+
+
+def _check_words(name: str, words: str) -> None:
     """Refuse a text that has a coordinate reference system with the name of a file in it."""
     named = file_named(words)
     if named:
         raise InvalidInput(
             "{0}: its coordinate reference system names the file {1}, which is not opened; must be a code such as "
             "EPSG:25832, or WKT without files",
-            file.name,
+            name,
             one_line(named),
         )
     if words.lstrip().startswith("{") and "CRS" in words.upper():
         try:
             check_reference(words)
         except InvalidInput as wrong:
-            raise InvalidInput("{0}: {1}", file.name, wrong) from wrong
+            raise InvalidInput("{0}: {1}", name, wrong) from wrong
 
 
-def _texts(file: Path, head: bytes) -> Iterator[bytes]:
-    """Parts of a raster's file that may have its coordinate reference system as text."""
-    size = file.stat().st_size
-    if head.startswith(_SQLITE):
-        yield from _definitions(file)
-    elif head.startswith(_BOXES):
+def _check_texts(name: str, texts: Iterable[bytes]) -> None:
+    for text in texts:
+        _check_words(name, text.decode("utf-8", "replace"))
+
+
+def _texts(name: str, file: IO[bytes], head: bytes, size: int) -> Iterator[bytes]:
+    """Parts of a raster's file, of no database, that may have its coordinate reference system as text."""
+    if head.startswith(_BOXES):
         for start, end in _boxes(file, size):
             yield from _chunks(file, start, end)
     elif head.startswith((b"II", b"MM")):
-        yield _tiff_text(file, head, _TIFF_KEY_TEXTS)
-    elif not head.startswith(_WITHOUT_TEXT) and not _VRT.search(head):
+        yield from tag_texts(name, file, head, _TIFF_KEY_TEXTS, MAX_TIFF_TEXT_BYTES)
+    elif not head.startswith(_WITHOUT_TEXT):
         yield from _chunks(file, 0, size)
 
 
-def _chunks(file: Path, start: int, end: int) -> Iterator[bytes]:
+def _chunks(file: IO[bytes], start: int, end: int) -> Iterator[bytes]:
     """Bytes of a file, some of which come twice, so that no name is cut."""
-    with open_foreign(file) as opened:
-        kept = b""
-        opened.seek(start)
-        while start < end:
-            chunk = opened.read(min(_CHUNK_BYTES, end - start))
-            if not chunk:
-                return
-            start += len(chunk)
-            yield kept + chunk
-            kept = chunk[-_OVERLAP_BYTES:]
+    kept = b""
+    file.seek(start)
+    while start < end:
+        chunk = file.read(min(_CHUNK_BYTES, end - start))
+        if not chunk:
+            return
+        start += len(chunk)
+        yield kept + chunk
+        kept = chunk[-_OVERLAP_BYTES:]
 
 
-def _boxes(file: Path, size: int) -> Iterator[tuple[int, int]]:
+def _boxes(file: IO[bytes], size: int) -> Iterator[tuple[int, int]]:
     """Where each box of a file of JPEG 2000 or JPEG XL begins and ends that may have text."""
-    with open_foreign(file) as opened:
-        at = 0
-        while at < size:
-            opened.seek(at)
-            head = opened.read(16)
-            if len(head) < 8:
-                return
-            length = int.from_bytes(head[:4], "big")
-            if length == 1:
-                length = int.from_bytes(head[8:], "big")
-            end = at + length if length else size
-            if end < at + 8:
-                return
-            if head[4:8] not in _PIXEL_BOXES:
-                yield at, min(end, size)
-            at = end
+    at = 0
+    while at < size:
+        file.seek(at)
+        head = file.read(16)
+        if len(head) < 8:
+            return
+        length = int.from_bytes(head[:4], "big")
+        if length == 1:
+            length = int.from_bytes(head[8:], "big")
+        end = at + length if length else size
+        if end < at + 8:
+            return
+        if head[4:8] not in _PIXEL_BOXES:
+            yield at, min(end, size)
+        at = end
 
 
 def _definitions(file: Path) -> Iterator[bytes]:
@@ -438,35 +501,6 @@ def _definitions(file: Path) -> Iterator[bytes]:
     except sqlite3.Error:
         # GDAL says what is wrong with such a file.
         return
-
-
-def _tiff_text(file: Path, head: bytes, wanted: int) -> bytes:
-    """What a tag of the first directory of a TIFF has; empty of any other file."""
-    order = {b"II": "<", b"MM": ">"}.get(head[:2], "")
-    try:
-        form = _TIFF_FORMS.get(struct.unpack_from(f"{order}H", head, 2)[0]) if order else None
-        if form is None:
-            return b""
-        offset_kind, offset_at, count_kind, entry_kind, entry_bytes = form
-        with open_foreign(file) as opened:
-            opened.seek(struct.unpack_from(order + offset_kind, head, offset_at)[0])
-            (count,) = struct.unpack(order + count_kind, opened.read(struct.calcsize(count_kind)))
-            entries = opened.read(min(count, _TIFF_ENTRIES) * entry_bytes)
-            for tag, _, length, value in struct.iter_unpack(order + entry_kind, entries):
-                if tag == wanted and length > len(value):
-                    opened.seek(struct.unpack(order + offset_kind, value)[0])
-                    if length > MAX_VRT_BYTES:
-                        raise InvalidInput(
-                            "{0} holds more than {1} MB of metadata", file.name, MAX_VRT_BYTES >> 20
-                        )
-                    metadata: bytes = opened.read(length)
-                    return metadata
-    except InvalidInput:
-        raise
-    except (OSError, OverflowError, ValueError, struct.error):
-        # GDAL says what is wrong with such a file.
-        return b""
-    return b""
 
 
 def _check_source(
@@ -558,7 +592,7 @@ class _References:
     def start(self, _name: str, attributes: dict[str, str]) -> None:
         self._check_text()
         for value in attributes.values():
-            _check_words(self._file, value)
+            _check_words(self._file.name, value)
 
     def end(self, _name: str) -> None:
         self._check_text()
@@ -574,7 +608,7 @@ class _References:
 
     def _check_text(self) -> None:
         words, self._text = "".join(self._text), []
-        _check_words(self._file, words)
+        _check_words(self._file.name, words)
 
 
 class _Reader(_References):

@@ -254,6 +254,8 @@ def test_a_missing_mission_file_is_named(tmp_path):
         ({"zoom": 10**400}, "zoom of more than 64 bits"),
         ({"max_images": 10**400}, "maximum number of images of more than 64 bits"),
         ({"seed": 10**400}, "seed of more than 64 bits"),
+        ({"seed": -1e308}, "seed of more than 64 bits: must be at least -18446744073709551615"),
+        ({"seed": -(10**400)}, "seed of more than 64 bits: must be at least -18446744073709551615"),
         ({"overlap_along": 1.0}, "front overlap 100.0 %: must be at least 0 and below 100"),
         ({"overlap_across": -0.1}, "side overlap -10.0 %"),
         ({"overlap_along": math.nan}, "front overlap nan %"),

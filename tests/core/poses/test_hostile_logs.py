@@ -145,6 +145,7 @@ def test_a_hostile_log_is_refused_in_one_line(tmp_path, log):
         assert "Traceback" not in refused.stderr
 
 
+@pytest.mark.thorough
 def test_a_gigabyte_of_zeros_is_refused(tmp_path):
     pytest.importorskip("pyulog")
     pytest.importorskip("pymavlink")

@@ -570,6 +570,24 @@ def _whole_files_only(case: Case) -> None:
     case.follow("name a copy of it on this machine", lambda: read(path))
 
 
+@remedy(
+    "imagery/raster/trust.py",
+    "is of a format that is read from folders of this machine alone; "
+    "name a copy of it, unpacked and on this machine",
+)
+def _whole_formats(case: Case) -> None:
+    import zipfile
+
+    from osgeo import gdal
+
+    path = case.tmp_path / "r.img"
+    gdal.Translate(str(path), str(raster(case)), format="HFA").FlushCache()
+    with zipfile.ZipFile(case.tmp_path / "r.zip", "w") as packed:
+        packed.write(path, "r.img")
+    case.refused(lambda: read(f"/vsizip/{case.tmp_path}/r.zip/r.img"))
+    case.follow("name a copy of it, unpacked and on this machine", lambda: read(path))
+
+
 def _made_by_gdal(case: Case, path, *words, name="less.tif"):
     """What ``gdal_translate`` makes of a file with these words."""
     from osgeo import gdal
