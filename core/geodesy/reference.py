@@ -47,6 +47,8 @@ _FILES = re.compile(
     """,
     re.IGNORECASE | re.VERBOSE,
 )
+#: One of these is in each text of which `_FILES` finds something, in letters of any case.
+_CLUES = (b"grids", b"catalog", b"init", b"tinshift", b"defmodel", b"geoidmodel", b"parameterfile")
 #: A name behind one of these, as far as messages show it.
 _NAME = re.compile(r"""[\s="“”,\[(]*(?:[^"“”,]{0,100}["“”]\s*,)?[\s"“”]*([^\s"“”\])|<]{1,200})""")
 #: Members of PROJJSON whose name may be that of a grid, behind this word.
@@ -57,6 +59,12 @@ _PROJ = "PROJ "
 def is_code(text: str) -> bool:
     """Whether a text is a code, in any of the ways that documents write one."""
     return _CODE.fullmatch(text.strip()) is not None
+
+
+def may_name_file(data: bytes) -> bool:
+    """Whether `file_named` has to look through bytes of a text, which takes a hundred times as long as this."""
+    lower = data.lower()
+    return any(clue in lower for clue in _CLUES)
 
 
 def file_named(text: str) -> str:

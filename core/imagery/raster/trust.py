@@ -25,7 +25,7 @@ from urllib.parse import quote, unquote
 
 from ...errors import InvalidInput, Message
 from ...files import is_there, open_foreign
-from ...geodesy.reference import check_reference, file_named
+from ...geodesy.reference import check_reference, file_named, may_name_file
 from ...limits import (
     MAX_BOXES,
     MAX_BOXES_BYTES,
@@ -134,6 +134,8 @@ _WITHOUT_TEXT = (
     b"\xff\x4f\xff\x51",
     b"\xff\x0a",
 )
+#: How files begin of the others that may have it as text anywhere: HFA, NITF, MrSID, ECW, RMF.
+_WITH_TEXT = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02", b"RSW", b"MTW", b"\0WSR")
 _SQLITE = b"SQLite format 3"
 #: Bytes of a file that are looked through at once, and those that are looked at again with the next ones.
 _CHUNK_BYTES, _OVERLAP_BYTES = 1 << 22, 1 << 10
@@ -440,7 +442,8 @@ def _check_words(name: str, words: str) -> None:
 
 def _check_texts(name: str, texts: Iterable[bytes]) -> None:
     for text in texts:
-        _check_words(name, text.decode("utf-8", "replace"))
+        if text.lstrip().startswith(b"{") or may_name_file(text):
+            _check_words(name, text.decode("utf-8", "replace"))
 
 
 def _texts(name: str, file: IO[bytes], head: bytes, size: int) -> Iterator[bytes]:
@@ -450,7 +453,7 @@ def _texts(name: str, file: IO[bytes], head: bytes, size: int) -> Iterator[bytes
             yield from _chunks(file, start, end)
     elif head.startswith((b"II", b"MM")):
         yield from tag_texts(name, file, head, _TIFF_KEY_TEXTS, MAX_TIFF_TEXT_BYTES)
-    elif not head.startswith(_WITHOUT_TEXT):
+    elif head.startswith(_WITH_TEXT):
         yield from _chunks(file, 0, size)
 
 

@@ -117,7 +117,7 @@ def test_blocks_that_fill_memory_are_refused(
     assert f"{name} is decoded in blocks of " in text
 
 
-def test_gdal_is_asked_for_blocks_of_formats_that_are_not_looked_through(tmp_path, library):
+def test_gdal_is_asked_for_blocks_of_formats_that_are_not_looked_through(tmp_path, library, monkeypatch):
     header = "\n".join(
         ["ENVI", "samples = 300000000", "lines = 2", "bands = 1", "data type = 1", "interleave = bsq"]
     )
@@ -125,7 +125,11 @@ def test_gdal_is_asked_for_blocks_of_formats_that_are_not_looked_through(tmp_pat
     path = tmp_path / "e.dat"
     with path.open("wb") as file:
         file.truncate(600_000_000)
+    looked_through = []
+    monkeypatch.setattr(trust, "may_name_file", lambda data: bool(looked_through.append(len(data))))
     assert "is decoded in blocks of 300,000,000x1 px, 286 MB each" in refusal(path)
+    # Pixels alone are in it, and what describes them beside it.
+    assert looked_through == [len(header) + 1]
 
 
 @pytest.mark.parametrize(
