@@ -60,7 +60,7 @@ def changed(part, **values):
 @pytest.mark.parametrize(
     "data",
     [
-        {**PLAIN, "schema": 3},
+        {**PLAIN, "schema": 2},
         {**PLAIN, "colour": 1},
         {name: part for name, part in PLAIN.items() if name != "flight"},
         {**PLAIN, "area": {"type": "disc"}},
@@ -110,7 +110,7 @@ def test_what_is_refused_is_not_of_the_schema(schema, data):
     "data",
     [
         PLAIN,
-        {"schema": 2, "area": PLAIN["area"], "flight": {"agl_m": 120}},
+        {"schema": 1, "area": PLAIN["area"], "flight": {"agl_m": 120}},
         {**PLAIN, **dict.fromkeys(("camera", "wind", "imagery", "pixels", "accuracy", "output", "attitude"))},
         changed("accuracy", frame=None, mesh=None),
         changed("pixels", zoom=3, gsd_m_per_px=None),

@@ -79,7 +79,7 @@ def _edited(root: Path, name: str, changed: list[Message]) -> OutputError:
 
 def _parts_of(mission: Mission) -> dict[str, Any]:
     """Settings of a mission part by part, with all defaults, as its own file leaves some of them out."""
-    parts = {one.name: getattr(mission, one.name) for one in fields(mission) if one.compare}
+    parts = {one.name: getattr(mission, one.name) for one in fields(mission)}
     plain = {
         name: asdict(part)
         for name, part in parts.items()
@@ -134,7 +134,7 @@ def _unreadable(path: Path, reason: object) -> OutputError:
 
 
 def _changes(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> list[Message]:
-    """One message for each setting that differs; one that an earlier version did not know had its default."""
+    """One message for each setting that differs; one that is not noted had its default."""
     default = _settled(
         {
             name: {one.name: one.default for one in fields(part) if one.default is not MISSING}

@@ -118,7 +118,7 @@ def captured_mission(plan: Plan) -> Mission:
 
 
 def is_of(mark: bytes, mission: Mission) -> bool:
-    """Whether a folder's ``mission.json``, perhaps of an earlier version, is of a mission as `captured_mission` has it.
+    """Whether a folder's ``mission.json`` is of a mission as `captured_mission` has it.
 
     One that leaves the coordinate reference system to the source is of those that state it: whether its images are the
     same ones is found when these are looked at.

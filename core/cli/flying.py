@@ -291,12 +291,6 @@ def _beside(path: str, name: str) -> str:
     return f"{path[: -len(ending)]}-{name}{ending}" if name else path
 
 
-def _print_notes(mission: Mission) -> None:
-    """Say what of a mission file is ignored, where no summary of the plan does."""
-    for note in mission.notes:
-        print(printable(f"note: {note}"), file=sys.stderr)
-
-
 class Bar:
     """Progress on one line of the error output, where that is a terminal; a line a map type elsewhere."""
 
@@ -339,7 +333,6 @@ def run_capture(arguments: argparse.Namespace) -> int:
     if not values["data_dir"]:
         # As from a variable that is not set: the current folder, which it would stand for, is not meant.
         raise InvalidInput("data folder '': must be the name of a folder, such as . for the current one")
-    _print_notes(mission)
     each = mission.by_imagery or {"": mission}
     in_blocks = bool(arguments.cluster or arguments.block or arguments.layout_of_files != FOLDERS)
     in_blocks = in_blocks or is_address(values["data_dir"])
@@ -515,7 +508,6 @@ def run_report(arguments: argparse.Namespace) -> int:
     from ..report.page import write_report
 
     mission, values = _settings(arguments)
-    _print_notes(mission)
     # What is measured are errors as people see them.
     with _opened(mission, values, as_stored=False) as source:
         worked_out = _planned(mission, values, source)

@@ -12,7 +12,6 @@ In reading order:
 - `cameras`: cameras by name, those that ship and the user's own
 - `imageries`: several sources, dates or map types by name
 - `mission`: all that is asked, as one value of parts, in and out of JSON
-- `earlier`: mission files of earlier versions
 - `presets`: values for a purpose, to begin with
 - `options`: what the command takes for it
 - `settings`: a mission from command line, environment and file

@@ -337,7 +337,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
         no_fly_m2=None if coverage is None else coverage.no_fly_m2,
-        warnings=(*mission.notes, *beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
+        warnings=(*beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
         **relief,
         **_flown(plan),
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, asdict, dataclass, field, fields, replace
+from dataclasses import MISSING, asdict, dataclass, fields, replace
 from typing import Any, TypeVar
 
 from ..errors import InvalidInput
@@ -15,7 +15,6 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
 from .area import Area, Box, Points, Polygon, Polygons, check_ground
-from .earlier import of_schema_1, with_row_azimuth
 from .flight.wind import Wind
 from .imageries import NamedImagery
 from .parts import (
@@ -37,8 +36,8 @@ from .parts import (
 )
 
 _Part = TypeVar("_Part", Box, Camera, Wind)
-#: Version of the mission file; readers accept this one and the one before, and refuse newer ones.
-SCHEMA = 2
+#: Version of the mission file; readers refuse others.
+SCHEMA = 1
 #: Parts that are values of their own, with ways of their own to make them; each is given whole.
 WHOLE_PARTS: dict[str, Any] = {
     "area": (Box, Polygon, Polygons, Points),
@@ -68,8 +67,6 @@ class Mission:
         What moves the captures off their places; None for still air, which costs nothing.
     no_fly : tuple of Polygon
         Where no camera may stand: captures planned inside are left out.
-    notes : tuple of str
-        What a mission file asked for that this version does not have, and why; no part of the mission.
     **values
         Other fields of the parts, by name.
 
@@ -91,7 +88,6 @@ class Mission:
     route: Route
     output: Output
     no_fly: tuple[Polygon, ...]
-    notes: tuple[str, ...] = field(compare=False, repr=False)
 
     def __init__(
         self,
@@ -101,12 +97,11 @@ class Mission:
         *,
         wind: Wind | None = None,
         no_fly: tuple[Polygon, ...] = (),
-        notes: tuple[str, ...] = (),
         **values: Any,
     ) -> None:
         given = _by_part({"agl_m": agl_m, **values})
         made = {name: part(**given.get(name, {})) for name, part in FLAT_PARTS.items()}
-        self._keep(area=area, camera=camera, wind=wind, no_fly=no_fly, notes=notes, **made)
+        self._keep(area=area, camera=camera, wind=wind, no_fly=no_fly, **made)
 
     def _keep(self, **parts: Any) -> None:
         """Take parts that are right one by one, if they go together."""
@@ -152,7 +147,7 @@ class Mission:
     def with_(self, **changes: Any) -> Mission:
         """Return a copy with some fields changed, by the names that the constructor takes; checked again."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
-        whole = {name: changes.pop(name) for name in list(changes) if name in (*WHOLE_PARTS, "notes")}
+        whole = {name: changes.pop(name) for name in list(changes) if name in WHOLE_PARTS}
         for name, values in _by_part(changes).items():
             parts[name] = replace(parts[name], **values)
         changed = object.__new__(Mission)
@@ -161,7 +156,7 @@ class Mission:
 
     def to_dict(self) -> dict[str, Any]:
         """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``."""
-        parts = {one.name: getattr(self, one.name) for one in fields(self) if one.compare}
+        parts = {one.name: getattr(self, one.name) for one in fields(self)}
         plain: dict[str, Any] = {
             name: None if part is None else asdict(part) for name, part in parts.items() if name != "no_fly"
         }
@@ -176,7 +171,7 @@ class Mission:
         return {"schema": SCHEMA, **plain, "area": {"type": kind, **(plain["area"] or {})}}
 
     def _leave_out(self, plain: dict[str, Any]) -> None:
-        """Take out what this mission goes without, and earlier versions did not know: its file is theirs."""
+        """Take out what this mission goes without."""
         if not self.imagery.crs:
             del plain["imagery"]["crs"]
         for name in ("source", "date", "map_types") if self.imagery.imageries else ("imageries",):
@@ -200,28 +195,23 @@ class Mission:
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Mission:
-        """Mission from what `to_dict` gave, also in an earlier version, or from one written by hand.
+        """Mission from what `to_dict` gave, or from one written by hand.
 
         Defaults may be left out, and null stands for them.
 
         Raises
         ------
         InvalidInput
-            On a newer schema, an unknown field, or a value outside its domain.
+            On another schema, an unknown field, or a value outside its domain.
         """
         data = dict(data)
-        notes: tuple[str, ...] = ()
         schema = data.pop("schema", None)
-        if schema == 1:
-            data, notes = of_schema_1(data)
-        elif schema != SCHEMA:
-            raise InvalidInput("mission schema {0!r}: this version reads schemas 1 and {1}", schema, SCHEMA)
+        if schema != SCHEMA:
+            raise InvalidInput("mission schema {0!r}: this version reads schema {1}", schema, SCHEMA)
         _check_names(data, "", (*WHOLE_PARTS, *FLAT_PARTS))
         values: dict[str, Any] = {}
         for name, part in FLAT_PARTS.items():
             given = _object(name, {} if data.get(name) is None else data[name])
-            if name == "flight":
-                given = with_row_azimuth(given)
             _check_names(given, f"{name}.", [one.name for one in declared_fields(part)])
             values.update((one, value) for one, value in given.items() if value is not None)
         if data.get("area") is None:
@@ -231,9 +221,7 @@ class Mission:
         camera = _made(Camera, "camera", {} if data.get("camera") is None else data["camera"])
         wind = None if data.get("wind") is None else _made(Wind, "wind", data["wind"])
         no_fly = _polygons("no_fly", [] if data.get("no_fly") is None else data["no_fly"])
-        return cls(
-            area_from_dict(data["area"]), camera=camera, wind=wind, no_fly=no_fly, notes=notes, **values
-        )
+        return cls(area_from_dict(data["area"]), camera=camera, wind=wind, no_fly=no_fly, **values)
 
     @classmethod
     def from_json(cls, text: str) -> Mission:

@@ -333,7 +333,7 @@ class PairPlan:
             if part not in ("schema", "area")
         }
         return {
-            "schema": 2,
+            "schema": 1,
             "layout": "University-1652",
             "parts": {
                 "shares": list(settings.shares),

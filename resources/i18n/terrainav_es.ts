@@ -6153,11 +6153,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Grid angle</source>
-        <translation>Ángulo de cuadrícula</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Height above ground of each point, metres.</source>
         <translation>Altura de cada punto sobre el terreno, en metros.</translation>
     </message>
@@ -6170,11 +6165,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Mission file</source>
         <translation>Archivo de misión</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given.</source>
-        <translation>De guiones y modelos de versiones anteriores: una fracción, 0.6 para el 60 %. Vale cuando no se indica {name}.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -6195,11 +6185,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>Polygons where no camera may stand: images planned inside are left out.</source>
         <translation>Polígonos donde no puede haber ninguna cámara: las imágenes planificadas dentro se omiten.</translation>
-    </message>
-    <message>
-        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
-        <source>Replaced by the row azimuth, which is 90° more.</source>
-        <translation>Sustituido por el acimut de las pasadas, que es 90° mayor.</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -11216,32 +11201,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no contiene coordenadas; se esperaban líneas de lat lon agl [guiñada]</translation>
     </message>
     <message>
-        <location filename="../../core/mission/earlier.py"/>
-        <source>footprint {0!r} of the mission file is ignored: footprints are always exact, as cheaper ones save no time</source>
-        <translation>se pasa por alto la huella {0!r} del archivo de misión: las huellas son siempre exactas, pues otras más baratas no ahorran tiempo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/earlier.py"/>
-        <source>grid angle {0!r}: must be a number from -180 to 180</source>
-        <translation>ángulo de cuadrícula {0!r}: debe ser un número de -180 a 180</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/earlier.py"/>
-        <source>mesh {0!r} of the mission file is ignored: the mesh is as coarse as the error budget allows</source>
-        <translation>se pasa por alto la malla {0!r} del archivo de misión: la malla es tan gruesa como permite el error admisible</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/earlier.py"/>
-        <location filename="../../core/mission/mission.py"/>
-        <source>mission field {0!r}: not one of {1}</source>
-        <translation>campo de misión {0!r}: no es ninguno de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/earlier.py"/>
-        <source>mission with grid_angle_deg {0!r} and row_azimuth_deg {1!r}: both say where rows run</source>
-        <translation>misión con grid_angle_deg {0!r} y row_azimuth_deg {1!r}: ambos dicen hacia dónde van las pasadas</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/estimate.py"/>
         <source> a map type</source>
         <translation> por tipo de mapa</translation>
@@ -12620,6 +12579,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
+        <source>mission field {0!r}: not one of {1}</source>
+        <translation>campo de misión {0!r}: no es ninguno de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/mission.py"/>
         <source>mission file {0}: cannot be read ({1})</source>
         <translation>archivo de misión {0}: no se puede leer ({1})</translation>
     </message>
@@ -12640,8 +12604,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>
-        <source>mission schema {0!r}: this version reads schemas 1 and {1}</source>
-        <translation>esquema de misión {0!r}: esta versión lee los esquemas 1 y {1}</translation>
+        <source>mission schema {0!r}: this version reads schema {1}</source>
+        <translation>esquema de misión {0!r}: esta versión lee el esquema {1}</translation>
     </message>
     <message>
         <location filename="../../core/mission/mission.py"/>

@@ -9,7 +9,6 @@ from typing import Any
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
-from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
 from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Pixels, Route
 from ...core.safe_json import parse_json
@@ -20,8 +19,6 @@ from .text import aspect_text
 FOV_MODES = DIAGONAL, HORIZONTAL, VERTICAL, SENSOR = ("diagonal", "horizontal", "vertical", "sensor")
 #: What the source chooser holds instead of a catalogue entry's name.
 URL_TEMPLATE = "url-template"
-#: Width, height and channels of a picture.
-_SIZE_PARTS = 3
 BOX_FIELDS = ("north", "west", "south", "east")
 #: Fields of a mission that people enter in another way: in a unit, with a choice before, or as several entries.
 _ENTERED_OTHERWISE = ("agl_m", "zoom", "gsd_m_per_px", "img_size", "takeoff")
@@ -173,15 +170,14 @@ class FormState(_Asked):
 
     @classmethod
     def from_json(cls, text: str) -> FormState:
-        """State from what `to_json` gave, also long ago; entries that no longer fit keep their defaults."""
+        """State from what `to_json` gave; entries that do not fit keep their defaults."""
         try:
             data = parse_json(text) if text else {}
         except InvalidInput:
             data = {}
-        data = _with_row_azimuth(_with_later_entries(data)) if isinstance(data, dict) else {}
         state = cls()
         for entry in fields(cls):
-            value = data.get(entry.name)
+            value = data.get(entry.name) if isinstance(data, dict) else None
             default = getattr(state, entry.name)
             if isinstance(default, tuple) and isinstance(value, list):
                 value = tuple(str(item) for item in value)
@@ -190,7 +186,7 @@ class FormState(_Asked):
                 for text in (value if isinstance(value, tuple) else (value,))
                 if isinstance(text, str)
             ):
-                # No file, source or place has it; versions before this one let it in.
+                # No file, source or place has it.
                 continue
             if type(value) is type(default) or (default is None and type(value) in (int, float)):
                 state = replace(state, **{entry.name: value})
@@ -200,49 +196,6 @@ class FormState(_Asked):
 def in_metres(count: float, unit_m: float) -> float:
     """Metres of so many units: to 15 digits, so that what was in metres first comes back as it was."""
     return float(f"{count * unit_m:.15g}")
-
-
-def _with_later_entries(data: dict[str, Any]) -> dict[str, Any]:
-    """Saved entries, with those that were kept as JSON beside them while the dock had no entries for them.
-
-    The longest side of before there was an image's size was that size, also where nobody had changed it: as a limit it
-    would be one that nobody has asked for.
-    """
-    try:
-        more = parse_json(data.get("more") or "{}")
-    except (InvalidInput, TypeError):
-        return data
-    if not isinstance(more, dict):
-        return data
-    found = {
-        name: value
-        for name, value in more.items()
-        if name in ENTERED_AS_DECLARED or name in _ENTERED_OTHERWISE or name == GRID_ANGLE
-    }
-    if "image_px" not in data:
-        found["image_px"] = found.get("max_px", data.get("max_px"))
-        found["max_px"] = None
-    elif data.get("max_px") == 0:
-        # What said that there is no limit before it could be left out.
-        found["max_px"] = None
-    for name, way in (("zoom", "zoom"), ("gsd_m_per_px", "gsd")):
-        if found.get(name) is not None:
-            found["resolution"] = way
-    size = found.pop("img_size", None)
-    if isinstance(size, list) and len(size) == _SIZE_PARTS:
-        found.update(resize=True, resize_width_px=size[0], resize_height_px=size[1], resize_grey=size[2] == 1)
-    wind = more.get("wind")
-    if isinstance(wind, dict):
-        found["wind_seed"] = wind.get("seed")
-    return {**data, **found}
-
-
-def _with_row_azimuth(data: dict[str, Any]) -> dict[str, Any]:
-    """Saved entries, of which rows were once turned by an angle from east; one that no version took is left out."""
-    try:
-        return with_row_azimuth(data)
-    except InvalidInput:
-        return data
 
 
 def with_unchanged(read: FormState, shown: FormState, given: FormState) -> FormState:

@@ -23,7 +23,6 @@ from qgis.core import (
 from ...core.errors import InvalidInput
 from ...core.fields import Field, declared_fields, field_named
 from ...core.geodesy.lens import Lens
-from ...core.mission.earlier import GRID_ANGLE, with_row_azimuth
 from ...core.mission.flight.wind import Wind
 from ...core.mission.parts import FLAT_PARTS, Flight, Imagery, Pixels
 from ...core.numbers import integer
@@ -44,8 +43,6 @@ _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
 #: Parameters that are not called as the command's option is.
 _IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
-#: What parameters in percent were called as long as they were shares.
-_EARLIER = {"overlap_along": "OVERLAP_ALONG", "overlap_across": "OVERLAP_ACROSS"}
 #: Fields that are read in a way of their own.
 _OTHERWISE = ("agl_m", "source", "map_types", "img_size", "takeoff")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
@@ -55,8 +52,6 @@ _IF_GIVEN = ("image_px", "start", "date", "crs")
 _OF_PATHS = ("elevation", "surface")
 #: The last of a mission's parameters, which stands for all others.
 _FILE = "MISSION"
-#: What turned rows in earlier versions.
-_ANGLE = "GRID_ANGLE"
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
 
 
@@ -73,14 +68,8 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
                 continue
             if field.name == "source":
                 _add_source(algorithm, listed)
-            elif field.name in _EARLIER:
-                _add_shares(algorithm, field)
             else:
                 algorithm.add(_parameter(field), sentence_of(field), advanced=field.advanced)
-    # Models and scripts of earlier versions turn rows by it; nobody else is asked.
-    angle = QgsProcessingParameterNumber(_ANGLE, tr("Grid angle"), _REAL, None, optional=True)
-    angle.setFlags(angle.flags() | QgsProcessingParameterDefinition.Flag.FlagHidden)
-    algorithm.add(angle, tr("Replaced by the row azimuth, which is 90° more."))
     for name, own in _WIND.items():
         field = field_named(Wind, own)
         usual = field.default if own == "speed_m_per_s" else field.starts_with
@@ -122,9 +111,6 @@ def mission_of(run: Run) -> Mission:
             if field.name not in _OTHERWISE:
                 value = _value(run, field)
                 entries.update({} if value is None else {field.name: value})
-    if run.parameters.get(_ANGLE) is not None:
-        entries.pop("row_azimuth_deg", None)
-        entries = with_row_azimuth({**entries, GRID_ANGLE: run.number(_ANGLE)})
     size, other = run.text("IMG_SIZE").strip(), run.text("OTHER_SOURCE").strip()
     return Mission(
         area,
@@ -323,25 +309,8 @@ def _sources(listed: bool) -> dict[str, str]:
 
 
 def _share(run: Run, field: Field) -> float:
-    """Share of a field in percent; as models and scripts of earlier versions have it, where they name it so."""
-    name, earlier = _id_of(field), _EARLIER[field.name]
-    if run.parameters.get(name) is None and run.parameters.get(earlier) is not None:
-        return run.number(earlier)
-    # Of the decimal that was typed, and not of its binary fraction.
-    return float(Decimal(repr(run.number(name))) / int(field.unit.times))
-
-
-def _add_shares(algorithm: Algorithm, field: Field) -> None:
-    """Add a share in percent; and, hidden, as earlier versions had it."""
-    algorithm.add(_parameter(field), sentence_of(field), advanced=field.advanced)
-    earlier = QgsProcessingParameterNumber(_EARLIER[field.name], title_of(field), _REAL, None, optional=True)
-    earlier.setFlags(earlier.flags() | QgsProcessingParameterDefinition.Flag.FlagHidden)
-    algorithm.add(
-        earlier,
-        tr(
-            "Of scripts and models of earlier versions: a share, 0.6 for 60 %. Counts where {name} is not given."
-        ).format(name=_id_of(field)),
-    )
+    """Share of a field in percent: of the decimal that was typed, and not of its binary fraction."""
+    return float(Decimal(repr(run.number(_id_of(field)))) / int(field.unit.times))
 
 
 def _area(run: Run, agl_m: float) -> tuple[Area, float]:

@@ -18,7 +18,6 @@ from terrainav.core.cli.options import parser
 from terrainav.core.dataset.table import Table
 
 from tests.support.command import command
-from tests.support.missions import schema_1
 from tests.support.tileserver import TileServer
 
 BOX = "35.16_-89.90_35.155_-89.89_400"
@@ -191,21 +190,6 @@ def test_a_pattern_has_the_camera_of_plan_and_capture(run, tmp_path):
         assert done.returncode == 0, done.stderr
         written[name] = (tmp_path / f"{name}.csv").read_text()
     assert written["options"] == written["elsewhere"] != written["usual"]
-
-
-def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):
-    run("capture", "--coords", "35.14_-89.86_120", "--data-dir", "out")
-    mark = tmp_path / "out" / "mission.json"
-    old = {**schema_1(json.loads(mark.read_text())), "footprint": "loc1", "mesh": "mesh-0.03px"}
-    mark.write_text(json.dumps(old))
-    (tmp_path / "old.json").write_text(json.dumps(old))
-    planned = run("plan", "old.json").stdout
-    assert "footprint 'loc1' of the mission file is ignored" in planned
-    assert "mesh 'mesh-0.03px' of the mission file is ignored" in planned
-    resumed = run("capture", "old.json", "--data-dir", "out", "--resume", "--json")
-    assert resumed.returncode == 0, resumed.stderr
-    assert json.loads(resumed.stdout)["skipped"] == 1
-    assert resumed.stderr.count("of the mission file is ignored") == 2
 
 
 def test_underscores_minus_signs_and_settings_by_precedence(run, tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -123,32 +122,9 @@ def test_state_survives_its_settings_text():
     assert FormState.from_json(state.to_json()) == state
 
 
-def test_form_saved_before_there_were_entries_for_pixels():
-    more = {"zoom": 17, "max_px": 1024, "upsample": True, "img_size": [64, 48, 1], "mesh": "rays"}
-    saved = {
-        "north": "35.16",
-        "west": "-89.9",
-        "south": "35.115",
-        "east": "-89.823",
-        "more": json.dumps(more),
-    }
-    there = mission(FormState.from_json(json.dumps(saved)))
-    pixels = there.pixels
-    assert (pixels.zoom, pixels.image_px, pixels.upsample) == (17, 1024, True)
-    assert there.output.img_size == (64, 48, 1)
-    assert there.pixels.max_px is None
-    assert there.accuracy.mesh == "rays"
-    by_gsd = FormState.from_json(json.dumps({**saved, "more": '{"gsd_m_per_px": 0.3}'}))
-    assert (mission(by_gsd).pixels.zoom, mission(by_gsd).pixels.gsd_m_per_px) == (None, 0.3)
-
-
-def test_what_was_saved_beside_the_entries_is_read():
-    """As the settings of users hold it: in a text of its own, under the names of schema 1."""
-    more = {"seed": 7, "max_images": 1000, "mesh": "rays", "wind": {"seed": 99}}
-    saved = {**json.loads(replace(GOOD, wind=True).to_json()), "more": json.dumps(more)}
-    for name in ("seed", "max_images", "mesh", "wind_seed"):
-        del saved[name]
-    state = FormState.from_json(json.dumps(saved))
+def test_entries_beyond_the_panel_are_taken_out():
+    """Fields that the panel carries along, and the seed of gusts."""
+    state = replace(GOOD, seed=7, max_images=1000, mesh="rays", wind=True, wind_seed=99)
     there = mission(state)
     assert (there.imagery.seed, there.output.max_images, there.accuracy.mesh) == (7, 1000, "rays")
     assert there.wind.seed == 99
@@ -163,15 +139,6 @@ def test_a_field_without_an_entry_says_where_it_is_wrong():
     assert "front overlap 100.0 %" in refused.value.messages["overlap_along"]
 
 
-def test_no_longest_side_is_hidden_in_a_form_saved_before_there_was_an_image_s_size():
-    saved = json.loads(GOOD.to_json())
-    del saved["image_px"]
-    for longest in (640, 1280):
-        there = mission(FormState.from_json(json.dumps({**saved, "max_px": longest})))
-        assert (there.pixels.image_px, there.pixels.max_px) == (longest, None)
-    assert mission(FormState.from_json(replace(GOOD, max_px=700).to_json())).pixels.max_px == 700
-
-
 def test_a_limit_of_the_longest_side_is_an_entry():
     assert mission(GOOD).pixels.max_px is None
     limited = mission(GOOD).with_(max_px=700, image_px=900)
@@ -179,9 +146,6 @@ def test_a_limit_of_the_longest_side_is_an_entry():
     assert (state.max_px, state.image_px) == (700, 900)
     assert mission(state) == limited
     assert state_of(mission(GOOD), "").max_px is None
-    # As forms were saved when 0 said that there is none.
-    saved = json.loads(GOOD.to_json())
-    assert FormState.from_json(json.dumps({**saved, "max_px": 0})) == GOOD
 
 
 def test_entries_that_do_not_count_are_not_in_the_mission():
@@ -206,12 +170,3 @@ def test_unreadable_settings_give_the_defaults(text):
 def test_default_state_flies_the_default_camera():
     there = mission(GOOD)
     assert there.camera == Mission(area=there.area, agl_m=120.0).camera
-
-
-@pytest.mark.parametrize("saved", [{"grid_angle_deg": 37.0}, {"more": '{"grid_angle_deg": 37.0}'}])
-def test_rows_that_were_saved_by_an_angle_from_east_keep_their_direction(saved):
-    assert FormState.from_json(json.dumps(saved)).row_azimuth_deg == 127.0
-
-
-def test_a_saved_angle_that_no_version_took_is_left_out():
-    assert FormState.from_json('{"grid_angle_deg": "east", "agl": 50.0}') == replace(FormState(), agl=50.0)

@@ -444,9 +444,9 @@ def test_every_field_of_a_mission_has_its_parameter(tmp_path):
         AGL=200,
         FOV=60,
         ASPECT="16:9",
-        OVERLAP_ALONG=0.3,
-        OVERLAP_ACROSS=0.2,
-        GRID_ANGLE=20,
+        FRONT_OVERLAP=30,
+        SIDE_OVERLAP=20,
+        ROW_AZIMUTH=110,
         CROSSHATCH=True,
         ORDER="one-way",
         MAP_TYPES=["roadmap", "terrain"],
@@ -588,7 +588,7 @@ def test_images_over_a_layer_of_no_fly_areas_are_left_out():
     area = memory_layer("Polygon", "EPSG:4326", [SQUARES[0], SQUARES[2]])
     forbidden = "Polygon ((-89.899 35.101, -89.898 35.101, -89.898 35.102, -89.899 35.102, -89.899 35.101))"
     no_fly = memory_layer("Polygon", "EPSG:4326", [forbidden])
-    asked = {"AREA": area, "AGL": 120, "OVERLAP_ALONG": 0.6, "OVERLAP_ACROSS": 0.6, "FOOTPRINTS": "memory:"}
+    asked = {"AREA": area, "AGL": 120, "FRONT_OVERLAP": 60, "SIDE_OVERLAP": 60, "FOOTPRINTS": "memory:"}
     whole = features_of(run("plan", **asked)["FOOTPRINTS"])
     left = features_of(run("plan", NO_FLY=no_fly, **asked)["FOOTPRINTS"])
     inside = QgsGeometry.fromWkt(forbidden)
@@ -968,7 +968,6 @@ def test_the_main_thread_is_never_kept_by_an_algorithm_beside_it(tmp_path, qtbot
 
 
 def test_overlap_beyond_its_unit_is_refused_and_not_made_another():
-    text = refusal("plan", EXTENT=EXTENT, AGL=120, OVERLAP_ALONG=80, FOOTPRINTS="memory:")
+    text = refusal("plan", EXTENT=EXTENT, AGL=120, FRONT_OVERLAP=100, FOOTPRINTS="memory:")
     assert "overlap" in text
-    assert "80" in text
-    assert "overlap" in refusal("plan", EXTENT=EXTENT, AGL=120, FRONT_OVERLAP=100, FOOTPRINTS="memory:")
+    assert "100" in text

@@ -180,11 +180,9 @@ def test_choices_that_are_none_are_refused_and_not_made_the_default(terminal):
 
 
 @pytest.mark.usefixtures("plugin")
-def test_overlaps_are_percent_and_shares_under_their_earlier_names(tmp_path):
+def test_overlaps_are_percent(tmp_path):
     percent = saved(tmp_path, {"FRONT_OVERLAP": "60", "SIDE_OVERLAP": "0.7"})
     assert (percent.flight.overlap_along, percent.flight.overlap_across) == (0.6, 0.007)
-    earlier = saved(tmp_path, {"OVERLAP_ALONG": "0.6", "OVERLAP_ACROSS": "0.3"})
-    assert (earlier.flight.overlap_along, earlier.flight.overlap_across) == (0.6, 0.3)
 
 
 def test_capture_of_the_embedded_world_clean_and_back(terminal, tmp_path):

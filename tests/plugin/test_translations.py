@@ -350,7 +350,7 @@ def test_processing_fails_in_spanish(spanish):
     algorithm = Plan().create()
     assert algorithm.displayName() == "Planificar una misión"
     assert "sin pedir imágenes" in algorithm.shortHelpString()
-    parameters = {"COORDS": "35.16_-89.90_35.155_-89.89_120", "OVERLAP_ALONG": 0.0, "MAX_IMAGES": 3}
+    parameters = {"COORDS": "35.16_-89.90_35.155_-89.89_120", "FRONT_OVERLAP": 0.0, "MAX_IMAGES": 3}
     with pytest.raises(QgsProcessingException, match="el límite es 3; vuele más alto"):
         algorithm.run(parameters, QgsProcessingContext(), QgsProcessingFeedback(), {}, False)
 

@@ -8,7 +8,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.parts import FLAT_PARTS, Imagery
+from terrainav.core.mission.parts import Imagery
 
 TRIANGLE = Polygon(
     (((-89.9, 35.16), (-89.82, 35.16), (-89.86, 35.11)), ((-89.87, 35.15), (-89.85, 35.15), (-89.86, 35.14)))
@@ -76,12 +76,3 @@ missions = st.builds(
     drone=st.sampled_from(["mavic-3e", "m300", "dji-fly"]),
     crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
-
-
-def schema_1(data):
-    """Mapping of a mission file as version 0.1 wrote it: every field beside the others, in no part."""
-    flat = {name: data[name] for name in ("area", "camera", "wind")}
-    for name in FLAT_PARTS:
-        # What no field of is stated is left out.
-        flat.update(data.get(name, {}))
-    return {"schema": 1, **flat}

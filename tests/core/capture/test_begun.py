@@ -299,22 +299,22 @@ def test_a_benchmark_is_held_to_its_settings(tmp_path):
         run(20.0)
 
 
-# --- datasets that earlier versions have begun
+# --- datasets whose first run ended before it noted its settings
 
 
 @pytest.fixture
-def earlier(begun, tmp_path):
-    folder = shutil.copytree(begun, tmp_path / "earlier")
+def without_record(begun, tmp_path):
+    folder = shutil.copytree(begun, tmp_path / "out")
     (folder / BEGUN_FILE).unlink()
     return folder
 
 
-def test_a_dataset_of_an_earlier_version_goes_on_and_is_held_from_then_on(earlier, begun):
-    assert captured(MISSION, earlier, resume=True).written == 0
-    assert contents(earlier) == contents(begun)
-    edited(earlier / "mission.json", "imagery", seed=8)
+def test_a_dataset_without_a_record_goes_on_and_is_held_from_then_on(without_record, begun):
+    assert captured(MISSION, without_record, resume=True).written == 0
+    assert contents(without_record) == contents(begun)
+    edited(without_record / "mission.json", "imagery", seed=8)
     with pytest.raises(OutputError, match=r"imagery\.seed from 7 to 8"):
-        captured(MISSION.with_(seed=8), earlier, resume=True)
+        captured(MISSION.with_(seed=8), without_record, resume=True)
 
 
 @pytest.mark.parametrize("text", ["", "[", "[]", '{"schema": 1}', '{"schema": 9, "settings": {}}', "{" * 200])

@@ -30,7 +30,6 @@ from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import window_of
 
-from tests.support.missions import schema_1
 from tests.support.patterns import MODULUS, decode_position
 from tests.support.sources import CentredSource, FailingSource, PatternSource, missing
 
@@ -488,21 +487,6 @@ def test_the_same_mission_must_be_resumed(in_one_go):
     ):
         capture(worked_out, PatternSource(), folder)
     assert contents(folder) == before
-
-
-def test_a_folder_of_an_earlier_version_is_resumed(tmp_path):
-    """As it was before a mission stated its image's size."""
-    mission = MISSION.with_(max_px=640, zoom=None)
-    capture(planned(mission), PatternSource(), tmp_path)
-    mark = tmp_path / "mission.json"
-    data = schema_1(json.loads(mark.read_text()))
-    del data["image_px"]
-    mark.write_text(json.dumps(data))
-    assert Mission.load(mark) == mission
-    again = capture(planned(mission), PatternSource(), tmp_path, resume=True)
-    assert (again.written, again.skipped) == (0, again.total)
-    with pytest.raises(OutputError, match="holds another mission"):
-        capture(planned(mission.with_(seed=3)), PatternSource(), tmp_path, resume=True)
 
 
 @pytest.mark.parametrize("resume", [False, True])

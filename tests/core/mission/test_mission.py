@@ -14,15 +14,12 @@ from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.fields import declared_fields
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission, flat_fields
 from terrainav.core.mission.parts import FLAT_PARTS, Flight, utc_time
-from terrainav.core.mission.plan import plan
 
-from tests.support.missions import TRIANGLE, missions, schema_1
+from tests.support.missions import TRIANGLE, missions
 
 BOX = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -32,7 +29,7 @@ def test_a_mission_comes_back_from_json(mission):
     text = mission.to_json()
     assert Mission.from_json(text) == mission
     assert Mission.from_json(text).to_json() == text
-    assert json.loads(text)["schema"] == 2
+    assert json.loads(text)["schema"] == 1
 
 
 def test_a_mission_comes_back_from_a_file(tmp_path):
@@ -42,47 +39,28 @@ def test_a_mission_comes_back_from_a_file(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["m.json"]
 
 
-def earlier(**fields):
-    """Text of a mission file as it was written before there was an image's size."""
-    data = schema_1(Mission(Points(((35.0, -89.0, 120.0),)), 120.0).to_dict())
-    del data["image_px"]
-    return json.dumps({**data, "max_px": 640, **fields})
-
-
-def test_a_mission_file_without_an_image_s_size_means_what_it_meant():
-    """Zoom and width of the picture are those that the version of the file made of it."""
-    for text, (zoom, width) in (
-        (earlier(), (18, 323)),
-        (earlier(max_px=1280), (19, 644)),
-        (earlier(max_px=5000), (21, 2576)),
-        (earlier(zoom=19), (19, 644)),
-        (earlier(gsd_m_per_px=0.3), (19, 644)),
-        (earlier(frame="camera"), (19, 640)),
-        (earlier(frame="camera", max_px=1280), (20, 1280)),
-        (earlier(frame="camera", zoom=20), (20, 1288)),
-    ):
-        mission = Mission.from_json(text)
-        worked_out = plan(mission, PixelGrid())
-        assert (worked_out.zoom, int(worked_out.width_px[0])) == (zoom, width), text
-        assert Mission.from_json(mission.to_json()) == mission
-    written_by_hand = {"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}
-    assert plan(Mission.from_dict(written_by_hand), PixelGrid()).zoom == 19
-
-
 def test_null_stands_for_the_default():
-    needed = {"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}
-    for name in ("area", "camera", "wind", *(field.name for field in flat_fields())):
-        if name in needed:
-            with pytest.raises(InvalidInput, match=f"mission without '{name}'"):
-                Mission.from_dict({**needed, name: None})
-        else:
-            assert Mission.from_dict({**needed, name: None}) == Mission.from_dict(needed), name
+    needed = {
+        "schema": 1,
+        "area": {"type": "points", "poses": [[35, -89, 120]]},
+        "flight": {"agl_m": 120},
+    }
     whole = Mission.from_dict(needed)
+    for missing, nulls in (("area", {"area": None}), ("agl_m", {"flight": {"agl_m": None}})):
+        with pytest.raises(InvalidInput, match=f"mission without '{missing}'"):
+            Mission.from_dict({**needed, **nulls})
     for name, part in FLAT_PARTS.items():
+        for field in declared_fields(part):
+            if not field.needed:
+                given = {**needed.get(name, {}), field.name: None}
+                assert Mission.from_dict({**needed, name: given}) == whole, field.name
         nulls = dict.fromkeys(field.name for field in declared_fields(part) if not field.needed)
         nulls.update({"agl_m": 120.0} if name == "flight" else {})
         assert Mission.from_dict({**whole.to_dict(), name: nulls}) == whole
-    assert Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera"))}) == whole
+    assert (
+        Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera", "wind"))})
+        == whole
+    )
 
 
 def test_a_mission_is_written_flat_and_read_by_its_parts():
@@ -118,65 +96,14 @@ def test_every_field_says_what_it_is():
                 assert refused.value.field == field.name
 
 
-#: As version 0.1 wrote it.
-OF_VERSION_0_1 = (
-    '{"schema": 1, "area": {"type": "polygon", "rings": [[[-89.9, 35.1], [-89.8, 35.1], [-89.85, '
-    '35.2]]]}, "camera": {"fov_deg": 61.23456789, "aspect_ratio": 1.2345678}, "agl_m": 123.456789, '
-    '"overlap_along": 0.123456, "overlap_across": 0.07, "layout": "paper", "map_types": ["terrain", '
-    '"satellite"], "source": "esri-wayback", "zoom": 17, "gsd_m_per_px": null, "image_px": 900, "max_px":'
-    ' 1024, "upsample": true, "image_format": "png", "img_size": [64, 48, 1], "seed": 7, "max_images": '
-    '1000, "yaw_deg": 12.5, "tilt_deg": -3.25, "roll_deg": 1.5, "ground_height_m": -12.5, '
-    '"error_budget_px": 0.25, "accept_error": true, "frame": "camera", "mesh": "rays", "resampling": '
-    '"lanczos", "date": "2021-06-30", "grid_angle_deg": -12.5, "crosshatch": true, "order": "one-way", '
-    '"airspeed_m_per_s": 17.5, "start": "2024-06-21T10:30:00.25Z", "wind": {"speed_m_per_s": 3.21, '
-    '"from_deg": 123.5, "turbulence": 0.15, "seed": 99}, "footprint": "auto"}'
-)
-
-
-def test_a_mission_file_of_version_0_1_is_read_as_it_was_meant():
-    mission = Mission.from_json(OF_VERSION_0_1)
-    assert mission == Mission(
-        Polygon((((-89.9, 35.1), (-89.8, 35.1), (-89.85, 35.2)),)),
-        123.456789,
-        Camera(61.23456789, 1.2345678),
-        overlap_along=0.123456,
-        overlap_across=0.07,
-        layout="paper",
-        map_types=("terrain", "satellite"),
-        source="esri-wayback",
-        date="2021-06-30",
-        zoom=17,
-        image_px=900,
-        max_px=1024,
-        upsample=True,
-        image_format="png",
-        img_size=(64, 48, 1),
-        seed=7,
-        max_images=1000,
-        yaw_deg=12.5,
-        tilt_deg=-3.25,
-        roll_deg=1.5,
-        ground_height_m=-12.5,
-        error_budget_px=0.25,
-        accept_error=True,
-        frame="camera",
-        mesh="rays",
-        resampling="lanczos",
-        wind=Wind(3.21, 123.5, 0.15, 99),
-        airspeed_m_per_s=17.5,
-        row_azimuth_deg=77.5,
-        crosshatch=True,
-        order="one-way",
-        start="2024-06-21T10:30:00.25Z",
-    )
-    # None of its fields went unread; rows were said by their angle from east.
-    assert set(json.loads(OF_VERSION_0_1)) <= {*schema_1(mission.to_dict()), "footprint", "grid_angle_deg"}
-    assert mission.notes == ()
-
-
 def test_defaults_may_be_left_out():
-    short = '{"schema": 1, "agl_m": 120, "area": {"type": "points", "poses": [[35, -89, 120]]}}'
+    short = '{"schema": 1, "flight": {"agl_m": 120}, "area": {"type": "points", "poses": [[35, -89, 120]]}}'
     assert Mission.from_json(short) == Mission(Points(((35, -89, 120),)), 120)
+
+
+def over_a_point(parts):
+    """Text of a mission file with these parts, over a point."""
+    return f'{{"schema": 1, {parts}, "area": {{"type": "points", "poses": [[1, 2, 3]]}}}}'
 
 
 @pytest.mark.parametrize(
@@ -184,44 +111,52 @@ def test_defaults_may_be_left_out():
     [
         ("", "not JSON"),
         ("[]", "must be an object"),
-        ('{"schema": 3}', "schema 3"),
-        ('{"schema": 2, "area": {}, "flight": {"agl": 1}}', "mission field 'flight.agl': not one of agl_m"),
-        ('{"schema": 2, "area": {}, "agl_m": 1}', "mission field 'agl_m': not one of accuracy"),
-        ('{"schema": 2, "area": {"type": "disc"}, "flight": {"agl_m": 1}}', "disc"),
-        ('{"schema": 2, "area": {}, "flight": 1}', "mission field 'flight' is 1: must be an object"),
+        ('{"schema": 2}', "mission schema 2: this version reads schema 1"),
+        ('{"schema": 1, "area": {}, "flight": {"agl": 1}}', "mission field 'flight.agl': not one of agl_m"),
+        ('{"schema": 1, "area": {}, "agl_m": 1}', "mission field 'agl_m': not one of accuracy"),
+        ('{"schema": 1, "area": {"type": "disc"}, "flight": {"agl_m": 1}}', "disc"),
+        ('{"schema": 1, "area": {}, "flight": 1}', "mission field 'flight' is 1: must be an object"),
         ('{"agl_m": 1}', "schema None"),
-        ('{"schema": 1, "agl_m": 1}', "'area'"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "disc"}}', "disc"),
+        ('{"schema": 1, "flight": {"agl_m": 1}}', "'area'"),
         (
-            '{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, 2, 3]]}, "colour": 1}',
+            over_a_point('"flight": {"agl_m": 1}, "colour": 1'),
             "'colour'",
         ),
-        ('{"schema": 1, "agl_m": "x", "area": {"type": "points", "poses": [[1, 2, 3]]}}', "must be a number"),
+        (over_a_point('"flight": {"agl_m": "x"}'), "must be a number"),
         (
-            '{"schema": 1, "agl_m": true, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            over_a_point('"flight": {"agl_m": true}'),
             "must be a number",
         ),
         (
-            '{"schema": 1, "agl_m": 1, "zoom": 1.5, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            over_a_point('"flight": {"agl_m": 1}, "pixels": {"zoom": 1.5}'),
             "zoom 1.5: must be a whole number",
         ),
         (
-            '{"schema": 1, "agl_m": 1, "max_px": NaN, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            over_a_point('"flight": {"agl_m": 1}, "pixels": {"max_px": NaN}'),
             "NaN: JSON has finite numbers only",
         ),
         (
-            '{"schema": 1, "agl_m": 1, "map_types": "satellite", "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            over_a_point('"flight": {"agl_m": 1}, "imagery": {"map_types": "satellite"}'),
             "must be a list",
         ),
         (
-            '{"schema": 1, "agl_m": 1, "upsample": 1, "area": {"type": "points", "poses": [[1, 2, 3]]}}',
+            over_a_point('"flight": {"agl_m": 1}, "pixels": {"upsample": 1}'),
             "must be true or false",
         ),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1, "a", 3]]}}', "wrong type"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north": 1}}', "'area.north': not one of"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "box", "north_deg": 1}}', "without area.west_deg"),
-        ('{"schema": 1, "agl_m": 1, "area": ["x"]}', "must be an object"),
-        ('{"schema": 1, "agl_m": 1, "area": {"type": "points", "poses": [[1]]}}', "wrong type"),
+        (
+            '{"schema": 1, "flight": {"agl_m": 1}, "area": {"type": "points", "poses": [[1, "a", 3]]}}',
+            "wrong type",
+        ),
+        (
+            '{"schema": 1, "flight": {"agl_m": 1}, "area": {"type": "box", "north": 1}}',
+            "'area.north': not one of",
+        ),
+        (
+            '{"schema": 1, "flight": {"agl_m": 1}, "area": {"type": "box", "north_deg": 1}}',
+            "without area.west_deg",
+        ),
+        ('{"schema": 1, "flight": {"agl_m": 1}, "area": ["x"]}', "must be an object"),
+        ('{"schema": 1, "flight": {"agl_m": 1}, "area": {"type": "points", "poses": [[1]]}}', "wrong type"),
         ("[" * 200_000, "nested too deep"),
     ],
 )
@@ -301,52 +236,6 @@ def test_a_missing_mission_file_is_named(tmp_path):
 def test_values_outside_their_domain_are_named(change, says):
     with pytest.raises(InvalidInput) as refused:
         Mission(BOX, 120.0).with_(**change)
-    assert says in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("old", "noted"),
-    [
-        (
-            {"footprint": "loc1"},
-            ["footprint 'loc1' of the mission file is ignored: footprints are always exact"],
-        ),
-        ({"footprint": "loc2", "mesh": "rays"}, ["footprint 'loc2' of the mission file is ignored"]),
-        (
-            {"mesh": "mesh-0.003px"},
-            ["mesh 'mesh-0.003px' of the mission file is ignored: the mesh is as coarse as"],
-        ),
-        ({"footprint": "loc1", "mesh": "mesh-1px"}, ["footprint 'loc1'", "mesh 'mesh-1px'"]),
-        # What every file of version 0.1 holds, and what means the same today.
-        ({"footprint": "auto"}, []),
-        ({"footprint": "exact"}, []),
-        ({"footprint": None}, []),
-    ],
-)
-def test_methods_that_only_version_0_1_had_are_ignored_with_the_reason(old, noted):
-    wanted = Mission(BOX, 120.0, mesh="rays" if old.get("mesh") == "rays" else "auto")
-    read = Mission.from_dict({**schema_1(wanted.to_dict()), **old})
-    # They are the same mission, so that a folder of version 0.1 can be resumed.
-    assert read == wanted
-    assert read.to_json() == wanted.to_json()
-    assert len(read.notes) == len(noted)
-    for note, beginning in zip(read.notes, noted):
-        assert note.startswith(beginning)
-    assert estimate(plan(read, PixelGrid())).warnings == read.notes
-
-
-@pytest.mark.parametrize(
-    ("wrong", "says"),
-    [
-        ({"footprint": "loc3"}, "mission field 'footprint': not one of"),
-        ({"footprint": ["loc1"]}, "mission field 'footprint': not one of"),
-        ({"mesh": "mesh-px"}, "mesh 'mesh-px': must be one of auto, rays"),
-        ({"notes": ["told"]}, "mission field 'notes': not one of"),
-    ],
-)
-def test_methods_that_no_version_had_are_refused(wrong, says):
-    with pytest.raises(InvalidInput) as refused:
-        Mission.from_dict({**schema_1(Mission(BOX, 120.0).to_dict()), **wrong})
     assert says in str(refused.value)
 
 
@@ -438,36 +327,6 @@ def test_a_file_of_coordinates_is_told_from_a_mission(tmp_path):
     (tmp_path / "places.txt").write_text("35.16 -89.90 120\n")
     with pytest.raises(InvalidInput, match=r"holds no mission.*given as coordinates"):
         Mission.load(tmp_path / "places.txt")
-
-
-@pytest.mark.parametrize(
-    ("angle", "azimuth"), [(0, 90.0), (37.0, 127.0), (-12.5, 77.5), (-180, 270.0), (180, 270.0)]
-)
-def test_rows_that_a_mission_file_turns_by_an_angle_from_east_keep_their_direction(angle, azimuth):
-    whole = {
-        "schema": 2,
-        "area": {"type": "box", "north_deg": 1, "west_deg": 0, "south_deg": 0, "east_deg": 1},
-    }
-    mission = Mission.from_dict({**whole, "flight": {"agl_m": 100, "grid_angle_deg": angle}})
-    assert mission.flight.row_azimuth_deg == azimuth
-    assert Mission.from_dict(mission.to_dict()) == mission
-    assert "grid_angle_deg" not in mission.to_json()
-    assert ("row_azimuth_deg" in mission.to_json()) == (azimuth != 90.0)
-
-
-@pytest.mark.parametrize(
-    ("flight", "says"),
-    [
-        ({"grid_angle_deg": 181}, "grid angle 181: must be a number from -180 to 180"),
-        ({"grid_angle_deg": "east"}, "grid angle 'east': must be a number"),
-        ({"grid_angle_deg": math.nan}, "grid angle nan"),
-        ({"grid_angle_deg": 1, "row_azimuth_deg": 91}, "both say where rows run"),
-    ],
-)
-def test_an_angle_that_no_version_took_is_refused(flight, says):
-    box = {"type": "box", "north_deg": 1, "west_deg": 0, "south_deg": 0, "east_deg": 1}
-    with pytest.raises(InvalidInput, match=says):
-        Mission.from_dict({"schema": 2, "area": box, "flight": {"agl_m": 100, **flight}})
 
 
 @pytest.mark.parametrize("imagery", [{"source": "a\0b"}, {"imageries": ("x=a\0b",)}])
