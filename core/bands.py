@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -149,18 +149,6 @@ def fitted(values: NDArray[Any], dtype: np.dtype[Any]) -> Values:
 
 #: What most sources have.
 RGB = Bands(("red", "green", "blue"))
-
-
-class Banded(Protocol):
-    """A source of other bands than red, green and blue of 8 bits."""
-
-    @property
-    def bands(self) -> Bands:
-        """What `Source.fetch` gives the values of."""
-
-    @property
-    def ranges(self) -> tuple[Range, ...]:
-        """Values of each band that are shown darkest and brightest: the same for every picture of the source."""
 
 
 def bands_of(source: object) -> Bands:

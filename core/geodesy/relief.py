@@ -199,20 +199,10 @@ class Surface:
         _, b, c, d = self.corners_m.take(i * columns + j, axis=0).T
         return b + d * (row - i), c + d * (column - j)
 
-    def first_hits(self, paths: Paths, rays_enu: Floats, after: Floats, farthest: Floats) -> Hits:
-        """First points that rays meet.
-
-        Parameters
-        ----------
-        paths : Paths
-            Of column, row and height.
-        rays_enu : array (n, 3)
-        after, farthest : array (n,)
-            t between which points count.
-        """
-        coefficients = paths.coefficients(rays_enu)
-        t, _ = self.clear(paths.start, coefficients, after, farthest, None, 0)
-        return self._exact(paths.start, coefficients, t, farthest)
+    def first_hits(self, start: Floats, coefficients: Floats, farthest: Floats) -> Hits:
+        """First points that rays of such ways meet, up to t (n,)."""
+        t, _ = self.clear(start, coefficients, np.zeros(len(farthest)), farthest, None, 0)
+        return self._exact(start, coefficients, t, farthest)
 
     def first_points(
         self, lat_deg: Floats, lon_deg: Floats, height_m: Floats, rays_enu: Floats, lowest_m: float
@@ -251,8 +241,7 @@ class Surface:
             start, coefficients = separate(
                 lat_deg[some], height_m[some], rays_enu[some], farthest[some], last, coordinates
             )
-            t, _ = self.clear(start, coefficients, np.zeros(len(some)), farthest[some], None, 0)
-            hits = self._exact(start, coefficients, t, farthest[some])
+            hits = self.first_hits(start, coefficients, farthest[some])
             good = np.isfinite(hits.t)
             points_lat, points_lon = self.places(hits.column[good], hits.row[good])
             lat[some[good]] = points_lat

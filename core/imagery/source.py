@@ -77,7 +77,7 @@ class Source(Protocol):
         """Return the parts that together fill ``window`` exactly."""
 
     def fetch(self, map_type: str, part: Window) -> Pixels:
-        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a `Banded` source, its bands.
+        """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a source with `bands`, these.
 
         One channel more, where there is one, is 0 at pixels without imagery and not 0 elsewhere (255 of uint8).
 

@@ -82,16 +82,6 @@ def footprints_deg(plan: Plan, part: slice = _ALL) -> Iterator[list[Ring]]:
         yield cut_at_antimeridian(*_footprint(plan, at, straight=straight[index]))
 
 
-def footprint_ring(plan: Plan, index: int) -> Ring:
-    """Longitudes (continuous) and latitudes of a capture's footprint.
-
-    Its corners; where it is so large that its edges are bent on a map, or the horizon or a pole is in the picture,
-    the outline of what is seen. Around a pole that goes once around the world, from the antimeridian to itself, and
-    back along the pole's parallel, so that it is in one piece.
-    """
-    return _footprint(plan, index, straight=bool(_straight(plan, slice(index, index + 1))[0]))
-
-
 def cut_at_antimeridian(lon_deg: Floats, lat_deg: Floats) -> list[Ring]:
     """Ring cut where it crosses ±180°, each part within them (RFC 7946, section 3.1.9).
 

@@ -28,14 +28,9 @@ def window_of(plan: Plan, index: int) -> Window:
 def turned(picture: Pixels, quarter_turns: int) -> Pixels:
     """Picture of a north-up window (h, w, ...) as a camera sees it whose top points so many quarter turns clockwise.
 
-    `north_up` is the way back. No pixel changes its value.
+    No pixel changes its value.
     """
     return np.ascontiguousarray(np.rot90(picture, quarter_turns)) if quarter_turns % 4 else picture
-
-
-def north_up(picture: Pixels, quarter_turns: int) -> Pixels:
-    """North-up picture of a window whose map frame (h, w, ...) is turned by quarter turns clockwise."""
-    return turned(picture, -quarter_turns)
 
 
 def assemble(

@@ -229,12 +229,6 @@ class Background:
         picture = choose_picture(box, map_type, seed)
         return None if (folder / picture.file_name).is_file() else WorldTask(picture, folder)
 
-    def show_world(
-        self, box: Box | None, map_type: str, seed: int, folder: Path, title: str
-    ) -> QgsRasterLayer:
-        """Show the embedded world as it was drawn for a box."""
-        return self.show_picture(choose_picture(box, map_type, seed), folder, title)
-
     def show_picture(self, picture: WorldPicture, folder: Path, title: str) -> QgsRasterLayer:
         """Show an image of the embedded world that has been drawn."""
         return self._show(str(folder / picture.file_name), "gdal", title, WORLD)

@@ -37,8 +37,6 @@ _QUAD_URI = re.compile(r"/tilematrixset/OGC/1\.0/WebMercatorQuad$")
 _MOST_STEPS = 6
 #: Matrices of a set that are looked at.
 _MOST_MATRICES = 100
-#: Tilesets that are asked for their matrix set, where several systems could do.
-_MOST_TILESETS = 8
 
 
 class OGCAPITiles(JSONService):

@@ -10,7 +10,6 @@ In reading order:
 - `gpx`, `litchi`, `wpml`, `qgroundcontrol`, `survey`: for those who fly
 """
 
-from .rows import COLUMNS
-from .writing import ENDINGS, Exported, PartsAlreadyThere, check_plan_ending, write_plan
+from .writing import Exported, PartsAlreadyThere, check_plan_ending, write_plan
 
-__all__ = ["COLUMNS", "ENDINGS", "Exported", "PartsAlreadyThere", "check_plan_ending", "write_plan"]
+__all__ = ["Exported", "PartsAlreadyThere", "check_plan_ending", "write_plan"]

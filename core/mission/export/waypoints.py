@@ -47,9 +47,6 @@ class Waypoint(NamedTuple):
         between, and that of the last one on the way back.
     agl_m : float
         Height above ground; 0 at take-off and landing.
-    above_first_m : float
-        Height above the ground at take-off, or below the first capture where none is set; the height above ground where
-        that is level.
     gimbal_pitch_deg : float
         -90 straight down, 0 to the horizon.
     time : str
@@ -64,7 +61,6 @@ class Waypoint(NamedTuple):
     lat_deg: float
     lon_deg: float
     agl_m: float
-    above_first_m: float
     heading_deg: float
     gimbal_pitch_deg: float
     time: str
@@ -92,11 +88,9 @@ def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
     path, meant = plan.path if sortie is None else plan.path.of(sortie), plan.meant
     lon = wrap_lon_deg(path.lon_deg)
     taken, ahead = path.capture >= 0, _captures_ahead(path.capture)
-    agl, above_first = path.agl_m, path.height_m - path.base_m
+    agl = path.agl_m
     # To the last digit, as the plan has them.
-    own = path.capture[taken]
-    agl[taken] = meant.agl_m[own]
-    above_first[taken] = meant.agl_m[own] + (plan.ground_m[own] - path.base_m)
+    agl[taken] = meant.agl_m[path.capture[taken]]
     for part in parts(len(path)):
         at = ahead[part]
         backwards = meant.tilt_deg[at] < 0.0
@@ -114,7 +108,6 @@ def waypoints(plan: Plan, sortie: int | None = None) -> Iterator[Waypoint]:
                 path.lat_deg[part].tolist(),
                 lon[part].tolist(),
                 agl[part].tolist(),
-                above_first[part].tolist(),
                 heading.tolist(),
                 (np.abs(meant.tilt_deg[at]) - 90.0).tolist(),
                 clock(plan.start, path.time_s[part]),

@@ -45,7 +45,7 @@ def test_rays_that_cross_from_cell_to_cell_within_a_cliff_are_not_lost(crs, lat,
     column = SIDE / 2 - 1 + share
     points = truth.seen_from(*surface.places(column, row), truth.heights(column, row))
     paths, farthest, _ = surface.paths(at_lat, at_lon, height, _rays(points), 1e-3)
-    hits = surface.first_hits(paths, points, np.zeros(4000), np.full(4000, farthest))
+    hits = surface.first_hits(paths.start, paths.coefficients(points), np.full(4000, farthest))
     assert np.isfinite(hits.t).all()
     assert np.abs(hits.t - 1.0).max() < 1e-4
 

@@ -100,7 +100,7 @@ def test_rays_meet_the_surface_first_where_a_march_does(kind, seed):
         [rng.uniform(0, side - 1, 60) for side in (columns, rows)] + [rng.uniform(-1, highest + 1, 60)]
     )
     rays, farthest = ends.T - start, np.full(60, 5.0)
-    hits = surface.first_hits(Paths(start, (np.eye(3),)), rays, np.zeros(60), farthest)
+    hits = surface.first_hits(start, Paths(start, (np.eye(3),)).coefficients(rays), farthest)
     t = np.broadcast_to(np.linspace(0.0, 5.0, MARCHED), (60, MARCHED))
     wanted, from_beneath = marched(z, t, *(start[i] + t * rays[:, i, np.newaxis] for i in range(3)))
     step = 5.0 / MARCHED
@@ -278,7 +278,7 @@ def test_bundles_find_what_single_rays_do(kind, tilt):
     paths, farthest, _ = surface.paths(35.1, -89.9, 90.0, rays, 1e-3)
     hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-6)
     n = rays.width * rays.height
-    single = surface.first_hits(paths, centres(rays), np.zeros(n), np.full(n, farthest))
+    single = surface.first_hits(paths.start, paths.coefficients(centres(rays)), np.full(n, farthest))
     found = hits.t.ravel()
     assert np.array_equal(np.isnan(found), np.isnan(single.t))
     assert np.isfinite(found).mean() > 0.02
@@ -302,7 +302,7 @@ def test_bundles_from_beside_the_surface_spread_over_its_edge(yaw, beside_m):
     paths, farthest, _ = surface.paths(lat, lon, height, rays, 1e-3)
     hits = surface.image_hits(paths, rays, np.zeros((rays.height, rays.width)), farthest, 1e-3)
     n = rays.width * rays.height
-    single = surface.first_hits(paths, centres(rays), np.zeros(n), np.full(n, farthest))
+    single = surface.first_hits(paths.start, paths.coefficients(centres(rays)), np.full(n, farthest))
     assert np.isfinite(single.t).any()
     assert np.array_equal(np.isnan(hits.t.ravel()), np.isnan(single.t))
 

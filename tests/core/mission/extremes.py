@@ -17,7 +17,7 @@ from terrainav.core.geodesy.view import ImageRays, mesh
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.outlines import footprint_ring
+from terrainav.core.mission.outlines import footprints_deg
 from terrainav.core.mission.plan import Plan, plan
 
 from tests.core.geodesy import longdouble
@@ -154,7 +154,7 @@ def run(case: Case) -> Outcome:
         made = plan(case.mission, GRID)
         if len(made) <= MOST:
             _ = made.coverage, made.overlap, made.masked, made.names[0]
-        footprint_ring(made, 0)
+        next(footprints_deg(made, slice(0, 1)))
     except InvalidInput as refused:
         return Outcome(case, str(refused), "", math.nan, math.nan, math.nan, time.perf_counter() - start)
     seconds = time.perf_counter() - start
