@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 from terrainav.core.cli.options import parser
 from terrainav.core.dataset.table import Table
+from terrainav.core.mission.mission import Mission
 
 from tests.support.command import command
 from tests.support.missions import schema_1
@@ -196,7 +197,7 @@ def test_a_pattern_has_the_camera_of_plan_and_capture(run, tmp_path):
 def test_a_mission_file_of_version_0_1_is_resumed_and_says_what_it_ignores(run, tmp_path):
     run("capture", "--coords", "35.14_-89.86_120", "--data-dir", "out")
     mark = tmp_path / "out" / "mission.json"
-    old = {**schema_1(json.loads(mark.read_text())), "footprint": "loc1", "mesh": "mesh-0.03px"}
+    old = {**schema_1(Mission.load(mark)), "footprint": "loc1", "mesh": "mesh-0.03px"}
     mark.write_text(json.dumps(old))
     (tmp_path / "old.json").write_text(json.dumps(old))
     planned = run("plan", "old.json").stdout

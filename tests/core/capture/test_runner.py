@@ -495,7 +495,7 @@ def test_a_folder_of_an_earlier_version_is_resumed(tmp_path):
     mission = MISSION.with_(max_px=640, zoom=None)
     capture(planned(mission), PatternSource(), tmp_path)
     mark = tmp_path / "mission.json"
-    data = schema_1(json.loads(mark.read_text()))
+    data = schema_1(mission)
     del data["image_px"]
     mark.write_text(json.dumps(data))
     assert Mission.load(mark) == mission

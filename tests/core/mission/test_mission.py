@@ -22,7 +22,7 @@ from terrainav.core.mission.mission import Mission, flat_fields
 from terrainav.core.mission.parts import FLAT_PARTS, Flight, utc_time
 from terrainav.core.mission.plan import plan
 
-from tests.support.missions import TRIANGLE, missions, schema_1
+from tests.support.missions import SEVERAL, TRIANGLE, missions, schema_1, whole_file, with_other
 
 BOX = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -44,7 +44,7 @@ def test_a_mission_comes_back_from_a_file(tmp_path):
 
 def earlier(**fields):
     """Text of a mission file as it was written before there was an image's size."""
-    data = schema_1(Mission(Points(((35.0, -89.0, 120.0),)), 120.0).to_dict())
+    data = schema_1(Mission(Points(((35.0, -89.0, 120.0),)), 120.0))
     del data["image_px"]
     return json.dumps({**data, "max_px": 640, **fields})
 
@@ -83,6 +83,44 @@ def test_null_stands_for_the_default():
         nulls.update({"agl_m": 120.0} if name == "flight" else {})
         assert Mission.from_dict({**whole.to_dict(), name: nulls}) == whole
     assert Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera"))}) == whole
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "field"),
+    [
+        pytest.param(name, part, field, id=f"{name}.{field.name}")
+        for name, part in {"camera": Camera, "wind": Wind, **FLAT_PARTS}.items()
+        for field in declared_fields(part)
+        if not field.needed
+    ],
+)
+def test_a_mission_file_holds_a_field_only_where_it_is_used(name, part, field):
+    usual = Mission(BOX, 120.0)
+    assert [*usual.to_dict()] == ["schema", "area", "flight"]
+    assert usual.to_dict()["flight"] == {"agl_m": 120.0}
+    values = with_other(field)
+    given = {name: part(**values)} if name in ("camera", "wind") else values
+    mission = usual.with_(**given)
+    of_part = {"agl_m": 120.0, **values} if name == "flight" else values
+    assert mission.to_dict() == {**usual.to_dict(), name: of_part}
+    assert Mission.from_json(mission.to_json()) == mission != usual
+    unused = {one: value for one, value in of_part.items() if one not in values}
+    assert Mission.from_dict({**mission.to_dict(), name: {**unused, field.name: field.default}}) == (
+        usual if name != "wind" else usual.with_(wind=Wind())
+    )
+
+
+def test_a_mission_file_that_states_every_default_is_read():
+    for mission in (
+        Mission(BOX, 120.0),
+        Mission(BOX, 120.0, wind=Wind()),
+        Mission(SEVERAL, 80.0, no_fly=(TRIANGLE,)),
+    ):
+        whole = json.loads(json.dumps(whole_file(mission)))
+        assert {*whole["accuracy"]} == {field.name for field in declared_fields(FLAT_PARTS["accuracy"])}
+        assert Mission.from_dict(whole) == mission == Mission.from_json(mission.to_json())
+    points = Points(((35.0, -89.0, 120.0), (35.1, -89.0, 120.0)), tilts_deg=(1.0, 2.0))
+    assert [*Mission(points, 120.0).to_dict()["area"]] == ["type", "poses", "tilts_deg"]
 
 
 def test_a_mission_is_written_flat_and_read_by_its_parts():
@@ -170,7 +208,7 @@ def test_a_mission_file_of_version_0_1_is_read_as_it_was_meant():
         start="2024-06-21T10:30:00.25Z",
     )
     # None of its fields went unread; rows were said by their angle from east.
-    assert set(json.loads(OF_VERSION_0_1)) <= {*schema_1(mission.to_dict()), "footprint", "grid_angle_deg"}
+    assert set(json.loads(OF_VERSION_0_1)) <= {*schema_1(mission), "footprint", "grid_angle_deg"}
     assert mission.notes == ()
 
 
@@ -325,7 +363,7 @@ def test_values_outside_their_domain_are_named(change, says):
 )
 def test_methods_that_only_version_0_1_had_are_ignored_with_the_reason(old, noted):
     wanted = Mission(BOX, 120.0, mesh="rays" if old.get("mesh") == "rays" else "auto")
-    read = Mission.from_dict({**schema_1(wanted.to_dict()), **old})
+    read = Mission.from_dict({**schema_1(wanted), **old})
     # They are the same mission, so that a folder of version 0.1 can be resumed.
     assert read == wanted
     assert read.to_json() == wanted.to_json()
@@ -346,7 +384,7 @@ def test_methods_that_only_version_0_1_had_are_ignored_with_the_reason(old, note
 )
 def test_methods_that_no_version_had_are_refused(wrong, says):
     with pytest.raises(InvalidInput) as refused:
-        Mission.from_dict({**schema_1(Mission(BOX, 120.0).to_dict()), **wrong})
+        Mission.from_dict({**schema_1(Mission(BOX, 120.0)), **wrong})
     assert says in str(refused.value)
 
 
