@@ -67,7 +67,7 @@ def declared(
     choices : mapping of str to str or None
         Values there are, each with what people read.
     option : str
-        Name of the command's option where it is not the field's name without its unit.
+        Name of the command's option where it is not the field's.
     suggested
         What a form begins with, where the default says nothing.
     advanced : bool
@@ -76,7 +76,15 @@ def declared(
         Raises InvalidInput for what limits and choices do not tell.
     schema : mapping or None
         What there is to say beyond limits and choices in the schema of mission files.
+
+    Raises
+    ------
+    ValueError
+        A unit that is not declared.
     """
+    if unit not in UNITS:
+        unknown = f"unit {unit!r} of {title!r}: not one of {', '.join(filter(None, UNITS))}, as core/units.py has them"
+        raise ValueError(unknown)
     said = {
         "title": title,
         "help": help,
@@ -136,9 +144,7 @@ class Field:
     @property
     def name_of_option(self) -> str:
         """Name of the command's option, with underscores."""
-        ending = self.unit.ending
-        own = self.name[: -len(ending)] if ending and self.name.endswith(ending) else self.name
-        return self.option or own
+        return self.option or self.name
 
     @property
     def about(self) -> str:
@@ -230,10 +236,9 @@ class Field:
         title = Message(self.title)
         if self.kind is int and abs(value) > MAX_WHOLE_NUMBER:
             beyond = Message("of more than 64 bits")
-            right = Message("at most {0}", MAX_WHOLE_NUMBER)
-            raise self._refused(
-                title, beyond, right if value > 0 else Message("at least {0}", -MAX_WHOLE_NUMBER)
-            )
+            most = Message("at most {0}", MAX_WHOLE_NUMBER)
+            least = Message("at least {0}", -MAX_WHOLE_NUMBER) if self.least is None else self.right
+            raise self._refused(title, beyond, most if value > 0 else least)
         within = (
             (self.least is None or value >= self.least)
             and (self.most is None or value <= self.most)

@@ -22,8 +22,6 @@ class Unit:
         Behind a number in a sentence, as it is typed; empty where numbers stand alone.
     words : Message or str
         In full, as it stands in brackets behind what is measured.
-    ending : str
-        What names of fields in this unit end with, which the command's options leave out.
     suffix : str
         Behind a number that is typed.
     decimals : int
@@ -36,7 +34,6 @@ class Unit:
 
     symbol: str = ""
     words: str = ""
-    ending: str = ""
     suffix: str = ""
     decimals: int = 4
     typed_words: str = ""
@@ -46,12 +43,12 @@ class Unit:
 #: By the name that declared fields give.
 UNITS = {
     "": Unit(),
-    "m": Unit(Message("m"), Message("metres"), "_m", " m", 6),
-    "deg": Unit(Message("deg"), Message("degrees"), "_deg", " °", 6),
-    "px": Unit(Message("px"), Message("px"), "_px", " px", 12),
-    "m/s": Unit(Message("m/s"), Message("metres per second"), "_m_per_s", " m/s", 3),
-    "s": Unit(Message("s"), Message("seconds"), "_s", " s", 3),
-    "min": Unit(Message("min"), Message("minutes"), "_min", " min", 1),
+    "m": Unit(Message("m"), Message("metres"), " m", 6),
+    "deg": Unit(Message("deg"), Message("degrees"), " °", 6),
+    "px": Unit(Message("px"), Message("px"), " px", 12),
+    "m/s": Unit(Message("m/s"), Message("metres per second"), " m/s", 3),
+    "s": Unit(Message("s"), Message("seconds"), " s", 3),
+    "min": Unit(Message("min"), Message("minutes"), " min", 1),
     "share": Unit(
         Message("%"), Message("share"), suffix=" %", decimals=1, typed_words=Message("percent"), times=100.0
     ),

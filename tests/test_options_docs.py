@@ -54,7 +54,7 @@ def test_no_fly_areas_are_of_the_schema(schema):
 
 
 def changed(part, **values):
-    return {**PLAIN, part: {**(PLAIN[part] or {}), **values}}
+    return {**PLAIN, part: {**PLAIN.get(part, {}), **values}}
 
 
 @pytest.mark.parametrize(

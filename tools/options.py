@@ -34,7 +34,7 @@ _HEAD = """# Every option of a mission
 Made by `python tools/options.py` from what `core/mission/parts.py`, `core/mission/flight/wind.py` and
 `core/geodesy/lens.py` declare. An option is given to the command as `--name value`, in the environment as
 `TERRAINAV_NAME`, or in `config.json` as `"name"`; the command line comes first. A mission file holds the same in its
-parts, as `resources/mission.schema.json` has it, and a program writes it flat:
+parts, as `resources/mission.schema.json` has it, without what equals its default, and a program writes it flat:
 `Mission(area, agl_m=120.0, overlap_along=0.6)`.
 """
 _PRESETS = """`--preset NAME` gives these values wherever no other option does. With a camera, a sensor or an aspect

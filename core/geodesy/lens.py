@@ -34,6 +34,7 @@ class Lens(Part):
         title="field of view",
         help="field of view across the image's diagonal",
         unit="deg",
+        option="fov",
         above=0.0,
         below=180.0,
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, asdict, dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from typing import Any, TypeVar
 
 from ..errors import InvalidInput
@@ -20,9 +20,7 @@ from .imageries import NamedImagery
 from .parts import (
     BY_DISTANCE,
     BY_WAYPOINT,
-    EASTWARD_DEG,
     FLAT_PARTS,
-    NORTH,
     PAPER,
     PAPER_MAX_PX,
     Accuracy,
@@ -44,6 +42,13 @@ WHOLE_PARTS: dict[str, Any] = {
     "camera": Camera,
     "wind": Wind,
     "no_fly": tuple,
+}
+#: Parts that a mission file leaves out where they equal these.
+_DEFAULT_PARTS: dict[str, Any] = {
+    "camera": Camera(),
+    "wind": None,
+    "no_fly": (),
+    **{name: part() for name, part in FLAT_PARTS.items() if part is not Flight},
 }
 #: The part that each field of `FLAT_PARTS` is in.
 _PART_OF = {one.name: name for name, part in FLAT_PARTS.items() for one in declared_fields(part)}
@@ -155,39 +160,15 @@ class Mission:
         return changed
 
     def to_dict(self) -> dict[str, Any]:
-        """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``."""
+        """JSON-ready mapping of the parts, with ``schema`` and the area's ``type``, without what equals its default."""
         parts = {one.name: getattr(self, one.name) for one in fields(self)}
-        plain: dict[str, Any] = {
-            name: None if part is None else asdict(part) for name, part in parts.items() if name != "no_fly"
+        plain = {
+            name: _without_defaults(part)
+            for name, part in parts.items()
+            if part != _DEFAULT_PARTS.get(name, MISSING)
         }
-        self._leave_out(plain)
-        if self.no_fly:
-            plain["no_fly"] = [asdict(polygon) for polygon in self.no_fly]
-        if isinstance(self.area, Points):
-            for name in ("tilts_deg", "rolls_deg", "times_s"):
-                if not plain["area"][name]:
-                    del plain["area"][name]
         kind = type(self.area).__name__.lower()
-        return {"schema": SCHEMA, **plain, "area": {"type": kind, **(plain["area"] or {})}}
-
-    def _leave_out(self, plain: dict[str, Any]) -> None:
-        """Take out what this mission goes without."""
-        if not self.imagery.crs:
-            del plain["imagery"]["crs"]
-        for name in ("source", "date", "map_types") if self.imagery.imageries else ("imageries",):
-            del plain["imagery"][name]
-        if self.flight.row_azimuth_deg == EASTWARD_DEG:
-            del plain["flight"]["row_azimuth_deg"]
-        if self.flight.facing == NORTH:
-            del plain["flight"]["facing"]
-        if not self.flight.margin_m:
-            del plain["flight"]["margin_m"]
-        if not self.output.products:
-            del plain["output"]["products"]
-        if self.terrain == Terrain():
-            del plain["terrain"]
-        if self.route == Route():
-            del plain["route"]
+        return {"schema": SCHEMA, **plain, "area": {"type": kind, **plain["area"]}}
 
     def to_json(self) -> str:
         """Text of the mission file: the same mission gives the same text."""
@@ -312,6 +293,16 @@ def _polygons(name: str, values: Any) -> tuple[Polygon, ...]:
         except (TypeError, AttributeError, ValueError, IndexError, OverflowError) as wrong:
             raise InvalidInput("mission with a value of the wrong type: {0}", wrong) from wrong
     return tuple(found)
+
+
+def _without_defaults(value: Any) -> Any:
+    """JSON-ready value: of a dataclass the fields that do not equal their defaults."""
+    if isinstance(value, tuple) and value and is_dataclass(value[0]):
+        return [_without_defaults(one) for one in value]
+    if not is_dataclass(value):
+        return value
+    given = ((one, getattr(value, one.name)) for one in fields(value))
+    return {one.name: _without_defaults(found) for one, found in given if found != one.default}
 
 
 def _by_part(values: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -217,6 +217,7 @@ class Attitude(Part):
         help="direction of the image's top edge, clockwise from north; where the rows are turned from east it turns "
         "with them, where the source has its own CRS it counts from grid north, and points may have yaws of their own",
         unit="deg",
+        option="yaw",
         least=-360.0,
         most=360.0,
         advanced=True,
@@ -226,6 +227,7 @@ class Attitude(Part):
         title="tilt",
         help="how far the view is lifted from straight down towards the image's top edge; 90 looks level",
         unit="deg",
+        option="tilt",
         least=-180.0,
         most=180.0,
         advanced=True,
@@ -236,6 +238,7 @@ class Attitude(Part):
         help="how far the camera is turned last, after yaw and tilt, about where the image's top edge points: right "
         "side down",
         unit="deg",
+        option="roll",
         least=-180.0,
         most=180.0,
         advanced=True,
@@ -251,6 +254,7 @@ class Flight(Part):
         label="height above gro&und",
         help="height of the captures above ground (AGL); coordinates, and points with heights, have their own",
         unit="m",
+        option="agl",
         above=0.0,
         most=HIGHEST_AGL_M,
         suggested=120.0,
@@ -260,6 +264,7 @@ class Flight(Part):
         title="ground height",
         help="height of the ground above the WGS84 ellipsoid",
         unit="m",
+        option="ground_height",
         least=LOWEST_GROUND_M,
         most=HIGHEST_GROUND_M,
         advanced=True,
@@ -294,6 +299,7 @@ class Flight(Part):
         title="row azimuth",
         help="direction of an area's rows, clockwise from north: 90 flies them east; points have none",
         unit="deg",
+        option="row_azimuth",
         least=0.0,
         most=360.0,
     )
@@ -302,7 +308,6 @@ class Flight(Part):
         title="camera faces",
         help="where the top of the images points, from which the yaw counts: north, turned with the rows where these "
         "are turned from east; track, the way each row is flown; or an azimuth in degrees, the same for all images",
-        option="facing",
         check=_check_facing,
         schema={"pattern": f"^({NORTH}|{TRACK}|{_NUMBER})$"},
     )
@@ -322,6 +327,7 @@ class Flight(Part):
         title="margin",
         help="width of the ground around an area that is covered as well; points have none",
         unit="m",
+        option="margin",
         least=0.0,
         most=WIDEST_MARGIN_M,
     )
@@ -330,6 +336,7 @@ class Flight(Part):
         title="airspeed",
         help="speed of the flight through the air",
         unit="m/s",
+        option="airspeed",
         # From hovering drift to the speed of sound: what the model of the wind is of.
         least=0.1,
         most=340.0,
@@ -473,7 +480,6 @@ class Pixels(Part):
         "camera has its own",
         unit="px",
         least=1,
-        option="image_px",
         advanced=True,
     )
     zoom: int | None = declared(
@@ -501,7 +507,6 @@ class Pixels(Part):
         "all take a lower zoom; without it there is no limit, or 640 in the layout paper",
         unit="px",
         least=1,
-        option="max_px",
         advanced=True,
     )
     upsample: bool = declared(
@@ -533,6 +538,7 @@ class Accuracy(Part):
         help="maximum sum of the error bounds of all stages, in pixels of the planned image; the cheapest "
         "methods within it are used",
         unit="px",
+        option="error_budget",
         above=0.0,
         advanced=True,
     )
@@ -616,6 +622,7 @@ class Terrain(Part):
         title="height offset",
         help="added to the heights of all sources, as for a datum that has no grid here",
         unit="m",
+        option="height_offset",
         least=-1000.0,
         most=1000.0,
         advanced=True,
@@ -646,6 +653,7 @@ class Terrain(Part):
         title="climb rate",
         help="over relief, maximum rate of climb and descent: the flight is higher where the ground is steeper",
         unit="m/s",
+        option="climb",
         above=0.0,
         suggested=3.0,
         advanced=True,
@@ -655,6 +663,7 @@ class Terrain(Part):
         title="clearance",
         help="over relief, minimum height above everything within the clearance distance",
         unit="m",
+        option="clearance",
         least=0.0,
         most=HIGHEST_GROUND_M,
         advanced=True,
@@ -664,6 +673,7 @@ class Terrain(Part):
         title="clearance distance",
         help="radius around each capture within which the clearance is kept",
         unit="m",
+        option="clearance_distance",
         least=0.0,
         most=10_000.0,
         advanced=True,
@@ -721,6 +731,7 @@ class Route(Part):
         title="turnaround",
         help="how far the flight goes on beyond the end of each row before it turns",
         unit="m",
+        option="turnaround",
         least=0.0,
         most=10_000.0,
         advanced=True,
@@ -730,6 +741,7 @@ class Route(Part):
         title="lead-in",
         help="how far before the first capture of each row the flight is already on its line",
         unit="m",
+        option="lead_in",
         least=0.0,
         most=10_000.0,
         advanced=True,
@@ -751,6 +763,7 @@ class Route(Part):
         title="minimum image interval",
         help="shortest time between two images that the camera can keep up",
         unit="s",
+        option="photo_interval",
         above=0.0,
         suggested=1.0,
         advanced=True,
@@ -780,6 +793,7 @@ class Route(Part):
         help="flight time of one battery, without the reserve: the flight is split into sorties that begin and end "
         "at the take-off",
         unit="min",
+        option="battery",
         above=0.0,
         suggested=20.0,
         advanced=True,

@@ -103,7 +103,7 @@ class Plan:
         Of turned or crossed rows; empty for rows along parallels and for points.
     level_m : float
         Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
-    terrain : Terrain or None
+    relief : ReliefBelow or None
         The relief that they are flown over; None where the ground is level.
     flown : Flown or None
         How high they are over that.

@@ -328,7 +328,7 @@ class PairPlan:
         left_out = ("agl_m", "tilt_deg", "image_px", "max_px", "frame")
         drone = self.plans[self.shots(0)[0][0]].mission.to_dict()
         shared = {
-            part: values and {name: value for name, value in values.items() if name not in left_out}
+            part: {name: value for name, value in values.items() if name not in left_out}
             for part, values in drone.items()
             if part not in ("schema", "area")
         }
@@ -345,7 +345,7 @@ class PairPlan:
             **({"imageries": [str(one) for one in settings.imageries]} if settings.imageries else {}),
             "size_px": settings.size_px,
             "satellite_m": settings.satellite_width_m,
-            "mission": shared,
+            "mission": {part: values for part, values in shared.items() if values},
             "missions": {name: f"captures/{name}/mission.json" for name in self.plans},
             "views": [
                 {"agl_m": view.agl_m, "yaw_deg": view.yaw_deg, "tilt_deg": view.tilt_deg}

@@ -85,6 +85,7 @@ class PoseFile(Part):
         title="ground height",
         help="height of the ground, as the file counts heights",
         unit="m",
+        option="ground_height",
         least=LOWEST_GROUND_M,
         most=HIGHEST_GROUND_M,
     )
@@ -93,6 +94,7 @@ class PoseFile(Part):
         title="height above ground",
         help="one height above ground for all positions",
         unit="m",
+        option="agl",
         above=0.0,
         most=HIGHEST_AGL_M,
     )
@@ -129,7 +131,6 @@ class PoseFile(Part):
         title="time interval",
         help="keep one position each so many seconds",
         unit="s",
-        option="every_s",
         above=0.0,
     )
     every_m: float | None = declared(
@@ -137,7 +138,6 @@ class PoseFile(Part):
         title="distance interval",
         help="keep one position each so many metres of the way",
         unit="m",
-        option="every_m",
         above=0.0,
     )
 
@@ -157,6 +157,7 @@ class LineFlight(Part):
         help="speed over ground",
         label="&Speed",
         unit="m/s",
+        option="speed",
         least=0.1,
         most=340.0,
         suggested=12.0,
@@ -166,7 +167,6 @@ class LineFlight(Part):
         title="time interval",
         help="time from one exposure to the next",
         unit="s",
-        option="every_s",
         above=0.0,
     )
     every_m: float | None = declared(
@@ -174,7 +174,6 @@ class LineFlight(Part):
         title="distance interval",
         help="distance flown from one exposure to the next",
         unit="m",
-        option="every_m",
         above=0.0,
     )
     bank_deg: float = declared(
@@ -183,6 +182,7 @@ class LineFlight(Part):
         help="bank in turns; with the speed, it gives their radius",
         label="&Bank in turns",
         unit="deg",
+        option="bank",
         least=1.0,
         most=80.0,
     )
@@ -209,6 +209,7 @@ class Corridor(Part):
         help="width of the strip along the line; 0 is one row above the line",
         label="&Width",
         unit="m",
+        option="width",
         least=0.0,
         most=100_000.0,
         suggested=60.0,
@@ -219,6 +220,7 @@ class Corridor(Part):
         help="how far to the right of the line the middle of the strip lies",
         label="&Offset to the right",
         unit="m",
+        option="offset",
         least=-100_000.0,
         most=100_000.0,
     )
@@ -239,6 +241,7 @@ class Orbit(Part):
         help="distance of the captures from the centre",
         label="&Radius",
         unit="m",
+        option="radius",
         above=0.0,
         most=100_000.0,
         suggested=40.0,
@@ -248,6 +251,7 @@ class Orbit(Part):
         help="height above ground of the lowest circle",
         label="&Lowest height",
         unit="m",
+        option="lowest",
         above=0.0,
         most=HIGHEST_AGL_M,
         suggested=30.0,
@@ -258,6 +262,7 @@ class Orbit(Part):
         help="height above ground of the highest circle; left out, there is only one circle",
         label="&Highest height",
         unit="m",
+        option="highest",
         above=0.0,
         most=HIGHEST_AGL_M,
     )
@@ -283,6 +288,7 @@ class Orbit(Part):
         help="height above ground, at the centre, that the camera looks at",
         label="Height of the &target",
         unit="m",
+        option="target",
         least=0.0,
         most=HIGHEST_AGL_M,
     )
@@ -312,6 +318,7 @@ class Scan(Part):
         help="distance of the captures from the wall",
         label="&Distance",
         unit="m",
+        option="distance",
         above=0.0,
         most=10_000.0,
         suggested=20.0,
@@ -321,6 +328,7 @@ class Scan(Part):
         help="height above ground of the lowest flight",
         label="&Lowest height",
         unit="m",
+        option="lowest",
         above=0.0,
         most=HIGHEST_AGL_M,
         suggested=10.0,
@@ -331,6 +339,7 @@ class Scan(Part):
         help="height above ground of the highest flight; left out, there is only one flight",
         label="&Highest height",
         unit="m",
+        option="highest",
         above=0.0,
         most=HIGHEST_AGL_M,
     )
@@ -340,6 +349,7 @@ class Scan(Part):
         help="tilt of the camera: 90 looks level at the wall, less looks down at it",
         label="&Tilt",
         unit="deg",
+        option="tilt",
         least=30.0,
         most=120.0,
     )

@@ -131,7 +131,6 @@ class Measurement:
         By the stage's name, from cheap to exact.
     floor_px : float
         Error of the reference: smaller ones are not told from none.
-    terrain, condition : see `Accuracy`
     kernels : tuple of Kernel
         Empty where the source has no tiles; ``resampling`` is None then.
     wind : WindEffect or None

@@ -9,6 +9,7 @@ import re
 import warnings
 
 import pytest
+from terrainav.core.mission.mission import Mission
 
 from tests.support.command import command
 from tests.support.json_services import answer_of, map_service
@@ -339,7 +340,7 @@ def test_a_title_names_its_source_as_the_name_does(run, tmp_path):
             str(tmp_path / "out"),
         )
     )
-    assert '"source": "world"' in (tmp_path / "out" / "mission.json").read_text()
+    assert Mission.load(tmp_path / "out" / "mission.json").imagery.source == "world"
     for name in ("one", "two"):
         good(
             run(

@@ -25,6 +25,7 @@ from terrainav.core.mission.relief import Heights
 from terrainav.core.mission.settings import mission_from, resolve
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated
+from tests.support.missions import whole_file
 
 BOX = Mission(Box(35.16, -89.90, 35.155, -89.895), 120.0)
 LIST = Mission(
@@ -46,7 +47,7 @@ OVER_RELIEF = Mission(
     image_px=64,
     products=("depth",),
 )
-DOCUMENTS = tuple(mission.to_dict() for mission in (BOX, LIST, TILTED, TURNED, OVER_RELIEF))
+DOCUMENTS = tuple(map(whole_file, (BOX, LIST, TILTED, TURNED, OVER_RELIEF)))
 # Few, so that what is found is about values, and not about the number of images.
 MOST_IMAGES = 200
 #: Pixels of camera frames whose tiles are counted, which takes up to about a second a megapixel.

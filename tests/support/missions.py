@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 from hypothesis import strategies as st
 from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
@@ -76,3 +78,55 @@ missions = st.builds(
     drone=st.sampled_from(["mavic-3e", "m300", "dji-fly"]),
     crs=st.sampled_from(["", "EPSG:2056", 'PROJCS["local",GEOGCS["WGS 84"]]']),
 )
+
+
+#: Values of texts, lists and pairs that are not their defaults; those of other fields follow from what is declared.
+_OTHERS = {
+    "facing": "33.5",
+    "start": "2024-06-21T12:00:00Z",
+    "source": "pattern",
+    "date": "2024-06-21",
+    "bands": ("4", "1", "2"),
+    "stretch": "-10 4000.5",
+    "crs": "EPSG:2056",
+    "imageries": ("old=world@2014", "new=world"),
+    "elevation": ("world",),
+    "surface": ("world",),
+    "vertical_datum": "EPSG:5773",
+    "takeoff": (35.1, -89.8),
+    "img_size": (64, 48, 1),
+}
+#: Fields without which others are refused.
+_NEEDED = {"surface": ("elevation",), "battery_min": ("takeoff",)}
+
+
+def other_value(field):
+    """Value of a declared field that is right, and not its default."""
+    if field.name in _OTHERS:
+        return _OTHERS[field.name]
+    if field.kind is bool:
+        return not field.default
+    if field.choices:
+        other = next(
+            choice for choice in field.choices if choice not in (field.default, *(field.default or ()))
+        )
+        return (other,) if field.kind is tuple else other
+    low = field.least if field.above is None else field.above
+    high = field.most if field.below is None else field.below
+    low, high = (0.0 if low is None else low), (low or 0.0) + 10.0 if high is None else high
+    return next(
+        value
+        for value in (field.kind(low + share * (high - low)) for share in (0.25, 0.5))
+        if value != field.default
+    )
+
+
+def with_other(field):
+    """Fields of a part by name: a field with a value that is not its default, and those that it needs."""
+    return {field.name: other_value(field), **{name: _OTHERS[name] for name in _NEEDED.get(field.name, ())}}
+
+
+def whole_file(mission):
+    """Mapping of a mission file that states every field, also those at their defaults."""
+    parts = {name: getattr(mission, name) for name in ("camera", "wind", *FLAT_PARTS)}
+    return {**mission.to_dict(), **{name: part and asdict(part) for name, part in parts.items()}}

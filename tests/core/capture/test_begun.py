@@ -140,7 +140,7 @@ def test_parts_that_are_given_whole_are_held_as_well(begun, tmp_path, change, sa
     folder = shutil.copytree(begun, tmp_path / "out")
     document = json.loads((folder / "mission.json").read_text())
     for name, values in change.items():
-        document[name] = None if values is None else {**document[name], **values}
+        document[name] = None if values is None else {**document.get(name, {}), **values}
     (folder / "mission.json").write_text(json.dumps(document))
     with pytest.raises(OutputError) as refused:
         captured(Mission.load(folder / "mission.json"), folder, resume=True)

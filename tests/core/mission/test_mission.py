@@ -19,7 +19,7 @@ from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission, flat_fields
 from terrainav.core.mission.parts import FLAT_PARTS, Flight, utc_time
 
-from tests.support.missions import TRIANGLE, missions
+from tests.support.missions import SEVERAL, TRIANGLE, missions, whole_file, with_other
 
 BOX = Box(35.16, -89.90, 35.115, -89.823)
 
@@ -61,6 +61,44 @@ def test_null_stands_for_the_default():
         Mission.from_dict({**whole.to_dict(), **dict.fromkeys(("imagery", "output", "camera", "wind"))})
         == whole
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "field"),
+    [
+        pytest.param(name, part, field, id=f"{name}.{field.name}")
+        for name, part in {"camera": Camera, "wind": Wind, **FLAT_PARTS}.items()
+        for field in declared_fields(part)
+        if not field.needed
+    ],
+)
+def test_a_mission_file_holds_a_field_only_where_it_is_used(name, part, field):
+    usual = Mission(BOX, 120.0)
+    assert [*usual.to_dict()] == ["schema", "area", "flight"]
+    assert usual.to_dict()["flight"] == {"agl_m": 120.0}
+    values = with_other(field)
+    given = {name: part(**values)} if name in ("camera", "wind") else values
+    mission = usual.with_(**given)
+    of_part = {"agl_m": 120.0, **values} if name == "flight" else values
+    assert mission.to_dict() == {**usual.to_dict(), name: of_part}
+    assert Mission.from_json(mission.to_json()) == mission != usual
+    unused = {one: value for one, value in of_part.items() if one not in values}
+    assert Mission.from_dict({**mission.to_dict(), name: {**unused, field.name: field.default}}) == (
+        usual if name != "wind" else usual.with_(wind=Wind())
+    )
+
+
+def test_a_mission_file_that_states_every_default_is_read():
+    for mission in (
+        Mission(BOX, 120.0),
+        Mission(BOX, 120.0, wind=Wind()),
+        Mission(SEVERAL, 80.0, no_fly=(TRIANGLE,)),
+    ):
+        whole = json.loads(json.dumps(whole_file(mission)))
+        assert {*whole["accuracy"]} == {field.name for field in declared_fields(FLAT_PARTS["accuracy"])}
+        assert Mission.from_dict(whole) == mission == Mission.from_json(mission.to_json())
+    points = Points(((35.0, -89.0, 120.0), (35.1, -89.0, 120.0)), tilts_deg=(1.0, 2.0))
+    assert [*Mission(points, 120.0).to_dict()["area"]] == ["type", "poses", "tilts_deg"]
 
 
 def test_a_mission_is_written_flat_and_read_by_its_parts():
