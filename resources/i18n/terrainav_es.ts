@@ -765,6 +765,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>layer “{name}” has no CRS: set it in the layer's properties</source>
         <translation>la capa «{name}» no tiene SRC: defínalo en las propiedades de la capa</translation>
@@ -3027,6 +3028,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
+        <source>CRS {crs}: is not of the Earth, or cannot be transformed to degrees; choose another</source>
+        <translation>SRC {crs}: no es de la Tierra o no se puede transformar en grados; elija otro</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place cannot be shown in the project's CRS {crs}; choose another CRS</source>
         <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elija otro SRC</translation>
     </message>
@@ -5130,6 +5136,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Detenido: {reason}</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>cannot go on ({error})</source>
+        <translation>no se puede continuar ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>{title} {value}: has a character that files and their names cannot have</source>
+        <translation>{title} {value}: tiene un carácter que los archivos y sus nombres no pueden tener</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>{title} {value}: must be a number</source>
+        <translation>{title} {value}: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>{title} {value}: must be a whole number of 32 bits</source>
+        <translation>{title} {value}: debe ser un número entero de 32 bits</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>The area has {count} polygons: each has rows of its own.</source>
         <translation>El área tiene {count} polígonos: cada uno tiene sus propias pasadas.</translation>
@@ -5153,6 +5179,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area {name}: no such layer</source>
         <translation>área {name}: no existe tal capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>extent</source>
+        <translation>extensión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -5188,6 +5219,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>{layer}: {problem}</source>
         <translation>{layer}: {problem}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>{what} {text}: its CRS is none of the Earth that is known; must be such as [EPSG:4326]</source>
+        <translation>{what} {text}: su SRC no es uno conocido de la Tierra; debe ser como [EPSG:4326]</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -6270,6 +6306,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>lat_lon_agl for one capture, latTL_lonTL_latBR_lonBR_agl for a box, with or without the height, or a file: lat lon agl [yaw] lines, or a table whose first line names its columns; heights in metres.</source>
         <translation>lat_lon_agl para una captura, latTL_lonTL_latBR_lonBR_agl para un recuadro, con la altura o sin ella, o un archivo: líneas de lat lon agl [guiñada], o una tabla cuya primera línea nombra las columnas; alturas en metros.</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>take-off</source>
+        <translation>despegue</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
@@ -13787,8 +13828,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mosaic/orthomosaic.py"/>
-        <source>mosaic of {0:,} x {1:,} px: at most {2:,} px along a side</source>
-        <translation>mosaico de {0:,} x {1:,} px: como mucho {2:,} px por lado</translation>
+        <source>mosaic of {0:,.9g} x {1:,.9g} px: at most {2:,} px along a side</source>
+        <translation>mosaico de {0:,.9g} x {1:,.9g} px: como mucho {2:,} px por lado</translation>
     </message>
     <message>
         <location filename="../../core/mosaic/orthomosaic.py"/>
