@@ -7670,8 +7670,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
-        <source>cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT</source>
-        <translation>clúster {0!r}: debe ser local:N, N procesos de este equipo hasta {1:,}, o dask://HOST:PORT</translation>
+        <source>cluster {0!r}: must be local:N, N processes here up to {1:,}, or such as dask://127.0.0.1:8786</source>
+        <translation>clúster {0!r}: debe ser local:N, con hasta {1:,} procesos aquí, o como dask://127.0.0.1:8786</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
@@ -10763,6 +10763,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/imagery/xyz.py"/>
         <source>{0}: needs an API key, and none is set</source>
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
+    </message>
+    <message>
+        <location filename="../../core/importing.py"/>
+        <source>{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong</source>
+        <translation>{0}: no se puede importar ({1}: {2}); puede que su propia configuración, en un archivo o en el entorno, sea incorrecta</translation>
     </message>
     <message>
         <location filename="../../core/mission/area.py"/>
