@@ -3028,8 +3028,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
-        <source>CRS {crs}: is not of the Earth, or cannot be transformed to degrees; choose another</source>
-        <translation>SRC {crs}: no es de la Tierra o no se puede transformar en grados; elija otro</translation>
+        <source>CRS {crs}: must be one of the Earth that can be transformed to degrees</source>
+        <translation>SRC {crs}: debe ser uno de la Tierra que se pueda transformar en grados</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>

@@ -229,7 +229,7 @@ def check_earthly(transform: QgsCoordinateTransform) -> None:
     crs = transform.sourceCrs()
     if crs.isValid() and not transform.isValid():
         raise InvalidInput(
-            tr("CRS {crs}: is not of the Earth, or cannot be transformed to degrees; choose another").format(
+            tr("CRS {crs}: must be one of the Earth that can be transformed to degrees").format(
                 crs=_named(crs)
             )
         )
