@@ -9,6 +9,7 @@ import warnings
 from typing import Any
 
 from .errors import OutputError
+from .importing import imported
 from .limits import MAX_TEXT_CHARACTERS
 from .text import printable, shortened
 
@@ -41,7 +42,7 @@ def check_matplotlib() -> None:
 def _figure_class() -> Any:
     # The object interface with its own canvas: no state of pyplot's, and no display.
     try:
-        return importlib.import_module("matplotlib.figure").Figure
+        return imported("matplotlib.figure").Figure
     except ImportError as missing:
         raise OutputError(
             "matplotlib, which draws the diagrams, is not installed",

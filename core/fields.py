@@ -28,6 +28,7 @@ _TYPES = {
     bool: Message("true or false"),
     tuple: Message("a list"),
 }
+_TOO_LONG = Message("of more than 64 bits")
 
 
 def declared(
@@ -234,11 +235,10 @@ class Field:
 
     def _check_limits(self, value: float) -> None:
         title = Message(self.title)
-        if self.kind is int and abs(value) > MAX_WHOLE_NUMBER:
-            beyond = Message("of more than 64 bits")
-            most = Message("at most {0}", MAX_WHOLE_NUMBER)
-            least = Message("at least {0}", -MAX_WHOLE_NUMBER) if self.least is None else self.right
-            raise self._refused(title, beyond, most if value > 0 else least)
+        if self.kind is int and value > MAX_WHOLE_NUMBER:
+            raise self._refused(title, _TOO_LONG, Message("at most {0}", MAX_WHOLE_NUMBER))
+        if self.kind is int and self.least is None and value < -MAX_WHOLE_NUMBER:
+            raise self._refused(title, _TOO_LONG, Message("at least {0}", -MAX_WHOLE_NUMBER))
         within = (
             (self.least is None or value >= self.least)
             and (self.most is None or value <= self.most)

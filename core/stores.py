@@ -8,7 +8,6 @@ all.
 from __future__ import annotations
 
 import errno
-import importlib
 import io
 import logging
 import os
@@ -21,6 +20,7 @@ from typing import IO, Any, Union
 
 from .addresses import holds_credentials
 from .errors import InvalidInput, Message, OutputError, TerrAInavError
+from .importing import imported
 from .limits import MAX_MISSION_BYTES
 from .redirects import follow_none, is_redirect, led_elsewhere, unredirected
 from .store_requests import (
@@ -416,7 +416,7 @@ def _key(path: Any) -> str:
 
 def _imported(name: str, package: str = _EXTRA) -> Any:
     try:
-        return importlib.import_module(name)
+        return imported(name)
     except ImportError as missing:
         raise OutputError(
             "addresses of object stores: {0} cannot be imported ({1})",

@@ -146,7 +146,7 @@ class Predictions:
         longest, queries = max(map(len, ranked), default=0), len(benchmark.queries)
         if longest * queries > MAX_RANKED:
             raise InvalidInput(
-                "predictions: query {0!r} ranks {1:,} tiles; of {2:,} queries each may rank {3:,} at most",
+                "predictions: query {0!r} ranks {1:,} tiles, and with {2:,} queries each may rank {3:,} at most",
                 benchmark.queries.id[index[max(range(len(ranked)), key=lambda at: len(ranked[at]))]],
                 longest,
                 queries,

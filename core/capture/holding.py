@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import IO
 
 from ..dataset.folder import JOURNAL_FILE
-from ..errors import Message, OutputError
+from ..errors import InvalidInput, Message, OutputError
 from ..files import lock_tried, open_locked, open_own, read_if_there, write_whole
 from ..limits import MAX_SETTINGS_BYTES
 from ..stores import is_address, put, put_new, remove
@@ -122,7 +122,7 @@ class _Lease:
         self._thread.join()
         try:
             # Another run may have taken over since the last sign.
-            if self._lost is None and self._is_own(read_if_there(self._path, MAX_SETTINGS_BYTES)):
+            if self._lost is None and self._is_own(self._read()):
                 self._remove()
             elif self._lost is None:
                 self._lost = self._taken()
@@ -161,6 +161,13 @@ class _Lease:
             ) from wrong
         return True
 
+    def _read(self) -> bytes | None:
+        """What is there, None for nothing; raises OutputError, also where it is too long to be any run's."""
+        try:
+            return read_if_there(self._path, MAX_SETTINGS_BYTES)
+        except InvalidInput as wrong:
+            raise OutputError("{0}", wrong) from wrong
+
     def _put(self) -> None:
         if is_address(self._path):
             put(self._path, self._content())
@@ -177,12 +184,12 @@ class _Lease:
         return json.dumps({"run": self._token, "beat": self._beats}).encode("ascii")
 
     def _take_over(self) -> None:
-        found = read_if_there(self._path, MAX_SETTINGS_BYTES)
+        found = self._read()
         until_s = time.monotonic() + DEAD_S
         while time.monotonic() < until_s:
             check_cancelled()
             time.sleep(BEAT_S / 5.0)
-            now = read_if_there(self._path, MAX_SETTINGS_BYTES)
+            now = self._read()
             if now != found and now is not None:
                 raise self._busy()
             if now is None:
@@ -192,7 +199,7 @@ class _Lease:
         # Of two that take over at once the last one to put has it; the other finds that out before it begins.
         self._put()
         time.sleep(BEAT_S / 5.0)
-        if read_if_there(self._path, MAX_SETTINGS_BYTES) != self._content():
+        if self._read() != self._content():
             raise self._busy()
 
     def _busy(self) -> OutputError:
@@ -241,7 +248,7 @@ class _Lease:
         """Write that this run is alive; False where the place is another's by now."""
         while True:
             looked_s = _steady_s()
-            found = read_if_there(self._path, MAX_SETTINGS_BYTES)
+            found = self._read()
             # A run that took over and has ended has left none.
             if not self._is_own(found):
                 return False

@@ -160,19 +160,26 @@ def raster_of(frames: Frames, gsd_m: float | None = None) -> tuple[Raster, Boxes
         across = down = (frames.gsd_m if gsd_m is None else gsd_m) / unit_m(
             frames.plane, float(lat[0]), float(lon[0])
         )
+        _check_size(
+            *(length / across if across > 0.0 else math.inf for length in (east - west, north - south))
+        )
         start_x, start_y = math.floor(west / across) * across, math.ceil(north / down) * down
     # Of what is whole but for rounding.
     width, height = (math.ceil(span - 1e-6) for span in ((east - start_x) / across, (start_y - south) / down))
+    _check_size(width, height)
+    return Raster(start_x, start_y, across, down, max(width, 1), max(height, 1), frames.plane), boxes
+
+
+def _check_size(width: float, height: float) -> None:
     if max(width, height) > _MOST_PX:
         raise InvalidInput(
-            "mosaic of {0:,} x {1:,} px: at most {2:,} px along a side",
+            "mosaic of {0:,.9g} x {1:,.9g} px: at most {2:,} px along a side",
             width,
             height,
             _MOST_PX,
             field="gsd_m",
             remedy="give a larger ground sample distance",
         )
-    return Raster(start_x, start_y, across, down, max(width, 1), max(height, 1), frames.plane), boxes
 
 
 def orthorectify(frames: CameraFrames, target: Path, longest_px: int) -> None:

@@ -765,6 +765,7 @@
     </message>
     <message>
         <location filename="../../terrainav_plugin/area/layers.py"/>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
         <location filename="../../terrainav_plugin/qgis_source/snapshot.py"/>
         <source>layer “{name}” has no CRS: set it in the layer's properties</source>
         <translation>la capa «{name}» no tiene SRC: defínalo en las propiedades de la capa</translation>
@@ -3027,6 +3028,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/map/canvas.py"/>
+        <source>CRS {crs}: must be one of the Earth that can be transformed to degrees</source>
+        <translation>SRC {crs}: debe ser uno de la Tierra que se pueda transformar en grados</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/map/canvas.py"/>
         <source>this place cannot be shown in the project's CRS {crs}; choose another CRS</source>
         <translation>este lugar no se puede mostrar en el SRC del proyecto, {crs}; elija otro SRC</translation>
     </message>
@@ -5130,6 +5136,26 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>Detenido: {reason}</translation>
     </message>
     <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>cannot go on ({error})</source>
+        <translation>no se puede continuar ({error})</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>{title} {value}: has a character that files and their names cannot have</source>
+        <translation>{title} {value}: tiene un carácter que los archivos y sus nombres no pueden tener</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>{title} {value}: must be a number</source>
+        <translation>{title} {value}: debe ser un número</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/algorithm.py"/>
+        <source>{title} {value}: must be a whole number of 32 bits</source>
+        <translation>{title} {value}: debe ser un número entero de 32 bits</translation>
+    </message>
+    <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>The area has {count} polygons: each has rows of its own.</source>
         <translation>El área tiene {count} polígonos: cada uno tiene sus propias pasadas.</translation>
@@ -5153,6 +5179,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>area {name}: no such layer</source>
         <translation>área {name}: no existe tal capa</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>extent</source>
+        <translation>extensión</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/areas.py"/>
@@ -5188,6 +5219,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../terrainav_plugin/processing/areas.py"/>
         <source>{layer}: {problem}</source>
         <translation>{layer}: {problem}</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/areas.py"/>
+        <source>{what} {text}: its CRS is none of the Earth that is known; must be such as [EPSG:4326]</source>
+        <translation>{what} {text}: su SRC no es uno conocido de la Tierra; debe ser como [EPSG:4326]</translation>
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/benchmarks.py"/>
@@ -6258,6 +6294,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
+        <source>take-off</source>
+        <translation>despegue</translation>
+    </message>
+    <message>
+        <location filename="../../terrainav_plugin/processing/mission_parameters.py"/>
         <source>{count} areas given: needs one of extent, polygons or points, and coordinates</source>
         <translation>hay {count} áreas dadas: se necesita una sola de entre extensión, polígonos o puntos, y coordenadas</translation>
     </message>
@@ -7131,8 +7172,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/benchmark/answers.py"/>
-        <source>predictions: query {0!r} ranks {1:,} tiles; of {2:,} queries each may rank {3:,} at most</source>
-        <translation>predicciones: la consulta {0!r} ordena {1:,} teselas; de {2:,} consultas, cada una puede ordenar {3:,} como máximo</translation>
+        <source>predictions: query {0!r} ranks {1:,} tiles, and with {2:,} queries each may rank {3:,} at most</source>
+        <translation>predicciones: la consulta {0!r} ordena {1:,} teselas, y con {2:,} consultas cada una puede ordenar {3:,} como máximo</translation>
     </message>
     <message>
         <location filename="../../core/benchmark/answers.py"/>
@@ -7655,8 +7696,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
-        <source>cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT</source>
-        <translation>clúster {0!r}: debe ser local:N, N procesos de este equipo hasta {1:,}, o dask://HOST:PORT</translation>
+        <source>cluster {0!r}: must be local:N, N processes here up to {1:,}, or such as dask://127.0.0.1:8786</source>
+        <translation>clúster {0!r}: debe ser local:N, con hasta {1:,} procesos aquí, o como dask://127.0.0.1:8786</translation>
     </message>
     <message>
         <location filename="../../core/capture/blocks/engines.py"/>
@@ -10750,6 +10791,11 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: necesita una clave API, y no hay ninguna definida</translation>
     </message>
     <message>
+        <location filename="../../core/importing.py"/>
+        <source>{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong</source>
+        <translation>{0}: no se puede importar ({1}: {2}); puede que su propia configuración, en un archivo o en el entorno, sea incorrecta</translation>
+    </message>
+    <message>
         <location filename="../../core/mission/area.py"/>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
@@ -13813,8 +13859,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/mosaic/orthomosaic.py"/>
-        <source>mosaic of {0:,} x {1:,} px: at most {2:,} px along a side</source>
-        <translation>mosaico de {0:,} x {1:,} px: como mucho {2:,} px por lado</translation>
+        <source>mosaic of {0:,.9g} x {1:,.9g} px: at most {2:,} px along a side</source>
+        <translation>mosaico de {0:,.9g} x {1:,.9g} px: como mucho {2:,} px por lado</translation>
     </message>
     <message>
         <location filename="../../core/mosaic/orthomosaic.py"/>

@@ -45,7 +45,7 @@ from ...core.text import time_s
 from ..compat import LINE, POINT, POLYGON
 from ..form.area import point_words
 from ..i18n import number_text, tr, translate
-from ..map.canvas import LON_LAT, box_of
+from ..map.canvas import LON_LAT, box_of, check_earthly
 from ..tasks import Task
 from .xml import xml_elements
 
@@ -431,6 +431,7 @@ class _Places:
     ) -> None:
         self._transform = QgsCoordinateTransform(crs, QgsCoordinateReferenceSystem(LON_LAT), context)
         self._crs, self._feature = crs.authid() or crs.description(), feature
+        check_earthly(self._transform)
         self.looked_at_m = _LOOKED_AT_SHARE * tolerance_m
 
     def __call__(self, point: QgsPointXY) -> Position:

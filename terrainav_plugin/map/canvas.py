@@ -91,6 +91,7 @@ def box_of_outline(outline: list[tuple[float, float]], centre_lat_deg: Callable[
 def canvas_rectangle(box: Box, crs: QgsCoordinateReferenceSystem, project: QgsProject) -> QgsRectangle:
     """Rectangle of the canvas around a box; raises InvalidInput where the CRS has no such place."""
     transform = to_lon_lat(crs, project)
+    check_earthly(transform)
     rectangle = QgsRectangle(*box.edges_deg)
     try:
         return transform.transformBoundingBox(rectangle, Qgis.TransformDirection.Reverse)
@@ -223,7 +224,19 @@ def _outline(rectangle: QgsRectangle) -> list[QgsPointXY]:
     ]
 
 
+def check_earthly(transform: QgsCoordinateTransform) -> None:
+    """Refuse a CRS of another body than the Earth: QGIS takes its numbers for degrees; raises InvalidInput."""
+    crs = transform.sourceCrs()
+    if crs.isValid() and not transform.isValid():
+        raise InvalidInput(
+            tr("CRS {crs}: must be one of the Earth that can be transformed to degrees").format(
+                crs=_named(crs)
+            )
+        )
+
+
 def _transformed(point: QgsPointXY, transform: QgsCoordinateTransform) -> tuple[float, float]:
+    check_earthly(transform)
     try:
         there = transform.transform(point)
     except QgsCsException as wrong:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from itertools import takewhile
 from pathlib import Path
@@ -82,8 +83,12 @@ def saved_missions(project: QgsProject) -> list[SavedMission]:
 
 
 def is_path(text: str) -> bool:
-    """Whether a text may be a path: systems take no longer ones, and none with a character that ends it for them."""
-    return bool(text.strip()) and len(text) <= _LONGEST_PATH and "\0" not in text
+    """Whether a text may be a path: systems take no longer ones, and none with NUL or half a character."""
+    try:
+        name = os.fsencode(text)
+    except ValueError:
+        return False
+    return bool(text.strip()) and len(text) <= _LONGEST_PATH and b"\0" not in name
 
 
 def _text(group: QgsLayerTreeGroup, name: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -22,6 +23,7 @@ from qgis.PyQt.QtCore import QEventLoop, QTimer
 from qgis.PyQt.QtGui import QIcon
 
 from ...core.errors import Cancelled, InvalidInput, TerrAInavError
+from ...core.text import one_line
 from ..foreign import check_raster, check_vector
 from ..i18n import tr, translate
 from ..packages import missing_packages
@@ -30,6 +32,10 @@ from ..tasks import PythonThread, hold_crs, on_python_thread
 from .choices import Choice
 
 Result = TypeVar("Result")
+#: NUL, and halves of characters.
+_IN_NO_FILE = re.compile("[\\0\ud800-\udfff]")
+#: How far a number is at most from the whole one that it is rounded to.
+_ROUNDED = 0.5
 #: Milliseconds between two looks at what the work tells, and at whether the user has cancelled.
 _LOOK_MS = 20
 
@@ -60,12 +66,30 @@ class Run(NamedTuple):
         return self.algorithm.parameterAsString(self.parameters, name, self.context)
 
     def number(self, name: str) -> float:
-        """Number that a parameter holds."""
-        return self.algorithm.parameterAsDouble(self.parameters, name, self.context)
+        """Number that a parameter holds; raises InvalidInput where it holds none."""
+        found = self.algorithm.parameterAsDouble(self.parameters, name, self.context)
+        self._check_number(name, found, tr("{title} {value}: must be a number"))
+        return found
 
     def whole(self, name: str) -> int:
-        """Whole number that a parameter holds."""
-        return self.algorithm.parameterAsInt(self.parameters, name, self.context)
+        """Whole number that a parameter holds; raises InvalidInput where it holds none."""
+        found = self.algorithm.parameterAsInt(self.parameters, name, self.context)
+        self._check_number(name, found, tr("{title} {value}: must be a whole number of 32 bits"))
+        return found
+
+    def _check_number(self, name: str, found: float, words: str) -> None:
+        """Refuse what QGIS reads as another number: a text that is none, where none need be given, and a large one."""
+        given = self.parameters.get(name)
+        if given == "" or not isinstance(given, (str, int, float)):
+            return
+        try:
+            # QGIS rounds to whole numbers. NaN is left to who knows its range, where whole ones are not asked for.
+            is_same = abs(float(given) - found) <= _ROUNDED or repr(float(given)) == repr(found)
+        except ValueError:
+            is_same = False
+        if not is_same:
+            title = self.algorithm.parameterDefinition(name).description()
+            raise InvalidInput(words.format(title=title, value=one_line(str(given))))
 
     def flag(self, name: str) -> bool:
         """Whether a parameter is ticked."""
@@ -191,6 +215,7 @@ class Algorithm(QgsProcessingAlgorithm):
     ) -> bool:
         """Take what belongs to the main thread, where QGIS calls this."""
         hold_crs()
+        _checked(lambda: self._check_texts(parameters))
         _checked(lambda: self.prepared(Run(self, parameters, context, feedback)))
         return True
 
@@ -202,6 +227,16 @@ class Algorithm(QgsProcessingAlgorithm):
             return _checked(lambda: self.processed(Run(self, parameters, context, feedback)))
         finally:
             self.released()
+
+    def _check_texts(self, parameters: dict[str, Any]) -> None:
+        for definition in self.parameterDefinitions():
+            text = parameters.get(definition.name())
+            if isinstance(text, str) and _IN_NO_FILE.search(text):
+                raise InvalidInput(
+                    tr("{title} {value}: has a character that files and their names cannot have").format(
+                        title=definition.description(), value=one_line(text)
+                    )
+                )
 
     def words(self) -> Words:
         """Return what people read of it."""
@@ -308,6 +343,8 @@ def _checked(work: Callable[[], Result]) -> Result:
         text = tr("Stopped: {reason}").format(reason=translate(stopped))
     except (TerrAInavError, FormError) as wrong:
         text = translate(wrong)
+    except OSError as wrong:
+        text = tr("cannot go on ({error})").format(error=one_line(str(wrong)))
     # Out here the error is forgotten, and with it all that its trace would hold until the thread has ended.
     raise QgsProcessingException(text)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from qgis.core import (
     QgsCoordinateReferenceSystem,
+    QgsCoordinateTransform,
     QgsCsException,
     QgsFeature,
     QgsFeatureIterator,
@@ -14,6 +16,7 @@ from qgis.core import (
 )
 
 from ...core.errors import InvalidInput
+from ...core.text import one_line
 from ..compat import POINT, POLYGON, chosen_fields
 from ..i18n import number_text, tr, translate
 
@@ -24,6 +27,8 @@ if TYPE_CHECKING:
 
 #: What fields of points may say, as parameters of Processing: AGL_FIELD and so on.
 POINT_FIELDS = ("agl", "yaw", "tilt", "gimbal_pitch", "roll", "time")
+#: An extent or a point as QGIS reads it, and its CRS in square brackets.
+_NUMBERS_OF_CRS = re.compile(r"(?:[^,\[\]]*,){1,3}[^,\[\]]*\[(.*)\]\s*", re.DOTALL)
 #: Latitude and longitude, which missions are in.
 _GEOGRAPHIC = "EPSG:4326"
 
@@ -32,6 +37,7 @@ def area_of_extent(run: Run) -> Box | Polygon:
     """Ground under an extent, as that of a rectangle drawn on the map; raises InvalidInput."""
     from ..area.layers import rectangle_area
 
+    check_crs(run, "EXTENT", tr("extent"))
     geographic = QgsCoordinateReferenceSystem(_GEOGRAPHIC)
     extent = run.algorithm.parameterAsExtent(run.parameters, "EXTENT", run.context)
     try:
@@ -53,6 +59,21 @@ def area_of_extent(run: Run) -> Box | Polygon:
         else run.algorithm.parameterAsExtentCrs(run.parameters, "EXTENT", run.context)
     )
     return rectangle_area(extent, crs, run.context)
+
+
+def check_crs(run: Run, name: str, what: str) -> None:
+    """Refuse numbers of an unknown CRS or one of another planet, which QGIS takes for degrees; raises InvalidInput."""
+    text = str(run.parameters.get(name))
+    named = _NUMBERS_OF_CRS.fullmatch(text)
+    if named is None:
+        return
+    crs, degrees = QgsCoordinateReferenceSystem(named[1].strip()), QgsCoordinateReferenceSystem(_GEOGRAPHIC)
+    if not QgsCoordinateTransform(crs, degrees, run.context.transformContext()).isValid():
+        raise InvalidInput(
+            tr(
+                "{what} {text}: its CRS is none of the Earth that is known; must be such as [EPSG:4326]"
+            ).format(what=what, text=one_line(text))
+        )
 
 
 def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
@@ -80,7 +101,7 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
                 )
         if fields["tilt_field"] and fields["gimbal_pitch_field"]:
             raise InvalidInput(tr("fields of tilts and of gimbal pitches given: needs one of the two"))
-        crs, context = source.sourceCrs(), run.context.transformContext()
+        crs, context = crs_of(source), run.context.transformContext()
         points = points_of(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
     name = tr("area {name}").format(name=source.sourceName())
@@ -113,6 +134,16 @@ def _together(polygons: tuple[Polygon, ...]) -> Polygons:
     return Polygons(polygons)
 
 
+def crs_of(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSystem:
+    """CRS of a layer; raises InvalidInput where it has none."""
+    crs = source.sourceCrs()
+    if not crs.isValid():
+        raise InvalidInput(
+            tr("layer “{name}” has no CRS: set it in the layer's properties").format(name=source.sourceName())
+        )
+    return crs
+
+
 def features_of(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
     """Features of a layer, whatever QGIS's setting says of invalid ones: who reads them checks them.
 
@@ -138,7 +169,7 @@ def _polygons(
     from ...core.mission.area import parts_of
     from ..area.layers import polygons_of
 
-    crs, context = source.sourceCrs(), run.context.transformContext()
+    crs, context = crs_of(source), run.context.transformContext()
     if not any(feature.geometry().type() == POLYGON for feature in features):
         raise InvalidInput(tr("{layer}: has no polygons").format(layer=name))
     try:

@@ -26,6 +26,7 @@ from qgis.core import (
 from ...core.benchmark.choices import METHODS, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from ...core.dataset.folder import PARTS
 from ...core.errors import Cancelled, InvalidInput
+from ...core.files import is_there
 from ...core.numbers import real_number
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
@@ -478,7 +479,7 @@ def _text_of(layer: QgsMapLayer) -> str:
     from ..qgis_source.snapshot import source_name
 
     path = file_of(layer)
-    is_file = layer.providerType() == "gdal" and path.is_file()
+    is_file = layer.providerType() == "gdal" and is_there(path)
     return f"{name_of(layer.name()) or layer.providerType()}={path if is_file else source_name(layer)}"
 
 

@@ -13,6 +13,8 @@ from ..i18n import tr
 
 #: Values of choices that others make at run time are known then.
 _LATER = (QgsProperty,)
+#: Digits of the number of a choice.
+_MOST_DIGITS = 9
 
 
 class Choice(QgsProcessingParameterEnum):
@@ -120,7 +122,9 @@ class Choice(QgsProcessingParameterEnum):
         if len(named) == 1:
             return next(iter(named))
         number = text.removesuffix(".0") if isinstance(one, float) else text
-        if not named and number.isascii() and number.isdigit() and int(number) < len(self.values):
+        # Python refuses numbers of thousands of digits.
+        is_number = number.isascii() and number.isdigit() and len(number) <= _MOST_DIGITS
+        if not named and is_number and int(number) < len(self.values):
             return self.values[int(number)]
         return None
 

@@ -26,7 +26,7 @@ from ...core.poses.settings import LineFlight
 from ..form.fields import sentence_of, title_of
 from ..i18n import tr
 from .algorithm import Algorithm, Run, Words, off_main_thread
-from .areas import features_of
+from .areas import crs_of, features_of
 from .mission_parameters import number_of
 from .plan import feature_of, fields_of, fill
 
@@ -97,7 +97,7 @@ class PosesAlongLine(Algorithm):
             raise QgsProcessingException(self.invalidSourceError(run.parameters, "INPUT"))
         self._lines = lines_of(
             features_of(source),
-            source.sourceCrs(),
+            crs_of(source),
             run.context.transformContext(),
             run.number("AGL"),
             run.feedback.isCanceled,

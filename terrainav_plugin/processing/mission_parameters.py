@@ -30,7 +30,7 @@ from ...core.resources import read_json
 from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import tr, translate
-from .areas import area_of_extent, area_of_layer, no_fly_of_layer
+from .areas import area_of_extent, area_of_layer, check_crs, no_fly_of_layer
 from .choices import Choice
 
 if TYPE_CHECKING:
@@ -356,6 +356,7 @@ def _takeoff(run: Run) -> tuple[float, float] | None:
     """Latitude and longitude of a point in any CRS; None where there is none."""
     if not run.is_given("TAKEOFF"):
         return None
+    check_crs(run, "TAKEOFF", tr("take-off"))
     wgs84 = QgsCoordinateReferenceSystem("EPSG:4326")
     place = run.algorithm.parameterAsPoint(run.parameters, "TAKEOFF", run.context, wgs84)
     return place.y(), place.x()

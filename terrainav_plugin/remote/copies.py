@@ -71,7 +71,8 @@ def found_copy(source: str) -> str:
         try:
             _make_folder(path.parent)
             write_whole(path, _NONE_YET)
-        except OutputError:
+        except (OutputError, ValueError):
+            # ValueError of a name that no file can have.
             return source
     return f"{path}{bar}{options}"
 
@@ -87,7 +88,7 @@ def address_of(folder: Path) -> Address | None:
     try:
         found = parse_json(read_limited(folder / ADDRESS_FILE, MAX_SETTINGS_BYTES))
         return Address.of(str(found["address"]))
-    except (OSError, InvalidInput, KeyError, TypeError):
+    except (OSError, ValueError, InvalidInput, KeyError, TypeError):
         return None
 
 

@@ -31,8 +31,8 @@ _ADDRESS = re.compile(
     r"((?:\{[^{}]*\}|\[[^\[\]]*\]|[^\s/\\?#&|'\"<>,{}\[\]]|[{}\[\]])+)",
     re.IGNORECASE,
 )
-#: What may follow, where it is the user's name that stands first.
-_SERVER_AFTER_NAME = re.compile(r"[^\s/\\?#]*@([^\s/\\?#&|'\"<>,]+)")
+#: What may follow, where it is the user's name that stands first; curl takes names with spaces beyond ASCII.
+_SERVER_AFTER_NAME = re.compile(r"[^/\\?#]*@([^\s/\\?#&|'\"<>,]+)")
 #: Path of a file that another machine has, as Windows writes it.
 _SHARE = re.compile(r"[\\/]{2}(?:[?.][\\/]+UNC[\\/]+)?[^\\/?.][^\\/]*", re.IGNORECASE)
 #: What GDAL reads more than the one file of.

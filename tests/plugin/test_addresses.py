@@ -488,6 +488,10 @@ def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside)
     assert not list(outside.iterdir())
     if inside:
         assert found == source
+    # QGIS reads halves of characters in a project's XML.
+    for name in ("a\ud800", "a\0b", "a" * 300):
+        assert found_copy(f"/TerrAInav/addresses/{name}/footprints.geojson").endswith("/footprints.geojson")
+        assert address_of(copy_of(Address("s3://b/run")).parent / name) is None
     # A project of another profile leads to this one's copy, with its options.
     ours = found_copy("../x/TerrAInav/addresses/0123/run/footprints.geojson|layername=footprints")
     assert (

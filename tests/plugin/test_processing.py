@@ -35,6 +35,7 @@ from qgis.PyQt import sip
 from qgis.PyQt.QtCore import QDateTime, Qt
 from qgis.PyQt.QtGui import QImage
 from terrainav.core.dataset.table import Table
+from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.opening import named_source
@@ -46,6 +47,7 @@ from terrainav.core.poses.line import fly
 from terrainav.core.poses.settings import LineFlight
 from terrainav.terrainav_plugin import packages
 from terrainav.terrainav_plugin.processing import imagery
+from terrainav.terrainav_plugin.processing.choices import Choice
 from terrainav.terrainav_plugin.processing.provider import Provider
 
 from tests.plugin.steps import PATIENCE_MS
@@ -971,3 +973,57 @@ def test_overlap_beyond_its_unit_is_refused_and_not_made_another():
     text = refusal("plan", EXTENT=EXTENT, AGL=120, FRONT_OVERLAP=100, FOOTPRINTS="memory:")
     assert "overlap" in text
     assert "100" in text
+
+
+# --- parameters of strangers
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("SEED", 2**31, "whole number"),
+        ("SEED", float("nan"), "whole number"),
+        ("IMAGE_PX", "x", "Image's longer side (px) x"),
+        ("TAKEOFF", "-89.9,35.2 [EPSG:0]", "must be such as [EPSG:4326]"),
+        ("TAKEOFF", "-89.9,35.2 [IAU_2015:49900]", "must be such as [EPSG:4326]"),
+        ("EXTENT", EXTENT.replace("4326", "999999"), "must be such as [EPSG:4326]"),
+        ("EXTENT", EXTENT.replace("EPSG:4326", "IAU_2015:30100"), "must be such as [EPSG:4326]"),
+        ("ELEVATION", "a\0b", "has a character"),
+        ("EXPORT", "/a\0b.kml", "has a character"),
+    ],
+)
+def test_what_qgis_reads_as_something_else_is_refused(name, value, said):
+    """It takes numbers beyond 32 bits for 0, and those of an unknown CRS or of another planet for degrees."""
+    assert said in refusal("plan", **{"EXTENT": EXTENT, "AGL": 150, "FOOTPRINTS": "memory:", name: value})
+
+
+@pytest.mark.parametrize(
+    ("crs", "said"),
+    [("", "has no CRS"), ("IAU_2015:49900", "of the Earth"), ("IAU_2015:30100", "of the Earth")],
+)
+def test_layers_of_no_crs_or_of_another_planet_are_refused(crs, said):
+    polygon = memory_layer(
+        "Polygon", crs, ["Polygon ((-89.9 35.15, -89.89 35.15, -89.89 35.16, -89.9 35.15))"]
+    )
+    line = memory_layer("LineString", crs, ["LineString (-89.9 35.15, -89.89 35.15)"])
+    point = memory_layer("Point", crs, ["Point (-89.9 35.15)"])
+    for layer in (polygon, point):
+        assert said in refusal("plan", AREA=layer, AGL=150, FOOTPRINTS="memory:")
+    assert said in refusal("plan", EXTENT=EXTENT, NO_FLY=polygon, AGL=150, FOOTPRINTS="memory:")
+    assert said in refusal("posesalongline", INPUT=line, AGL=150, SPEED=10, EVERY_S=1, OUTPUT="memory:")
+
+
+@pytest.mark.parametrize("name", ["clean", "split", "capturefailed"])
+@pytest.mark.parametrize("folder", ["a\0b", "a" * 300, "a\ud800"])
+def test_a_folder_that_no_system_takes_is_refused_in_a_line(name, folder):
+    text = refusal(name, DATASET=folder)
+    assert "Traceback" not in text
+    assert "Error" not in text
+
+
+def test_a_number_of_thousands_of_digits_names_no_choice():
+    choice = Choice("X", "X", {"a": "A", "b": "B"}, "a")
+    assert not choice.checkValueIsAcceptable("9" * 5000)
+    assert choice.checkValueIsAcceptable("1")
+    with pytest.raises(InvalidInput, match="must be one of a, b"):
+        choice.chosen("9" * 5000)

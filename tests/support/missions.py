@@ -10,7 +10,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
-from terrainav.core.mission.parts import Imagery
+from terrainav.core.mission.parts import FLAT_PARTS, Imagery
 
 TRIANGLE = Polygon(
     (((-89.9, 35.16), (-89.82, 35.16), (-89.86, 35.11)), ((-89.87, 35.15), (-89.85, 35.15), (-89.86, 35.14)))

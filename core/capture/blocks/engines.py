@@ -22,6 +22,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from ...errors import Cancelled, InvalidInput, Message, OutputError
+from ...importing import imported
 from ...limits import MAX_SCHEDULER_SILENCE_S
 from ...resources import version
 from ...stores import check_no_credentials
@@ -117,7 +118,8 @@ def open_engine(text: str) -> Iterator[Engine]:
             yield replace(_engine_of(client), slots=_Workers(client).slots)
     else:
         raise InvalidInput(
-            "cluster {0!r}: must be local:N, N processes of this machine up to {1:,}, or dask://HOST:PORT",
+            # An address with a word for its port is printed with asterisks, as a password may be that word.
+            "cluster {0!r}: must be local:N, N processes here up to {1:,}, or such as dask://127.0.0.1:8786",
             text,
             _MOST_WORKERS,
             field="cluster",
@@ -126,14 +128,13 @@ def open_engine(text: str) -> Iterator[Engine]:
 
 def _distributed() -> Any:
     try:
-        import distributed
+        return imported("distributed")
     except ImportError as missing:
         raise OutputError(
             "clusters: Dask's distributed cannot be imported ({0})",
             missing,
             remedy="get it with: pip install 'terrainav[cluster]'",
         ) from missing
-    return distributed
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 
 from ...bands import Bands
 from ...errors import InvalidInput, Message, OptionName, OutputError
+from ...importing import imported
 from ...stores import Address, is_address, is_file
 from ..dataset import Dataset, ImageSet, bands_in, open_image, read_dataset, some
 from ..folder import ATTITUDE, CAMERA, HEIGHT, IMAGE, PARTS, TABLE_FILE, TARGETS, TRAIN
@@ -512,7 +512,7 @@ def chunks(count: int, batch_size: int, drop_last: bool = False) -> list[slice]:
 def optional_module(name: str, title: str, extra: str) -> Any:
     """Module that may be missing; raises OutputError that says how to get it."""
     try:
-        return importlib.import_module(name)
+        return imported(name)
     except ImportError as missing:
         if name == "keras" and missing.name and missing.name.partition(".")[0] != name:
             raise OutputError(

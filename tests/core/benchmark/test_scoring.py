@@ -69,7 +69,7 @@ def test_a_ranking_takes_no_more_room_than_the_limit(benchmark, tmp_path, monkey
         if count == most:
             assert Predictions.read(path, benchmark).ranking.shape == (2, most)
             continue
-        with pytest.raises(InvalidInput, match=f"query '{queries[1]}' ranks 4 tiles; .* may rank 3 at most"):
+        with pytest.raises(InvalidInput, match=f"query '{queries[1]}' ranks 4 tiles, .* may rank 3 at most"):
             Predictions.read(path, benchmark)
 
 

@@ -198,3 +198,25 @@ def test_a_lease_that_is_stolen_in_the_last_moment_is_found_at_the_end(root):
     with pytest.raises(OutputError, match="another run has taken over"), holding._Lease(root / "it"):
         stolen = steal(root / "it")
     assert read_if_there(root / "it", 10_000) == stolen
+
+
+def test_a_lease_that_is_no_lease_any_more_ends_the_run_in_one_line(root, monkeypatch):
+    """Another program has written over it; the thread that gives signs prints nothing of its own."""
+    monkeypatch.setattr(holding, "MAX_SETTINGS_BYTES", 1000)
+    monkeypatch.setattr(holding, "DEAD_S", 0.2)
+    junk = b"x" * 2000
+    with suppress(OutputError), holding._Lease(root / "it") as lease:
+        put(root / "it", junk) if is_address(root) else (root / "it").write_bytes(junk)
+        wait_for(lambda: not lease._thread.is_alive())
+        with pytest.raises(OutputError, match=r"it: cannot be read \(larger than "):
+            lease.check()
+    assert read_if_there(root / "it", 10_000) == junk
+
+
+def test_a_lease_that_is_no_lease_is_said_before_the_run_begins(root, monkeypatch):
+    monkeypatch.setattr(holding, "MAX_SETTINGS_BYTES", 1000)
+    junk = b"x" * 2000
+    put(root / "it", junk) if is_address(root) else (root / "it").write_bytes(junk)
+    with pytest.raises(OutputError, match=r"it: cannot be read \(larger than "):
+        holding._Lease(root / "it").__enter__()
+    assert read_if_there(root / "it", 10_000) == junk

@@ -471,8 +471,10 @@ def test_a_mosaic_may_be_a_single_pixel(tmp_path):
 
 def test_a_mosaic_beyond_measure_is_refused(tmp_path):
     captured(tmp_path / "set", yaw_deg=33.0)
-    with pytest.raises(InvalidInput, match="give a larger ground sample distance"):
-        make_orthomosaic(tmp_path / "set", gsd_m=1e-5)
+    for gsd_m in (1e-5, 1e-300, 1e-306, 5e-324):
+        with pytest.raises(InvalidInput, match="give a larger ground sample distance") as refused:
+            make_orthomosaic(tmp_path / "set", gsd_m=gsd_m)
+        assert len(str(refused.value)) < 200
 
 
 def test_the_command_says_what_it_has_made(tmp_path, monkeypatch, capsys):

@@ -268,7 +268,7 @@ def test_each_worker_is_asked_once_also_one_that_comes_later():
     [
         (("--cluster", "dask://127.0.0.1:9"), "cluster dask://127.0.0.1:9: no scheduler answers there"),
         (("--cluster", "local:0"), "cluster 'local:0': must be local:N"),
-        (("--cluster", "kubernetes"), "cluster 'kubernetes': must be local:N"),
+        (("--cluster", "kubernetes"), "up to 1,024, or such as dask://127.0.0.1:8786\n"),
         (
             ("--cluster", "local:1", "--data-dir", "memory://x/y"),
             "address memory://x/y: is of this process alone, and workers are others: must be a folder",
