@@ -200,6 +200,23 @@ def test_a_lease_that_is_stolen_in_the_last_moment_is_found_at_the_end(root):
     assert read_if_there(root / "it", 10_000) == stolen
 
 
+def test_a_sign_that_was_written_over_another_runs_is_taken_away(root, monkeypatch):
+    """As by a process that was stopped between its look at the lease and its sign."""
+    monkeypatch.setattr(holding._Lease, "_beat", lambda self: self._ended.wait())
+    steady, put_sign = holding._steady_s, holding._Lease._put
+
+    def put_late(lease):
+        steal(root / "it")
+        monkeypatch.setattr(holding, "_steady_s", lambda: steady() + 60.0)
+        put_sign(lease)
+
+    with pytest.raises(OutputError, match="another run has taken over"), holding._Lease(root / "it") as lease:
+        monkeypatch.setattr(holding._Lease, "_put", put_late)
+        lease._sign()
+        lease.check()
+    assert read_if_there(root / "it", 10_000) is None
+
+
 def test_a_lease_that_is_no_lease_any_more_ends_the_run_in_one_line(root, monkeypatch):
     """Another program has written over it; the thread that gives signs prints nothing of its own."""
     monkeypatch.setattr(holding, "MAX_SETTINGS_BYTES", 1000)
