@@ -8164,8 +8164,8 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
-        <source>image {0}: cannot be read (of no format that Pillow knows)</source>
-        <translation>imagen {0}: no se puede leer (no es de ningún formato que Pillow conozca)</translation>
+        <source>image {0}: cannot be read (it is no JPEG, PNG or TIFF)</source>
+        <translation>imagen {0}: no se puede leer (no es JPEG, PNG ni TIFF)</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
@@ -8194,11 +8194,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/dataset/dataset.py"/>
         <source>image {0}: has {1}, and not grey or colours of 8 bits</source>
         <translation>imagen {0}: tiene {1}, y no gris ni colores de 8 bits</translation>
-    </message>
-    <message>
-        <location filename="../../core/dataset/dataset.py"/>
-        <source>image {0}: is PostScript, a program that is not run; an image of pixels would be right</source>
-        <translation>imagen {0}: es PostScript, un programa que no se ejecuta; lo correcto es una imagen de píxeles</translation>
     </message>
     <message>
         <location filename="../../core/dataset/dataset.py"/>
