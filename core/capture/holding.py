@@ -121,8 +121,8 @@ class _Lease:
         self._ended.set()
         self._thread.join()
         try:
-            # Another run may have taken over since the last sign.
-            if self._lost is None and self._is_own(self._read()):
+            # Another run may have taken over since the last sign, or this one's last sign may stand in place of its.
+            if self._is_own(self._read()):
                 self._remove()
             elif self._lost is None:
                 self._lost = self._taken()

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -145,6 +146,7 @@ class Journal:
 
     def _read(self) -> None:
         self._bytes = self._whole_bytes = 0
+        self._adding = threading.Lock()
         self.outcomes: dict[tuple[str, str], Outcome] = {}
         try:
             with open_own(self._path, "rb", buffering=_READ_BYTES) as file:
@@ -201,7 +203,11 @@ class Journal:
         return self._file
 
     def check(self) -> None:
-        """Raise OutputError where another run has written to it, as its lock was lost; for the thread that adds."""
+        """Raise OutputError where another run has written to it, as its lock was lost; from any thread."""
+        with self._adding:
+            self._check()
+
+    def _check(self) -> None:
         try:
             size = os.fstat(self.file.fileno()).st_size
         except OSError as wrong:
@@ -213,17 +219,18 @@ class Journal:
 
     def add(self, outcome: Outcome) -> None:
         """Append an outcome; raises OutputError."""
-        self.check()
         line = outcome.to_line()
-        try:
-            written = self.file.write(line)
-            if written != len(line):
-                # A full disk may take a part of the line only; it is taken back so that no later line joins it.
-                self.file.truncate(self._whole_bytes)
-                raise OSError(None, "the disk took only a part of a line")
-        except OSError as wrong:
-            raise self._unwritable(wrong) from wrong
-        self._whole_bytes += len(line)
+        with self._adding:
+            self._check()
+            try:
+                written = self.file.write(line)
+                if written != len(line):
+                    # A full disk may take a part of the line only; it is taken back so that no later line joins it.
+                    self.file.truncate(self._whole_bytes)
+                    raise OSError(None, "the disk took only a part of a line")
+            except OSError as wrong:
+                raise self._unwritable(wrong) from wrong
+            self._whole_bytes += len(line)
         self.outcomes[outcome.map_type, outcome.name] = outcome
 
     def _unwritable(self, wrong: OSError) -> OutputError:

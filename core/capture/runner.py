@@ -169,7 +169,7 @@ def capture(
             workers or os.cpu_count() or 1,
             run.note,
             exposures=exposures_of(plan),
-            write=partial(_write_checked, check),
+            write=partial(_write_checked, run.check),
         )
         for name in (PLAN_FILE, FOOTPRINTS_FILE):
             run.check()

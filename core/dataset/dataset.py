@@ -505,7 +505,7 @@ def open_image(
     Raises
     ------
     InvalidInput
-        A file that cannot be read, is PostScript, has more than eight bits a channel or another size than is said.
+        A file that cannot be read, has more than eight bits a channel or another size than is said.
     """
     try:
         # From memory: a compressed TIFF's file is closed by libtiff and by Pillow, and the second of them may close
@@ -520,11 +520,6 @@ def open_image(
                     "image {0}: has pixels of Pillow's mode {1}; 8-bit grey or colour would be right",
                     path,
                     image.mode,
-                )
-            if image.format == "EPS":
-                raise InvalidInput(
-                    "image {0}: is PostScript, a program that is not run; an image of pixels would be right",
-                    path,
                 )
             _check_size(path, image, said_px)
             if img_size is None:
@@ -543,7 +538,7 @@ def open_image(
             remedy=Message("put it back, or capture it again{0}", OptionName("resume").in_brackets),
         ) from wrong
     except UnidentifiedImageError as wrong:
-        raise InvalidInput("image {0}: cannot be read (of no format that Pillow knows)", path) from wrong
+        raise InvalidInput("image {0}: cannot be read (it is no JPEG, PNG or TIFF)", path) from wrong
     except UNREADABLE as wrong:
         # Of a compressed TIFF's pixels Pillow tells libtiff's number, newer ones after two words.
         is_number = re.fullmatch(r"(decoder error )?-?\d+", str(wrong))

@@ -20,6 +20,7 @@ from terrainav.core.errors import TerrAInavError
 from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
+from terrainav.core.stores import is_address
 
 from tests.support.sources import NamedPattern, PatternSource
 
@@ -42,8 +43,8 @@ class Waiting(PatternSource):
 def main() -> int:
     """Capture; 3 where that is refused, as the command says it."""
     kind, place, _ = sys.argv[1:]
-    # Who was stopped counts as dead soon.
-    holding.BEAT_S, holding.DEAD_S = 0.05, 0.5
+    # Who was stopped counts as dead soon, and who only waits for its turn or for a server on a busy machine does not.
+    holding.BEAT_S, holding.DEAD_S = 0.05, 5.0 if is_address(place) else 2.0
     if not kind.startswith("flock"):
         fcntl.flock = _no_locks if kind.startswith("no-locks") else _lost_locks()
     blocks = Blocks(2) if kind.endswith("-blocks") else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from xml.sax.saxutils import escape
+from html import escape
 
 #: Bytes of a row of the raster that stands for the file: as many as GDAL asks a server for at once.
 ROW_BYTES = 1 << 14
@@ -17,7 +17,7 @@ def vrt_of_bytes(path: str) -> str:
     """Text of a VRT of one band whose values are a file's bytes, row by row."""
     return (
         f'<VRTDataset rasterXSize="{ROW_BYTES}" rasterYSize="{_ROWS}"><VRTRasterBand dataType="Byte" band="1" '
-        f'subClass="VRTRawRasterBand"><SourceFilename relativeToVRT="0">{escape(path)}</SourceFilename>'
+        f'subClass="VRTRawRasterBand"><SourceFilename relativeToVRT="0">{escape(path, quote=False)}</SourceFilename>'
         f"<ImageOffset>0</ImageOffset><PixelOffset>1</PixelOffset><LineOffset>{ROW_BYTES}</LineOffset>"
         "</VRTRasterBand></VRTDataset>"
     )

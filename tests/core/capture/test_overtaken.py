@@ -85,8 +85,8 @@ def contents(folder):
 @pytest.mark.parametrize(
     ("kind", "said"),
     [
-        ("no-locks", "another run has taken over, as this one gave no sign of life for 0.5 s"),
-        ("no-locks-blocks", "another run has taken over, as this one gave no sign of life for 0.5 s"),
+        ("no-locks", "another run has taken over, as this one gave no sign of life for 2 s"),
+        ("no-locks-blocks", "another run has taken over, as this one gave no sign of life for 2 s"),
         ("lost", "another run has taken over, as its journal.jsonl tells"),
         ("flock", "its journal.jsonl was replaced or removed, so that another run may be at work in it"),
         (
@@ -118,7 +118,7 @@ def test_a_run_that_nobody_overtook_goes_on(tmp_path):
     (tmp_path / "signals").mkdir()
     with stopped_in_the_middle("no-locks", tmp_path / "out", tmp_path / "signals") as first:
         # It counts as dead by now.
-        time.sleep(1.0)
+        time.sleep(2.5)
         code, printed, words = ended(first)
     assert (code, words) == (0, "")
     assert "0 failed" in printed
@@ -198,6 +198,24 @@ def test_a_lease_that_is_stolen_in_the_last_moment_is_found_at_the_end(root):
     with pytest.raises(OutputError, match="another run has taken over"), holding._Lease(root / "it"):
         stolen = steal(root / "it")
     assert read_if_there(root / "it", 10_000) == stolen
+
+
+def test_a_sign_that_was_written_over_another_runs_is_taken_away(root, monkeypatch):
+    """As by a process that was stopped between its look at the lease and its sign."""
+    monkeypatch.setattr(holding._Lease, "_beat", lambda self: self._ended.wait())
+    steady, put_sign = holding._steady_s, holding._Lease._put
+
+    def put_late(lease):
+        steal(root / "it")
+        monkeypatch.setattr(holding, "_steady_s", lambda: steady() + 60.0)
+        put_sign(lease)
+
+    with suppress(OutputError), holding._Lease(root / "it") as lease:
+        monkeypatch.setattr(holding._Lease, "_put", put_late)
+        lease._sign()
+        with pytest.raises(OutputError, match="another run has taken over"):
+            lease.check()
+    assert read_if_there(root / "it", 10_000) is None
 
 
 def test_a_lease_that_is_no_lease_any_more_ends_the_run_in_one_line(root, monkeypatch):

@@ -22,6 +22,7 @@ from terrainav.terrainav_plugin.area.patterns import CorridorDialog, RandomDialo
 from terrainav.terrainav_plugin.form.area import area_of_text, entered_area
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.canvas import canvas_rectangle
+from terrainav.terrainav_plugin.processing.areas import crs_of
 
 from tests.plugin.steps import SMALL_BOX
 from tests.plugin.test_area_layers import choose_way, dialog_of, layer_of
@@ -157,6 +158,15 @@ def _no_crs(case: Case) -> None:
     case.refused(lambda: extent_of(layer, QgsProject.instance()))
     layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
     case.follow("set it in the layer's properties", lambda: extent_of(layer, QgsProject.instance()))
+
+
+@remedy("processing/areas.py", "layer “{name}” has no CRS: set it in the layer's properties")
+def _no_crs_in_processing(case: Case) -> None:
+    layer = QgsVectorLayer("Point", "mine", "memory")
+    layer.setCrs(QgsCoordinateReferenceSystem())
+    case.refused(lambda: crs_of(layer))
+    layer.setCrs(QgsCoordinateReferenceSystem("EPSG:4326"))
+    case.follow("set it in the layer's properties", lambda: crs_of(layer))
 
 
 @remedy("form/area.py", "give every point a yaw, or none")

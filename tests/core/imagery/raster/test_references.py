@@ -248,7 +248,11 @@ def test_of_rasters_elsewhere_no_pipe_is_opened_either(picture, tmp_path):
 
 @pytest.mark.parametrize(
     ("sent", "refusal"),
-    [(0, "header: its coordinate reference system names"), (100, "states no coordinate reference system")],
+    [
+        (0, "header: its coordinate reference system names"),
+        # Some versions of GDAL take the text that has not come for none, some for a fault of the file.
+        (100, "states no coordinate reference system|GeoAsciiParams is missing or corrupted"),
+    ],
 )
 def test_gdal_opens_the_bytes_that_were_looked_at(tmp_path, sent, refusal):
     system = HOSTILE["PROJ4_GRIDS"].replace(FILE, "/tmp/up.gtx")
