@@ -4,6 +4,7 @@ Rooms, each on those before it: geodesy, mission and imagery, world, dataset, ca
 
 errors      every error that is raised on purpose
 limits      how much is read, waited for and kept at most
+arrays      arrays, as annotations name them
 bands       what a picture's channels are, and how values of more than 8 bits are shown
 numbers     numbers in text of strangers
 text        text of strangers, on one line and without keys

@@ -9,15 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..limits import MAX_RANKED
 from .folder import Benchmark, number_of, read_rows, write_columns
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Columns of a file of predictions beside ``query`` and ``references``; each may be left out, or a cell empty.
 POSE = ("lat_deg", "lon_deg", "height_m", "yaw_deg", "tilt_deg", "roll_deg")

@@ -15,15 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..arrays import Floats, Numbers
 from ..dataset.dataset import open_image
 from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.footprint import exact
 from .answers import Answer, Locate, Query
 from .folder import Benchmark, Mosaic
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Pixels of the reference that are searched as a whole; a larger one is made smaller first.
 _SEARCHED_PX = 1_000_000

@@ -12,17 +12,14 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Bytes, Floats, Numbers
 from ..dataset.dataset import open_image
 from ..errors import OutputError
 from ..geodesy.camera import attitude_of
 from ..geodesy.local import LocalFrame
 from .answers import POSE, Answer, Locate, Query
-from .folder import Benchmark, Numbers
-
-Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
+from .folder import Benchmark
 
 #: Pixels of a block of the mosaic along each side, and what blocks share, so that no keypoint is near an end.
 _BLOCK_PX, _SHARED_PX = 2048, 64
@@ -80,7 +77,7 @@ class _Features:
         self._tiles = column - half, column + half, row - half, row + half
         self._ids = [tiles.id[at] for at in gallery.tolist()]
 
-    def _found(self, grey: Pixels, left: int, top: int, most: int = _OF_BLOCK) -> tuple[Floats, Any]:
+    def _found(self, grey: Bytes, left: int, top: int, most: int = _OF_BLOCK) -> tuple[Floats, Any]:
         """Places (n, 2) of keypoints from the upper left corner, and their descriptors; None without any."""
         finder = getattr(self._cv, self._kind.make)(most)
         keypoints, descriptors = finder.detectAndCompute(grey, None)
@@ -146,7 +143,7 @@ class _Features:
         return [self._ids[at] for at in order.tolist() if count[at]]
 
 
-def _blocks(grey: Pixels) -> Iterator[tuple[Pixels, int, int]]:
+def _blocks(grey: Bytes) -> Iterator[tuple[Bytes, int, int]]:
     """Blocks of an image, and where they begin."""
     high, wide = grey.shape
     for top in range(0, high, _BLOCK_PX):

@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Bytes, Floats, Numbers
 from ..dataset.dataset import open_image
 from ..dataset.folder import PARTS
 from ..dataset.table import GAP
@@ -33,10 +33,6 @@ from ..limits import MAX_MISSION_BYTES, MAX_SETTINGS_BYTES
 from ..numbers import real_number
 from ..poses.priors import PRIORS_FILE
 from ..safe_json import decoded, parse_json
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-Pixels = NDArray[np.uint8]
 
 BENCHMARK_FILE = "benchmark.json"
 QUERIES_FILE, REFERENCES_FILE, POSITIVES_FILE = "queries.csv", "references.csv", "positives.csv"
@@ -468,11 +464,11 @@ class Benchmark:
             raise InvalidInput("part {0!r}: the benchmark in {1} has no such queries", part, self.folder)
         return found
 
-    def grey(self, file: str) -> Pixels:
+    def grey(self, file: str) -> Bytes:
         """Grey image (h, w) of a file of the benchmark; raises InvalidInput where it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("L"), np.uint8)
 
-    def colours(self, file: str) -> Pixels:
+    def colours(self, file: str) -> Bytes:
         """Image (h, w, 3) of a file of the benchmark; raises InvalidInput where it cannot be read."""
         return np.asarray(open_image(self.folder / file, as_shown=True).convert("RGB"), np.uint8)
 

@@ -11,7 +11,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..capture.begun import hold_to
 from ..capture.holding import kept
@@ -45,7 +44,6 @@ from .planning import BenchmarkPlan, tiles_folder
 from .truth import Captured, captured, mosaic_of, positives_of, queries_of, references_of
 
 Shares = tuple[float, float, float]
-Flags = NDArray[np.bool_]
 #: Where a larger share of the queries is in the gap, there is a hint.
 _FEW_IN_GAP = 0.1
 #: Held while a run is at work in a folder.

@@ -10,13 +10,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Numbers = NDArray[np.int64]
 
 #: What SDM weighs distances by: DenseUAV counts degrees of latitude and longitude (arXiv 2201.09201), GTA-UAV metres
 #: (arXiv 2409.16925).
@@ -44,23 +40,23 @@ class Shares(NamedTuple):
     within: tuple[float, ...]
 
 
-def hits(ranking: Numbers, positives: Sequence[Numbers]) -> Bools:
+def hits(ranking: Numbers, positives: Sequence[Numbers]) -> Flags:
     """Which ranked references (q, k) are among each query's positives; -1 in a ranking stands for no answer."""
     _check_rows(ranking, len(positives))
     return np.array([np.isin(row, wanted) & (row >= 0) for row, wanted in zip(ranking, positives)], bool)
 
 
-def recall(found: Bools, most: int) -> float:
+def recall(found: Flags, most: int) -> float:
     """Recall@K: the share of queries (q, k) with a positive among their first ``most`` references."""
     return float(found[:, : _checked(most)].any(axis=1).mean()) if len(found) else float("nan")
 
 
-def top_percent(found: Bools, references: int) -> float:
+def top_percent(found: Flags, references: int) -> float:
     """Recall@1 %: University-1652's, whose first hundredth of the references has one more, rounded half to even."""
     return recall(found, round(references * 0.01) + 1)
 
 
-def average_precision(found: Bools, positives: Numbers) -> float:
+def average_precision(found: Flags, positives: Numbers) -> float:
     """Mean of the queries' average precisions, as scikit-learn and GTA-UAV have it: of precisions at each hit.
 
     Parameters
@@ -75,7 +71,7 @@ def average_precision(found: Bools, positives: Numbers) -> float:
     return _mean_of_precisions(np.where(found, precision, 0.0).sum(axis=1), positives)
 
 
-def trapezoid_precision(found: Bools, positives: Numbers) -> float:
+def trapezoid_precision(found: Flags, positives: Numbers) -> float:
     """Average precision by trapezoids, as University-1652 and DenseUAV have it; parameters as of `average_precision`.
 
     Each hit counts the mean of the precision at it and right before it, which at the first rank is 1.

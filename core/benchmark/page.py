@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..arrays import Floats
 from ..dataset.dataset import open_image
 from ..drawing import (
     BLACK,
@@ -34,8 +35,6 @@ from ..markup import Markup, document, element, figure, pairs, table
 from ..text import shortened
 from .folder import Benchmark
 from .scoring import ALL, Errors, Figure, Scores
-
-Floats = NDArray[np.float64]
 
 PAGE, FIGURES_FILE, ERRORS_FILE, MAP_FILE = "index.html", "scores.json", "errors.csv", "errors.geojson"
 RECALL, WITHIN, MAP, FAILURES = "recall.png", "within.png", "map.png", "failures.png"

@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import Numbers
 from ..errors import InvalidInput, Message, TerrAInavError
 from ..text import words_of
 from ..user_code import called, is_ctrl_c, output_apart
-from .answers import POSE, Answer, Locate, Method, Numbers, Predictions, Query, checked_pose, query_of
+from .answers import POSE, Answer, Locate, Method, Predictions, Query, checked_pose, query_of
 from .choices import METHODS
 from .folder import Benchmark
 

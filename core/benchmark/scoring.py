@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame, axes_at
@@ -17,9 +18,6 @@ from ..geodesy.projections import geodesics
 from . import metrics
 from .answers import POSE, Predictions
 from .folder import Benchmark, Columns
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Ranks at which figures of retrieval are given.
 RANKS = (1, 5, 10)

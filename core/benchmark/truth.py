@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..dataset.dataset import ImageSet, read_dataset
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import exact
@@ -18,9 +18,6 @@ from ..mission.area import ground_m2
 from ..mission.plan import Plan
 from .folder import POSITIVE, QUERIES_FOLDER, SEMI_POSITIVE, Mosaic, Positives, Queries, References
 from .planning import BenchmarkPlan, tiles_folder
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 
 class Captured(NamedTuple):

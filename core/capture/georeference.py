@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..bands import RGB, Bands, unnamed
 from ..errors import InvalidInput
 from ..geodesy.mercator import WebMercator
@@ -33,7 +33,6 @@ WEB_MERCATOR_WKT = (
     'EXTENSION["PROJ4","+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +lon_0=0 +x_0=0 +y_0=0 +k=1 +units=m '
     '+nadgrids=@null +wktext +no_defs"],AUTHORITY["EPSG","3857"]]'
 )
-Floats = NDArray[np.float64]
 _GEOGRAPHIC_EPSG = 4326
 #: Names that say no more of bands than their order does.
 _PLAIN_NAMES = (RGB.names, ("grey",), ("grey",) * len(RGB))

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Numbers
 from ..bands import RGB, bands_of
 from ..errors import InvalidInput, PartError
 from ..files import write_whole
@@ -29,7 +30,6 @@ from .progress import Repeat
 from .records import Made, PictureJob, job_of, make_picture
 from .writers import Write
 
-Numbers = NDArray[np.int64]
 #: Connections where nothing else is said: what browsers open to a server is 6, tile servers bear a few more.
 DEFAULT_CONNECTIONS = 8
 #: Pictures that are traced ahead of each other before it is asked whether to go on.

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Numbers
 from ..files import json_bytes, write_whole
 from ..geodesy.mercator import wrap_lon_deg
 from ..mission.plan import Plan
@@ -24,7 +25,6 @@ from .metadata import DECIMALS_OF_DEGREES, MAKE, FocalTags, accuracy, degrees, f
 GEO_FILE = "geo.txt"
 CAMERAS_FILE = "cameras.json"
 
-Numbers = NDArray[np.int64]
 #: Rows that are text at a time.
 _ROWS_A_BLOCK = 2000
 

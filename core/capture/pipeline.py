@@ -17,12 +17,12 @@ from typing import IO, Generic, NamedTuple, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Bytes
 from ..errors import Cancelled, PartError, TerrAInavError
 from ..geodesy.frames import Windows
 from ..imagery.source import Part, Window
 from ..unexpected import UnexpectedErrors
 
-Pixels = NDArray[np.uint8]
 Job = TypeVar("Job")
 Result = TypeVar("Result")
 Outcome = TypeVar("Outcome")
@@ -86,7 +86,7 @@ class _PartOnTheWay(Generic[Job]):
     """
 
     waiting: list[_Picture[Job]] = field(default_factory=list)
-    content: Pixels | _Slot | PartError | None = None
+    content: Bytes | _Slot | PartError | None = None
     needed: int = 0
 
 
@@ -152,8 +152,8 @@ class Pipeline(Generic[Job, Result]):
     def __init__(
         self,
         users: Counter[Window],
-        fetch: Callable[[Window], Pixels],
-        work: Callable[[Job, Sequence[Part], Mapping[Window, Pixels]], Result],
+        fetch: Callable[[Window], Bytes],
+        work: Callable[[Job, Sequence[Part], Mapping[Window, Bytes]], Result],
         finished: Callable[[Job, Result | PartError], None],
         *,
         connections: int,
@@ -214,7 +214,7 @@ class Pipeline(Generic[Job, Result]):
             self._spool.close()
             self._report_made()
 
-    def _fetched(self, window: Window) -> Pixels:
+    def _fetched(self, window: Window) -> Bytes:
         """Pixels of a part; an error that nobody foresaw is its failure, and ends no run."""
         try:
             return self._fetch(window)
@@ -272,7 +272,7 @@ class Pipeline(Generic[Job, Result]):
             return
         event()
 
-    def _part_arrived(self, window: Window, request: Future[Pixels]) -> None:
+    def _part_arrived(self, window: Window, request: Future[Bytes]) -> None:
         self._fetching -= 1
         part = self._parts[window]
         try:
@@ -307,7 +307,7 @@ class Pipeline(Generic[Job, Result]):
 
     def _make(self, picture: _Picture[Job]) -> None:
         """Hand a picture whose parts are there to the workers, and drop the parts that it was the last to need."""
-        pixels: dict[Window, Pixels] = {}
+        pixels: dict[Window, Bytes] = {}
         failure: PartError | None = None
         for window in dict.fromkeys(part.window for part in picture.parts):
             part = self._parts[window]
@@ -342,7 +342,7 @@ class Pipeline(Generic[Job, Result]):
 class _Slot(NamedTuple):
     """Where a spool has an array: the array itself, or its place in the file and what it was."""
 
-    held: Pixels | None
+    held: Bytes | None
     at: int
     shape: tuple[int, ...]
     dtype: str
@@ -362,7 +362,7 @@ class Spool:
         self._end = 0
         self._free: dict[int, list[int]] = {}
 
-    def put(self, pixels: Pixels) -> _Slot:
+    def put(self, pixels: Bytes) -> _Slot:
         """Keep an array, which must not be changed any more.
 
         Raises
@@ -383,7 +383,7 @@ class Spool:
             self._end += size
         return _Slot(None, at, pixels.shape, pixels.dtype.str)
 
-    def take(self, slot: _Slot) -> Pixels:
+    def take(self, slot: _Slot) -> Bytes:
         """Return an array and free its room.
 
         Raises
@@ -404,7 +404,7 @@ class Spool:
         if self._file is not None:
             self._file.close()
 
-    def _write(self, at: int, content: Pixels) -> None:
+    def _write(self, at: int, content: Bytes) -> None:
         if self._file is None:
             # Unbuffered: arrays are large, and what a full disk does not take is known at once.
             file: IO[bytes] = tempfile.TemporaryFile(prefix="terrainav-", buffering=0)  # noqa: SIM115 (see close)
@@ -413,7 +413,7 @@ class Spool:
         if self._file.write(content.data) != content.nbytes:
             raise OSError("the disk took only a part of an array")
 
-    def _read(self, at: int, pixels: Pixels) -> None:
+    def _read(self, at: int, pixels: Bytes) -> None:
         if self._file is None:
             raise ValueError("this spool has no file: the slot is of another one")
         self._file.seek(at)

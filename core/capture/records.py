@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, PixelValues
 from ..bands import RGB, Bands, Range, bands_of, ranges_of, shown_in_8_bits
 from ..dataset.entropy import entropy
 from ..dataset.folder import TABLE_FILE
@@ -33,8 +34,6 @@ from .metadata import Description, degrees, figure
 from .odm import write_odm_files
 from .writers import Place, Write, write_picture
 
-Floats = NDArray[np.float64]
-Pixels = NDArray[Any]
 #: Decimals of focal lengths and principal points in the table.
 _PX_DIGITS = 6
 
@@ -95,7 +94,7 @@ class Made(NamedTuple):
     size_bytes: int = 0
 
 
-def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, Pixels]) -> Made:
+def make_picture(job: PictureJob, parts: Sequence[Part], pixels: Mapping[Window, PixelValues]) -> Made:
     """Make a picture, write it, and say what is known of it (its entropy before a JPEG's losses).
 
     Raises

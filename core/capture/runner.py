@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Numbers
 from ..dataset.folder import FOOTPRINTS_FILE, JOURNAL_FILE, PLAN_FILE, TABLE_FILE
 from ..dataset.table import other_columns
 from ..errors import InvalidInput, Message, OutputError, PartError
@@ -43,8 +43,6 @@ from .writers import file_endings
 if TYPE_CHECKING:
     from .blocks.engines import Engine
     from .blocks.running import Blocks
-
-Numbers = NDArray[np.int64]
 
 
 def capture(

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from ..arrays import PixelValues
 from ..bands import Bands, Range, unnamed
 from ..errors import InvalidInput
 from ..files import write_whole
@@ -21,7 +22,6 @@ from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
 from .tiff import HEADER_BYTES, Kind, Tag, directory, header
 
-Pixels = NDArray[Any]
 #: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
 #: as the predictor has left little else to find; drawn maps are small either way.
 _ZLIB_STRATEGY = zlib.Z_RLE
@@ -63,7 +63,7 @@ def file_endings(image_format: str, *, on_map: bool = True) -> tuple[str, ...]:
 def write_picture(
     folder: Path,
     image_format: str,
-    pixels: Pixels,
+    pixels: PixelValues,
     place: Place,
     description: Description,
     bands: Bands | None = None,
@@ -111,7 +111,7 @@ def write_picture(
 
 def encoded(
     image_format: str,
-    pixels: Pixels,
+    pixels: PixelValues,
     place: Place,
     description: Description,
     bands: Bands | None = None,
@@ -126,7 +126,7 @@ def encoded(
 
 
 def geotiff(
-    pixels: Pixels,
+    pixels: PixelValues,
     place: Place,
     description: Description,
     bands: Bands | None = None,
@@ -152,7 +152,7 @@ def geotiff(
 
 
 def _geotiff_of_bands(
-    pixels: Pixels, place: Place, description: Description, bands: Bands, ranges: Sequence[Range]
+    pixels: PixelValues, place: Place, description: Description, bands: Bands, ranges: Sequence[Range]
 ) -> bytes:
     count = len(bands)
     is_masked = pixels.shape[2] > count
@@ -185,7 +185,7 @@ def _geotiff_of_bands(
     return _with_pixels(pixels, place, description, tags)
 
 
-def _without(nodata: Any, pixels: Pixels, count: int) -> Pixels:
+def _without(nodata: Any, pixels: PixelValues, count: int) -> PixelValues:
     """Pixels of which none has the value for no data in all of so many bands, as a mean of others may.
 
     The first band's value becomes the next one to it, as gdalwarp does.
@@ -203,7 +203,7 @@ def _without(nodata: Any, pixels: Pixels, count: int) -> Pixels:
     return pixels
 
 
-def _with_pixels(pixels: Pixels, place: Place, description: Description, more: list[Tag]) -> bytes:
+def _with_pixels(pixels: PixelValues, place: Place, description: Description, more: list[Tag]) -> bytes:
     """File of pixels, with the tags that every picture has and some more."""
     height, width = pixels.shape[:2]
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
@@ -229,7 +229,7 @@ def _with_pixels(pixels: Pixels, place: Place, description: Description, more: l
     return _with_strips(tags, strips)
 
 
-def _as_bytes(pixels: Pixels) -> NDArray[np.uint8]:
+def _as_bytes(pixels: PixelValues) -> NDArray[np.uint8]:
     """Floats (h, w, n) as bytes (h, 4 w, n), of 8 bytes (h, 8 w, n): of each row the highest first (Predictor 3)."""
     height, width, channels = pixels.shape
     high_first = (
@@ -282,7 +282,7 @@ def _interpretations(bands: Bands, *, has_alpha: bool) -> dict[int, str]:
     return found
 
 
-def png(pixels: Pixels, description: Description) -> bytes:
+def png(pixels: PixelValues, description: Description) -> bytes:
     """A PNG with its title, software, copyright and the metadata as text chunks."""
     info = PngImagePlugin.PngInfo()
     texts = {"Title": description.title, "Software": SOFTWARE, "Copyright": description.attribution}
@@ -316,7 +316,7 @@ def jpeg(pixels: NDArray[np.uint8], description: Description) -> bytes:
     return b"".join([view[:start], *segments, view[start:]])
 
 
-def _packed_strips(pixels: Pixels, rows: int) -> list[bytes]:
+def _packed_strips(pixels: PixelValues, rows: int) -> list[bytes]:
     """Strips one after the other, in one piece of memory that fits the processor's cache."""
     strips = []
     # As little-endian whole numbers without sign, whose differences wrap around.

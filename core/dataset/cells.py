@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..numbers import real_number
 
-Floats = NDArray[np.float64]
 Places = NDArray[np.int64]
 
 _COMMA, _QUOTE, _LINE_END, _MINUS, _DOT, _ZERO = b',"\n-.0'

@@ -9,16 +9,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, OutputError
 from ..files import PARTIAL_ENDING, make_folder
 from .dataset import UNREADABLE, Dataset, ImageSet, open_bands, picture_of, read_dataset, some
 from .folder import MISSION_FILE, REJECTED_FOLDER, TABLE_FILE
 from .published import framed
 from .table import Table
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

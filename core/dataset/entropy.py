@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput
 from .dataset import Dataset, Images, open_image, read_dataset
 from .folder import MISSION_FILE, TABLE_FILE, deciding_folder, image_folder, map_type_folders, place_of
@@ -19,7 +20,6 @@ from .table import Table
 
 #: Pixels made grey at a time: more than that no longer fit the processor's cache, and take three times as long.
 _BAND_PX = 1 << 19
-Floats = NDArray[np.float64]
 #: Of 256 grey levels, in bits.
 HIGHEST_ENTROPY = 8.0
 #: Which entropies a table holds: those of `entropy`, of `pooled_entropy`, or of neither.

@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..drawing import BLACK, BLUE, FONT, VERMILION, check_matplotlib, dress, new_figure, png
 from ..files import make_folder, write_whole
 from .entropy import HIGHEST_ENTROPY, Deciding, deciding_entropies, otsu
-
-Floats = NDArray[np.float64]
 
 #: Files of the figures of a map type.
 HISTOGRAM, BARS = "entropy-histogram-{map_type}.png", "entropy-bars-{map_type}.png"

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
 from ..files import open_foreign, text_lines
 from ..geodesy.ellipsoid import sight_lines, trace
@@ -32,9 +33,6 @@ from .folder import MISSION_FILE, PLAN_FILE
 from .published import framed
 from .stored import ImageFile, has_beside
 from .table import Table
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 #: A window's middle and ``Lat``, ``Lon`` are the same place: they may differ by this, in px, which digits of a degree
 #: that were written short make up.
@@ -64,7 +62,6 @@ _FRAMES = 4096
 #: By this share of its size a camera frame's box is larger on each side: an edge bends between its points by a
 #: thousandth of its length at most, and kernels reach some pixels beyond an image's edge.
 _MARGIN = 1.0 / 32.0
-Numbers = NDArray[np.int64]
 #: Length of the equator, and of a degree of latitude on average, metres: for sizes of blocks, which are nominal.
 _EQUATOR_M, _DEGREE_M = 40_075_017.0, 111_195.0
 #: Below the ellipsoid's smallest radius of curvature, 6335 km: distances that are turned to angles come out too large.

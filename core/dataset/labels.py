@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..files import read_limited, write_whole
 from ..geodesy.mercator import HALF_WORLD_M, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
@@ -31,7 +32,6 @@ from .table import Table, part_of, taken
 if TYPE_CHECKING:
     from pyproj import CRS
 
-Floats = NDArray[np.float64]
 
 #: In a dataset's folder: the frame and the scaler of its labels.
 LABELS_FILE = "labels.json"

@@ -8,14 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..geodesy.mercator import PixelGrid, lat_to_v, lon_to_u
 from .folder import NAME
 from .table import Table, first_faults
-
-Floats = NDArray[np.float64]
 
 #: Degrees by which a position in a name may differ from the table's: names have seven decimals or more, and half of
 #: the last is 5 mm on the ground.

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Numbers
 from ..errors import Cancelled, InvalidInput, Message
 from .clean import held
 from .dataset import ImageSet, read_dataset
@@ -24,8 +24,6 @@ from .folder import AUTO, PARTS, SEED, SHARES, TABLE_FILE, TEST, TRAIN, WAYS
 from .ground import Boxes, blocks_of, boxes_of, deviation, largest_side_m, near, parted
 from .labels import LABELS_FILE, Labels, labels_of_tables, mark_unfinished, middle_of
 from .table import GAP, SPLIT, Table, taken
-
-Numbers = NDArray[np.int64]
 
 #: Shares written as decimals add up to 1 within their rounding.
 _SUM_OFF = 1e-9

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message, OutputError
 from ..files import open_foreign, read_line, text_lines, write_whole
 from ..limits import MAX_TABLE_BYTES
@@ -23,9 +24,6 @@ from ..numbers import real_number
 from ..stores import Address, store_path
 from ..text import table_cell, time_s
 from .cells import CutCells, ReadCells, Rows
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Headers that differ from the names of `Table`'s fields: the published dataset's.
 _HEADERS = {"lat_deg": "Lat", "lon_deg": "Lon", "zoom": "Alt"}

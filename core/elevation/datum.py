@@ -10,8 +10,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.reference import read_reference
 from ..geodesy.vertical import vertical_code, vertical_crs
@@ -19,7 +19,6 @@ from ..geodesy.vertical import vertical_code, vertical_crs
 if TYPE_CHECKING:
     from pyproj import CRS
 
-Floats = NDArray[np.float64]
 #: Metres of units that heights come in, by the names that files and people give them.
 UNITS_M = {
     **dict.fromkeys(("m", "metre", "meter", "metres", "meters"), 1.0),

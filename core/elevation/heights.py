@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message, OptionName
 from ..files import is_there
 from ..geodesy.mercator import PixelGrid
@@ -28,7 +29,6 @@ from ..text import whole_number
 from .datum import UNITS_M, Datum
 
 Heights32 = NDArray[np.float32]
-Floats = NDArray[np.float64]
 
 #: Heights that ground may have over the ellipsoid, metres: beyond, a value stands for something else.
 LOWEST_M, HIGHEST_M = -12_000.0, 9_500.0

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.relief import Surface
 from .filling import REACH_PX, interpolated
 from .heights import HeightOptions, Heights32, Layer, LevelGround, open_heights
-
-Floats = NDArray[np.float64]
 
 #: Cells of a surface at most: 32 MB of heights, and as much again several times over where rays are traced.
 MOST_CELLS = 1 << 23

@@ -11,14 +11,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InvalidInput
 from ..files import json_bytes, make_folder, new_folder, write_whole
 from ..geodesy.quaternions import quaternions_of
 from .views import ORIGIN_FILE, Views, origin_of
-
-Floats = NDArray[np.float64]
 
 #: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).
 _OPENGL = np.diag([1.0, -1.0, -1.0])

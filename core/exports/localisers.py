@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ..arrays import Bytes, Floats
 from ..benchmark.choices import CROSS_AREA
 from ..benchmark.folder import POSITIVE, QUERIES_FILE, Benchmark, Queries, write_columns
 from ..dataset.dataset import open_image
@@ -37,9 +38,6 @@ from ..geodesy.local import LocalFrame
 from ..geodesy.mercator import wrap_lon_deg
 from .scenes import Ground, Ortho, OrthoGrid, frame_about
 from .views import ORIGIN_FILE, origin_of
-
-Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
 
 README_FILE = "README.txt"
 #: Pillow's formats by the endings of files that are such.
@@ -382,7 +380,7 @@ def _date(benchmark: Benchmark, imagery: str) -> str:
     return str(one.get("date") or "") if isinstance(one, dict) else ""
 
 
-def _by_degrees(ground: Ground) -> tuple[Pixels, tuple[float, float, float, float]]:
+def _by_degrees(ground: Ground) -> tuple[Bytes, tuple[float, float, float, float]]:
     """The reference in pixels of equal degrees each way, and its edges: north, west, south and east."""
     mosaic = ground.benchmark.mosaic
     high, wide = ground.mosaic.shape[:2]

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Bytes, Flags, Floats
 from ..benchmark.folder import Benchmark
 from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
@@ -21,10 +21,6 @@ from ..mission.mission import Mission
 from ..picture.heights import heights_of
 from ..picture.resampling import sample
 from .views import camera_rotations
-
-Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
-Flags = NDArray[np.bool_]
 
 #: Steps in which the surface is found above or below places of a frame. Each divides what is missing by some thousands:
 #: the frame's up differs from that of the place by a milliradian in 6 km.
@@ -65,7 +61,7 @@ class Ortho(NamedTuple):
         Of the pixels' centres; the last is NaN where there is no ground or no imagery.
     """
 
-    image: Pixels
+    image: Bytes
     points_m: Floats
 
 
@@ -109,7 +105,7 @@ class Ground:
         return cls(benchmark, None if heights is None else heights.surface)
 
     @cached_property
-    def mosaic(self) -> Pixels:
+    def mosaic(self) -> Bytes:
         """The reference as one image, (h, w, 3)."""
         return self.benchmark.colours(self.benchmark.mosaic.file)
 
@@ -165,7 +161,7 @@ class Ground:
             points[rows] = np.dstack([part, np.where(inside, z, np.nan)])
         return Ortho(image, points)
 
-    def shown_at(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Pixels, Flags]:
+    def shown_at(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Bytes, Flags]:
         """Colours (..., 3) of the reference at positions of any shape, black where it has nothing; and where it has."""
         column, row = self.benchmark.mosaic.px(lat_deg, lon_deg)
         high, wide = self.mosaic.shape[:2]
@@ -175,7 +171,7 @@ class Ground:
         colours[inside] = np.clip(np.rint(found), 0, 255).astype(np.uint8)
         return colours, inside
 
-    def crop(self, left_px: int, top_px: int, side_px: int) -> Pixels:
+    def crop(self, left_px: int, top_px: int, side_px: int) -> Bytes:
         """A square of the reference's pixels; black where it ends."""
         piece = np.zeros((side_px, side_px, 3), np.uint8)
         left, top = max(left_px, 0), max(top_px, 0)

@@ -8,8 +8,8 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..dataset.dataset import read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.ground import check_poses, of_camera
@@ -19,9 +19,6 @@ from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import image_axes
 from ..geodesy.local import LocalFrame
 from ..mission.mission import Mission
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 ORIGIN_FILE = "origin.json"
 

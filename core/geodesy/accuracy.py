@@ -11,13 +11,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import Message
 from .camera import CORNERS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid
-
-Floats = NDArray[np.float64]
 
 #: What the flat model may be stretched to: beyond, its series no longer bounds it.
 FLAT_DOMAIN = 0.1

@@ -8,10 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from .ellipsoid import arctan2, sin_cos
 from .lens import Lens
 
-Floats = NDArray[np.float64]
 #: Image coordinates (right, up), each -1..1, of the corners north-west, north-east, south-east,
 #: south-west and of the edge midpoints north, east, south, west of a north-up camera.
 CORNERS = ((-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))

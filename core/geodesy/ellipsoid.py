@@ -10,9 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput
 
-Floats = NDArray[np.float64]
 #: Gauss-Legendre nodes per latitude interval. With 16 the area of a zone from equator to pole is right to
 #: 1e-14 relative, so no interval needs to be divided.
 _QUADRATURE_NODES = 16

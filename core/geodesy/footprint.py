@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats
 from ..errors import InvalidInput
 from .camera import CORNERS, Camera, Poses
 from .ellipsoid import (
@@ -22,12 +23,10 @@ from .ellipsoid import (
     trace,
 )
 
-Floats = NDArray[np.float64]
 #: Image points as `CORNERS` has them.
 ImagePoints = tuple[tuple[float, float], ...]
 #: Length of a direction's horizontal part, as a share of the whole, below which its azimuth is only noise.
 _VERTICAL = 1e-15
-Flags = NDArray[np.bool_]
 #: Pieces an edge of the image is divided into, and each arc of the horizon: an arc of a full circle is then
 #: within 0.1 % of its radius.
 _EDGE_PIECES, _ARC_PIECES = 16, 72

@@ -7,16 +7,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
 from .accuracy import Scene, map_noise_px, with_noise
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import PixelGrid, lat_to_v, lon_to_u, wrap_lon_deg
 from .planes import ProjectedPlane
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-
 
 #: Steps of the edges of pictures that are asked for by their centre, px: below a micrometre of ground and far above
 #: the noise of float64, so that they are the same on every processor.

@@ -7,15 +7,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from .ellipsoid import WGS84, Ellipsoid, sin_cos
 from .projections import through_proj
 
 if TYPE_CHECKING:
     from pyproj import Transformer
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

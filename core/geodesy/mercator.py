@@ -13,12 +13,11 @@ from typing import TypeVar, Union
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
 from .ellipsoid import WGS84
 from .planes import ProjectedPlane
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 #: Whole numbers, one or many.
 Whole = TypeVar("Whole", int, NDArray[np.int64])
 

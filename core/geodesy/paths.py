@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from itertools import combinations_with_replacement
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from .ellipsoid import WGS84, Ellipsoid, positions
 
-Floats = NDArray[np.float64]
 #: Coordinates (n, c) of latitudes, longitudes from the camera's, in degrees, and heights in metres, (n,) each.
 Coordinates = Callable[[Floats, Floats, Floats], Floats]
 

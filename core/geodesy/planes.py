@@ -8,14 +8,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from .ellipsoid import WGS84, arctan2, sin_cos, trace
 
 if TYPE_CHECKING:
     from pyproj import CRS
 
-Floats = NDArray[np.float64]
 
 #: Height from which, and tangents at which, ground is looked at to find what a projection does to it: first derivatives
 #: over 20 m of ground, whose noise (2e-9 m) turns north by 1e-10 rad, and second ones over 2 km.

@@ -11,13 +11,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pyproj import CRS, Geod, Proj, Transformer
 
+from ..arrays import Floats
 from .ellipsoid import WGS84, sin_cos
 from .reference import read_reference
 
-Floats = NDArray[np.float64]
 #: Noise of positions in degrees and of the projection, metres: seen are 4 nm.
 NOISE_M = 5e-8
 #: Half a step of latitude from which the direction of north is worked out, degrees: 11 m of ground, so that the noise

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats
 from .camera import Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, above_tangent_plane_m, sight_lines
 from .footprint import Corners, exact, image_centres
@@ -16,8 +16,6 @@ from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from .planes import ProjectedPlane, TurnedPlane
 from .projections import NOISE_M, LocalPlane
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 #: A plane in metres that rows of captures lie in.
 RowsPlane = Union[LocalPlane, TurnedPlane]
 #: Ratios that are tried where the horizon cuts an image, each by halving.

@@ -9,13 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from .ellipsoid import WGS84, sight_lines, trace
 from .mercator import PixelGrid
 from .paths import Paths, along, fitted, separate
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-Bools = NDArray[np.bool_]
 
 #: Sides of the bundles of pixels that are followed together, px: the larger ones lead the smaller ones near the ground.
 _BUNDLES_PX = (64, 16, 4)
@@ -126,8 +123,8 @@ class Surface:
     left_px: int
     top_px: int
     heights_m: NDArray[Any]
-    holes: Bools | None = None
-    interpolated: Bools | None = None
+    holes: Flags | None = None
+    interpolated: Flags | None = None
 
     @property
     def cells(self) -> tuple[int, int]:
@@ -206,7 +203,7 @@ class Surface:
 
     def first_points(
         self, lat_deg: Floats, lon_deg: Floats, height_m: Floats, rays_enu: Floats, lowest_m: float
-    ) -> tuple[Floats, Floats, Floats, Bools]:
+    ) -> tuple[Floats, Floats, Floats, Flags]:
         """Where single rays of as many cameras meet the surface first.
 
         Parameters
@@ -514,7 +511,7 @@ class Surface:
         farthest: Floats,
         spread: Floats | None,
         least_level: int,
-    ) -> tuple[Floats, Bools]:
+    ) -> tuple[Floats, Flags]:
         """How far rays, or bundles of them, surely meet nothing.
 
         Parameters
@@ -591,10 +588,10 @@ class Surface:
         per_y: Floats,
         wide: Floats | float = 0.0,
         widens: Floats | float = 0.0,
-    ) -> Bools:
+    ) -> Flags:
         """Which rays, or bundles that are so wide and widen so fast, are beside the surface and go away from it."""
         rows, columns = self.cells
-        beside: Bools = (
+        beside: Flags = (
             ((x + wide < 0.0) & (per_x + widens <= 0.0))
             | ((x - wide > columns) & (per_x - widens >= 0.0))
             | ((y + wide < 0.0) & (per_y + widens <= 0.0))
@@ -667,7 +664,7 @@ class Surface:
 
 def _first_share(
     corners: Floats,
-    over: Bools,
+    over: Flags,
     x: Floats,
     y: Floats,
     h: Floats,

@@ -10,8 +10,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from .accuracy import Scene
 from .camera import Poses
 from .ellipsoid import WGS84, clearance, positions, sight_lines, trace
@@ -19,10 +19,6 @@ from .mercator import PixelGrid, wrap_lon_deg
 from .paths import Paths
 from .relief import Hits, PixelRays, Surface
 from .view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_offsets
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
-Numbers = NDArray[np.int64]
 
 #: Cells of a surface that an image's rays are traced over, at most; farther away cells are twice as large.
 MOST_CELLS = 1 << 21
@@ -91,7 +87,7 @@ class Sighting(NamedTuple):
     height_m: Floats
     slope_east: Floats
     slope_north: Floats
-    steep: Bools
+    steep: Flags
 
     @property
     def normals(self) -> Floats:
@@ -299,7 +295,7 @@ class Tracing:
         return np.concatenate([t[:, np.newaxis] * directions for t in (np.minimum(first, last), last)])
 
     @cached_property
-    def sky(self) -> Bools:
+    def sky(self) -> Flags:
         """Pixels whose rays miss the Earth, at its lowest, and meet no relief; (height, width)."""
         lat, _ = self.place
         x, y = np.meshgrid(np.arange(self.rays.width) + 0.5, np.arange(self.rays.height) + 0.5)
@@ -438,7 +434,7 @@ class _Seen(NamedTuple):
         per = self.per_metre
         return across * per[0, 0] + down * per[1, 0], across * per[0, 1] + down * per[1, 1]
 
-    def is_ground_about(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Bools:
+    def is_ground_about(self, column: Floats, row: Floats, steps: list[tuple[Floats, Floats]]) -> Flags:
         """Whether there is ground all around points (n,), as far as pixels of these steps, in metres, have samples."""
         ways = [self.per_metre @ np.stack(step) for step in steps]
         wide, high = (_SAMPLED * (np.abs(ways[0][axis]) + np.abs(ways[1][axis])) for axis in (0, 1))

@@ -7,9 +7,8 @@ J. Meeus, Astronomical Algorithms (2nd edition), chapters 12, 13, 22 and 25, in 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..arrays import Floats
 
 #: Noon of the first of January 2000, from which the equations count, and the days of their centuries.
 _J2000 = np.datetime64("2000-01-01T12:00:00", "us")

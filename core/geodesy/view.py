@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput
 from ..limits import MAX_IMAGE_TILES
 from .accuracy import Scene, grazing, mesh_noise_px
@@ -18,9 +19,6 @@ from .ellipsoid import GroundPoints, clearance, trace
 from .mercator import PixelGrid, lat_to_v
 from .planes import ProjectedPlane
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Numbers = NDArray[np.int64]
 #: A zoom serves while its pixels, seen in the image, are between this and half of it: rounding to the nearest.
 _NEAREST = 2.0**0.5
 #: Most samples along one axis whose mean makes a pixel that looks at the ground at a slant. More is left to the zoom.

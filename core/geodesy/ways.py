@@ -7,13 +7,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats
 from ..errors import InvalidInput, Message
 from .ellipsoid import arctan2
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 #: Ways keep at least so far off, metres: one that touched a polygon could not be told from one that cuts its corner.
 _LEAST_M = 1e-3

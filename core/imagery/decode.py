@@ -12,11 +12,12 @@ import numpy as np
 import PIL
 from PIL import GifImagePlugin, Image, ImageFile, JpegImagePlugin, PngImagePlugin, WebPImagePlugin, features
 
+from ..arrays import PixelValues
 from ..errors import Message, PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
 from ..text import first_words, one_line
 from .http.client import BrokenPictureError
-from .source import Pixels, over_white
+from .source import over_white
 
 #: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
 #: It begins with one plain byte, which is searched for ten times as fast as ``\xff+`` is, and which is all that is
@@ -50,7 +51,7 @@ def decode(
     *,
     alpha: bool = False,
     any_size: bool = False,
-) -> Pixels:
+) -> PixelValues:
     """Pixels of a PNG, JPEG, WebP or GIF, decoded whole.
 
     Grey and palettes become RGB, 16 bits become 8. Translucent pixels are laid over white, as browsers do;
@@ -237,18 +238,18 @@ def _plain_gif(body: bytes) -> bytes:
     return b"".join([*kept, body[at:]])
 
 
-def _rgb(image: ImageFile.ImageFile, alpha: bool) -> Pixels:
+def _rgb(image: ImageFile.ImageFile, alpha: bool) -> PixelValues:
     if image.mode.startswith("I"):
         grey = (np.asarray(image, np.int64) >> 8).clip(0, 255).astype(np.uint8)
         return np.repeat(grey[..., np.newaxis], 3, axis=2)
     if image.mode in ("LA", "PA", "La", "RGBA", "RGBa") or "transparency" in image.info:
         rgba = np.asarray(image.convert("RGBA"))
         return rgba if alpha else _imagery(rgba)
-    rgb: Pixels = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
+    rgb: PixelValues = np.asarray(image if image.mode == "RGB" else image.convert("RGB"))
     return rgb
 
 
-def _resized(pixels: Pixels, width_px: int, height_px: int, alpha: bool) -> Pixels:
+def _resized(pixels: PixelValues, width_px: int, height_px: int, alpha: bool) -> PixelValues:
     """Means of the pixels beneath each of another size; none where one of them holds no imagery."""
     means = np.array(Image.fromarray(pixels).resize((width_px, height_px), Image.Resampling.BOX))
     if means.shape[2] == 4 and not alpha:
@@ -256,7 +257,7 @@ def _resized(pixels: Pixels, width_px: int, height_px: int, alpha: bool) -> Pixe
     return means
 
 
-def _imagery(rgba: Pixels) -> Pixels:
+def _imagery(rgba: PixelValues) -> PixelValues:
     """Colours over white; with a fourth channel, 0 or 255, where some pixels hold no imagery at all."""
     alpha = rgba[..., 3:]
     if not alpha.any():

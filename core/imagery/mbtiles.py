@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arrays import PixelValues
 from ..errors import Cancelled, InvalidInput, Message, PartError
 from ..geodesy.mercator import HIGHEST_ZOOM, PixelGrid, extent_of_box, v_to_lat
 from ..limits import (
@@ -29,7 +30,7 @@ from .cache.tilefile import FILE_ERRORS, connect, fault
 from .decode import decode, size_of
 from .opening import FileSource
 from .policy import Policy
-from .source import Part, Pixels, Tile, Window, tile_address, tile_parts
+from .source import Part, Tile, Window, tile_address, tile_parts
 
 #: Seconds one wait for a program that writes the file takes, so that a close is seen in between.
 _WAIT_S = 0.25
@@ -124,7 +125,7 @@ class MBTilesSource:
         """Tiles that fill ``window``."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002
+    def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002
         """Pixels of a tile, (tile_px, tile_px, 3 or 4) uint8.
 
         Raises

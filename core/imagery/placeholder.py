@@ -12,10 +12,11 @@ from typing import Callable, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import PixelValues
 from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from ..text import one_line
-from .source import Pixels, Window
+from .source import Window
 
 #: Why a picture fails that needs a placeholder.
 PLACEHOLDER_REASON = Message("no imagery here: the provider's placeholder image")
@@ -84,7 +85,7 @@ class Placeholder:
         if self.sha256 and self.knows(hashlib.sha256(body).hexdigest()):
             raise PartError(PLACEHOLDER_REASON)
 
-    def refuse_flat(self, pixels: Pixels) -> None:
+    def refuse_flat(self, pixels: PixelValues) -> None:
         """Raise PartError for a picture of one of the flat colours."""
         for colour in self.flat_rgb:
             if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, PixelValues
 from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
-
-#: Of one of `bands.DATA_TYPES`; of most sources uint8.
-Pixels = NDArray[Any]
-Floats = NDArray[np.float64]
 
 
 class Window(NamedTuple):
@@ -76,7 +73,7 @@ class Source(Protocol):
     def parts(self, window: Window) -> list[Part]:
         """Return the parts that together fill ``window`` exactly."""
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> PixelValues:
         """Pixels of one part, (height_px, width_px, 3) uint8: red, green, blue; of a source with `bands`, these.
 
         One channel more, where there is one, is 0 at pixels without imagery and not 0 elsewhere (255 of uint8).

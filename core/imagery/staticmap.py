@@ -14,6 +14,7 @@ from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
 
+from ..arrays import PixelValues
 from ..errors import InvalidInput, Message
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
@@ -26,7 +27,7 @@ from .http.transport import Response, Transport
 from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
-from .source import Part, Pixels, Window, check_zoom
+from .source import Part, Window, check_zoom
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 #: Longest side of a picture, before ``scale``.
@@ -120,7 +121,7 @@ class StaticMapSource:
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> PixelValues:
         """Pixels of a picture, (height_px, width_px, 3) uint8.
 
         Raises
@@ -133,7 +134,7 @@ class StaticMapSource:
         lat_deg, lon_deg = self.centre(part)
         what = Message("image at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
 
-        def read(response: Response) -> Pixels:
+        def read(response: Response) -> PixelValues:
             self.placeholder.refuse(response.body, response.headers)
             return decode(
                 response.body, part.width_px, part.height_px, response.headers.get("content-type", "")

@@ -9,10 +9,11 @@ from typing import cast
 
 import numpy as np
 
+from ..arrays import PixelValues
 from ..geodesy.mercator import PixelGrid
 from .opening import NamedSource
 from .placeholder import Provided
-from .source import Pixels, Tile, Window
+from .source import Tile, Window
 
 #: Finest zoom at which a tile is asked for where no other is: streets and houses can be told apart.
 _USUAL_ZOOM = 16
@@ -37,7 +38,7 @@ class Trial:
     """
 
     tile: Tile
-    pixels: Pixels = field(repr=False)
+    pixels: PixelValues = field(repr=False)
     format: str
     file_bytes: int
     seconds: float

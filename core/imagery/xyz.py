@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import astuple
 from typing import Callable
 
+from ..arrays import PixelValues
 from ..errors import InvalidInput, Message, PartError, SourceError
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
@@ -21,7 +22,7 @@ from .http.transport import Response, Transport
 from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
-from .source import Part, Pixels, Window, tile_address, tile_parts
+from .source import Part, Window, tile_address, tile_parts
 from .template import Template, host_of
 
 #: Hosts whose terms are kept at hand; a template has a few.
@@ -135,7 +136,7 @@ class XYZSource:
         """Tiles that fill ``window``."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> PixelValues:
         """Pixels of a tile, (tile_px, tile_px, 3) uint8.
 
         Parameters
@@ -164,7 +165,9 @@ class XYZSource:
 
         counted: set[str] = set()
 
-        def ask(headers: Mapping[str, str], read: Callable[[Response], Pixels]) -> tuple[Response, Pixels]:
+        def ask(
+            headers: Mapping[str, str], read: Callable[[Response], PixelValues]
+        ) -> tuple[Response, PixelValues]:
             return self._client.picture(
                 url, str(tile), read, headers, lambda asked: self._count(asked, counted)
             )
@@ -172,7 +175,7 @@ class XYZSource:
         # What was read last, of the cache or of an answer, is what is returned.
         file = b""
 
-        def read(body: bytes, headers: Mapping[str, str]) -> Pixels:
+        def read(body: bytes, headers: Mapping[str, str]) -> PixelValues:
             nonlocal file
             pixels, file = self._read(body, headers), body
             return pixels
@@ -197,7 +200,7 @@ class XYZSource:
         for store in stores:
             store.close()
 
-    def _read(self, body: bytes, headers: Mapping[str, str]) -> Pixels:
+    def _read(self, body: bytes, headers: Mapping[str, str]) -> PixelValues:
         """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
         self.placeholder.refuse(body, headers)
         size, kind = self.grid.tile_px, headers.get("content-type", "")

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from ..errors import InvalidInput, Message
 from ..fields import field_named
 from ..geodesy.ellipsoid import WGS84, next_corners
@@ -17,10 +17,7 @@ from ..geodesy.mercator import v_to_lat, wrap_lon_deg
 from ..limits import MAX_PAIRS_OF_SIDES, MAX_POLYGONS
 from .parts import HIGHEST_AGL_M, Attitude, Flight
 
-Floats = NDArray[np.float64]
 Position = tuple[float, float]
-Numbers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 #: Start longitude, start latitude, end longitude, end latitude of each edge.
 Edges = tuple[Floats, Floats, Floats, Floats]
 #: Share of sides within which they touch rather than cross, and of a square about a polygon below which it is none.

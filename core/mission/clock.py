@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 
-Floats = NDArray[np.float64]
 #: Times count from a start for ten days at most (those of a GPS week for seven), or from 1970, and are of 1990 to 2099.
 _LONGEST_S, _YEAR_1990_S, _YEAR_2100_S = 10 * 86_400.0, 631_152_000.0, 4_102_444_800.0
 #: Flights are no shorter than this, s, to the decimals that seconds after 1970 have.

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.reference import is_code, read_reference
@@ -21,7 +22,6 @@ from ..geodesy.reference import is_code, read_reference
 if TYPE_CHECKING:
     from pyproj import Transformer
 
-Floats = NDArray[np.float64]
 #: Metres that a side which is straight in its own system may be off on the ground once it is straight in degrees: about
 #: a pixel of the sharpest imagery there is. Between the places that are looked at it may be off by twice as much.
 EDGE_TOLERANCE_M = 0.1

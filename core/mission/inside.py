@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
@@ -17,8 +17,6 @@ from .layout.coverage import twice_area
 from .mission import Mission
 from .plan import Plan
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 #: Pixels beyond an image, and beyond its ground, that resampling may look at.
 _MARGIN_PX = 4.0
 #: Places along each side of an image.

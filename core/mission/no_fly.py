@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats
 from ..errors import InvalidInput
 from .area import Polygon, inside
 from .layout.rotated import Pass
 from .layout.rows import Layout, picked
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 
 def in_no_fly(polygons: tuple[Polygon, ...], lat_deg: Floats, lon_deg: Floats) -> Flags:

@@ -11,11 +11,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, lat_to_v, lon_to_u
 from .area import cut_half_plane
 from .plan import Plan
 
-Floats = NDArray[np.float64]
 #: Horizontal and vertical coordinates of corners, (k,) each.
 Ring = tuple[Floats, Floats]
 

@@ -10,6 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import Poses
@@ -56,9 +57,6 @@ from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
 from .parts import ELLIPSOID
 from .relief import Flown, Heights, ReliefBelow, check_clearance
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 Kept = TypeVar("Kept")
 

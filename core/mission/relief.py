@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import CORNERS, Poses
 from ..geodesy.ellipsoid import WGS84, sight_lines, sin_cos
@@ -26,9 +27,6 @@ from .layout.rows import Layout, point_angles_deg, sees_below
 from .mission import Mission
 from .overflown import Overflown, OverflownInParts, cell_size_m, highest_around, lowest_around
 from .parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
 _LOOKED_AT = 4.0

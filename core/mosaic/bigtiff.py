@@ -7,8 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Bytes
 from ..bands import Bands
 from ..capture.georeference import Georeference
 from ..capture.metadata import SOFTWARE
@@ -16,8 +16,6 @@ from ..capture.tiff import Kind, Tag, big_header, directory, header
 from ..capture.writers import band_items, gdal_metadata
 from ..errors import OutputError
 from ..files import partial_file
-
-Pixels = NDArray[np.uint8]
 
 #: Side of a tile, a multiple of 16.
 TILE_PX = 256
@@ -28,7 +26,7 @@ _MOST_BYTES = (1 << 32) - (1 << 24)
 _BIG_HEADER_BYTES = 16
 
 
-def packed_tile(pixels: Pixels) -> bytes:
+def packed_tile(pixels: Bytes) -> bytes:
     """Deflated differences (Predictor 2) of a tile (h, w, n) of at most `TILE_PX` a side, filled up with nothing."""
     tile = np.zeros((TILE_PX, TILE_PX, pixels.shape[2]), np.uint8)
     tile[: pixels.shape[0], : pixels.shape[1]] = pixels

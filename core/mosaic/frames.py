@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import NamedTuple, Union
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats, Numbers
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.geotiff import affine_of
@@ -37,9 +37,6 @@ from ..picture.heights import heights_of
 from ..safe_json import decoded
 from .raster import Block, Ground, places, positions
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 OpenHeights = Callable[[Mission], "Heights | None"]
 
 #: Ground is taken from images that see it at less than this from straight above, degrees: beyond, the pixels of a

@@ -22,6 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Bytes, Floats, Numbers
 from ..bands import Bands
 from ..dataset.dataset import bands_in, open_masked
 from ..errors import Cancelled, InvalidInput
@@ -31,9 +32,6 @@ from .bigtiff import TILE_PX, packed_tile, write_tiles
 from .frames import Boxes, CameraFrames, Frames, OpenHeights, frames_of, unit_m
 from .raster import Block, Raster, places
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-Pixels = NDArray[np.uint8]
 #: Takes the share done, 0 to 1; an answer of False stops.
 Progress = Callable[[float], bool]
 
@@ -366,7 +364,7 @@ class _Images:
         lat, lon = places(frames.plane, *(at[:1] for at in frames.nadirs))
         pixel_m = raster.across * unit_m(frames.plane, float(lat[0]), float(lon[0]))
         self._reduced = max(int(pixel_m / frames.coarsest_gsd_m + 1e-6), 1)
-        self._kept: OrderedDict[int, Future[tuple[Pixels, Pixels | None]]] = OrderedDict()
+        self._kept: OrderedDict[int, Future[tuple[Bytes, Bytes | None]]] = OrderedDict()
         self._bytes = 0
         self._lock = Lock()
         self.channels = 0
@@ -379,7 +377,7 @@ class _Images:
             return None
         return stated.of_channels(self.channels)
 
-    def of(self, index: int) -> tuple[Pixels, Pixels | None]:
+    def of(self, index: int) -> tuple[Bytes, Bytes | None]:
         """Pixels (h, w, c), and the mask (h, w), 0 where nothing is shown, or None where all is."""
         with self._lock:
             known = self._kept.get(index)
@@ -415,7 +413,7 @@ class _Images:
         found[which] = sample(mask[..., np.newaxis], column, row, "bilinear")[:, 0] > _OPAQUE / 2
         return found
 
-    def _read(self, path: Path) -> tuple[Pixels, Pixels | None]:
+    def _read(self, path: Path) -> tuple[Bytes, Bytes | None]:
         pixels, mask = open_masked(path)
         if self.channels == 1 and pixels.shape[2] == 3:
             pixels = np.rint(pixels @ np.array([0.299, 0.587, 0.114])).astype(np.uint8)[..., np.newaxis]
@@ -432,5 +430,5 @@ class _Images:
         return reduced.reshape(*reduced.shape[:2], -1), mask
 
 
-def _bytes_of(image: tuple[Pixels, Pixels | None]) -> int:
+def _bytes_of(image: tuple[Bytes, Bytes | None]) -> int:
     return image[0].nbytes + (0 if image[1] is None else image[1].nbytes)

@@ -6,15 +6,13 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..capture.georeference import Georeference
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.local import axes_at, geocentric
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.relief import Surface
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

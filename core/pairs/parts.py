@@ -8,13 +8,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from .places import Place, cartesian_m
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Places are trained on, asked for and found, or only in the way of finding.
 PARTS = TRAIN, TEST, DISTRACTOR = ("train", "test", "distractor")

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
@@ -21,8 +21,6 @@ from ..limits import MAX_MISSION_BYTES
 from ..mission.area import Box, check_ground, check_lat_lon
 from ..numbers import real_number
 from ..safe_json import decoded
-
-Floats = NDArray[np.float64]
 
 _FORMATS = (
     "a file of lines `lat lon` or `lat lon name` (or the paper's `lat lon agl`), or a box "

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
@@ -25,8 +25,6 @@ from ..mission.relief import Heights, ReliefBelow, no_ground
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places
 from .views import View, reach_m, spiral, standing_poses
-
-Floats = NDArray[np.float64]
 
 #: University-1652's pictures.
 DEFAULT_SIZE_PX = 512

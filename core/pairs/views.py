@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.footprint import ground_corners
 from ..mission.area import check_agl, check_yaw
 from .places import cartesian_m
-
-Floats = NDArray[np.float64]
 
 #: University-1652's flight (Zheng, Wei, Yang 2020, section 3): three rounds from 256 m down to 121.5 m, 54 views.
 HEIGHTS_M, ROUNDS, VIEWS = (256.0, 121.5), 3, 54

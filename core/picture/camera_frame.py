@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats, PixelValues
 from ..bands import RGB, Bands, fitted
 from ..errors import PartError
 from ..geodesy.mercator import PixelGrid
@@ -16,8 +17,6 @@ from ..imagery.source import Part, Window
 from .map_frame import checked
 from .resampling import sample
 
-Floats = NDArray[np.float64]
-Pixels = NDArray[Any]
 #: Channels of a picture that Pillow keeps as red, green and blue.
 _COLOURS = 3
 
@@ -51,7 +50,7 @@ def parts_of_tiles(grid: PixelGrid, tiles: Sequence[Sequence[int]]) -> list[Part
 class _Ground(NamedTuple):
     """The part of one zoom's pixels that a picture sees, and where its upper left corner lies in the world."""
 
-    pixels: Pixels
+    pixels: PixelValues
     missing: NDArray[np.bool_] | None
     left_px: int
     top_px: int
@@ -61,10 +60,10 @@ def render(
     view: View,
     lon_deg: float,
     parts: Sequence[Part],
-    pixels: Mapping[Window, Pixels],
+    pixels: Mapping[Window, PixelValues],
     kernel: str,
     bands: Bands = RGB,
-) -> Pixels:
+) -> PixelValues:
     """Make the picture of a camera frame.
 
     Parameters
@@ -104,7 +103,7 @@ def render(
     return picture
 
 
-def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, Pixels], bands: Bands) -> _Ground:
+def _ground(zoom: int, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands) -> _Ground:
     """Tiles of one zoom side by side."""
     here = [part for part in parts if part.window.zoom == zoom]
     left, top = min(part.dx_px for part in here), min(part.dy_px for part in here)
@@ -129,7 +128,9 @@ def _refuse_missing(count: int) -> None:
         raise PartError("no imagery at {0} of the samples that the image is made of", count)
 
 
-def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str) -> None:
+def _warp(
+    picture: PixelValues, patches: Patches, ground: _Ground, grid: PixelGrid, u: float, kernel: str
+) -> None:
     """Fill patches, each by the perspective through its corners."""
     from PIL import Image
 
@@ -159,7 +160,7 @@ def _warp(picture: Pixels, patches: Patches, ground: _Ground, grid: PixelGrid, u
             _refuse_missing(int(np.count_nonzero(np.asarray(hole))))
 
 
-def _images(pixels: Pixels) -> list[tuple[Any, Any]]:
+def _images(pixels: PixelValues) -> list[tuple[Any, Any]]:
     """Channels, and images of them that Pillow transforms: of 8 bits three in one as far as there are, else floats."""
     from PIL import Image
 
@@ -212,7 +213,7 @@ def _perspectives(x: Floats, y: Floats, width: NDArray[np.int64], height: NDArra
 
 
 def _gather(
-    picture: Pixels, samples: Samples, ground: _Ground, grid: PixelGrid, u: float, kernel: str
+    picture: PixelValues, samples: Samples, ground: _Ground, grid: PixelGrid, u: float, kernel: str
 ) -> None:
     """Fill single pixels, each with the mean of its samples."""
     world = grid.world_px(samples.zoom)

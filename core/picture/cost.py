@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..arrays import PixelValues
 from ..bands import RGB, Bands
 from ..errors import Message
 from ..geodesy.footprint import ground_corners
-from ..imagery.source import Part, Pixels, Window, tile_parts
+from ..imagery.source import Part, Window, tile_parts
 from ..mission.plan import Plan
 from ..timing import clock_step_s
 from .camera_frame import camera_parts, render
@@ -74,7 +75,7 @@ def timed_cost(plan: Plan, bands: Bands = RGB) -> Cost:
     return Cost(footprints_s, seeing_s + _own_s(lambda: render(view, lon, parts, blank, resampling, bands)))
 
 
-def _blank(parts: list[Part], bands: Bands) -> dict[Window, Pixels]:
+def _blank(parts: list[Part], bands: Bands) -> dict[Window, PixelValues]:
     windows = [part.window for part in parts]
     return {
         window: np.zeros((window.height_px, window.width_px, len(bands)), bands.dtype) for window in windows

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import PixelValues
 from ..bands import RGB, Bands, fitted
 from ..errors import InvalidInput, PartError
 from ..imagery.source import Part, Window
 from ..mission.plan import Plan
 
-Pixels = NDArray[Any]
 _COLOURS = 3
 #: ITU-R 601, in the parts of 65536 that Pillow counts in.
 _GREY_OF_COLOURS = np.array([19595, 38470, 7471]) / 65536.0
@@ -25,7 +25,7 @@ def window_of(plan: Plan, index: int) -> Window:
     return Window(plan.zoom, left, top, width, height)
 
 
-def turned(picture: Pixels, quarter_turns: int) -> Pixels:
+def turned(picture: PixelValues, quarter_turns: int) -> PixelValues:
     """Picture of a north-up window (h, w, ...) as a camera sees it whose top points so many quarter turns clockwise.
 
     No pixel changes its value.
@@ -34,8 +34,8 @@ def turned(picture: Pixels, quarter_turns: int) -> Pixels:
 
 
 def assemble(
-    window: Window, parts: Sequence[Part], pixels: Mapping[Window, Pixels], bands: Bands = RGB
-) -> Pixels:
+    window: Window, parts: Sequence[Part], pixels: Mapping[Window, PixelValues], bands: Bands = RGB
+) -> PixelValues:
     """Put parts together to the picture of a window, without resampling.
 
     Parameters
@@ -76,7 +76,7 @@ def assemble(
     return picture
 
 
-def checked(window: Window, image: Pixels, bands: Bands = RGB) -> Pixels:
+def checked(window: Window, image: PixelValues, bands: Bands = RGB) -> PixelValues:
     """Pixels of a part, as they are; raises PartError where they are of another size than was asked for."""
     wanted = (window.height_px, window.width_px, len(bands))
     if image.shape not in (wanted, (*wanted[:2], len(bands) + 1)) or image.dtype != bands.dtype:
@@ -92,7 +92,7 @@ def checked(window: Window, image: Pixels, bands: Bands = RGB) -> Pixels:
     return image
 
 
-def resized(picture: Pixels, img_size: tuple[int, int, int] | None, bands: Bands = RGB) -> Pixels:
+def resized(picture: PixelValues, img_size: tuple[int, int, int] | None, bands: Bands = RGB) -> PixelValues:
     """Picture at the size and number of channels that are wanted.
 
     Grey is ITU-R 601 as Pillow's mode "L". Sizes are changed by Lanczos' kernel, which Pillow widens where
@@ -141,7 +141,7 @@ def check_size(img_size: tuple[int, int, int] | None, bands: Bands) -> None:
         )
 
 
-def _resized_bands(picture: Pixels, img_size: tuple[int, int, int], bands: Bands) -> Pixels:
+def _resized_bands(picture: PixelValues, img_size: tuple[int, int, int], bands: Bands) -> PixelValues:
     """Resized as `resized` does, in floats until the end."""
     from PIL import Image
 

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.frames import in_image, swapped
@@ -25,8 +26,6 @@ from ..geodesy.mercator import lat_to_v, lon_to_u
 from ..mission.cameras import shipped_cameras
 from ..mission.parts import utc_time
 from ..mission.plan import Plan
-
-Floats = NDArray[np.float64]
 
 #: Longer side of the sensor of cameras that are known by their field of view alone: that of 35 mm film.
 NOMINAL_SENSOR_MM = 36.0

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..bands import Bands
 from ..geodesy.accuracy import Scene
 from ..geodesy.ellipsoid import WGS84, sight_lines
@@ -17,8 +18,6 @@ from ..geodesy.view import ImageRays
 from ..mission.plan import Plan
 from .map_frame import turned
 from .shot import MapShot, Shot
-
-Floats = NDArray[np.float64]
 
 #: Bands of each product, in metres, degrees, and shares of a unit vector.
 BANDS = {

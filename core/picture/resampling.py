@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ..arrays import Floats, PixelValues
+
 #: Of float32, which holds sums of bytes, or of float64.
 Weights = NDArray[Any]
-Pixels = NDArray[Any]
 
 #: Samples worked on in one go, to bound memory.
 _BATCH = 1 << 16
@@ -50,7 +50,7 @@ KERNELS: dict[str, tuple[Callable[[Floats], Floats], float]] = {
 }
 
 
-def sample(image: Pixels, x_px: Floats, y_px: Floats, kernel: str) -> Weights:
+def sample(image: PixelValues, x_px: Floats, y_px: Floats, kernel: str) -> Weights:
     """Values of an image at points.
 
     Parameters

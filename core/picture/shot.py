@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import PixelValues
 from ..bands import RGB, Bands, fitted, full
 from ..geodesy.relief_view import Tracing
 from ..geodesy.view import View
@@ -18,7 +19,6 @@ from ..mission.plan import Plan
 from .camera_frame import camera_parts, render
 from .map_frame import assemble, turned, window_of
 
-Pixels = NDArray[Any]
 #: Colours (n, 3) of walls below roofs: see `Walled.walls`, for one map type.
 Walls = Callable[..., NDArray[np.float32]]
 
@@ -64,7 +64,7 @@ class Picture(NamedTuple):
     Those without ground, without a map, and of faces that no map shows.
     """
 
-    pixels: Pixels
+    pixels: PixelValues
     sky_share: float = 0.0
     unmapped_share: float = 0.0
     facade_share: float = 0.0
@@ -101,7 +101,7 @@ def walls_of(plan: Plan, source: Source, map_type: str) -> Walls | None:
 def draw(
     shot: MapShot | Shot,
     parts: Sequence[Part],
-    pixels: Mapping[Window, Pixels],
+    pixels: Mapping[Window, PixelValues],
     *,
     masked: bool = False,
     bands: Bands = RGB,

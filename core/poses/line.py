@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
@@ -28,7 +28,6 @@ from ..safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
-Floats = NDArray[np.float64]
 #: Metres that geodesics between places along a line may be off the line, and within which two corners are one.
 TOLERANCE_M = 0.1
 #: Geodesics in place of one side.

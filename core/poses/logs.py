@@ -18,6 +18,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
 from ..files import open_foreign
 from ..geodesy.camera import attitude_of
@@ -35,7 +36,6 @@ from ..mission.clock import CLOCKS, implausible, is_dated
 from .track import REPORT_EACH, Progress, Track, report, unwatched
 from .trajectories import BODIES, ROUNDING, WORLDS
 
-Floats = NDArray[np.float64]
 _Columns = Mapping[str, Floats]
 _log = logging.getLogger(__name__)
 #: As many lines in a row may be late, as where several tasks write into a log; where more are, its clock has restarted.

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..geodesy.mercator import wrap_lon_deg
@@ -23,7 +23,6 @@ from ..mission.area import Points, Polygon, check_agl, check_lat_lon, check_poly
 from .settings import Corridor, Orbit, Scan
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
-Floats = NDArray[np.float64]
 #: How far from the middle of its lines a pattern may reach, metres.
 _REACH_M = 200_000.0
 #: Nodes of a path for each step from image to image, and degrees of a turn from node to node at most.

@@ -14,6 +14,7 @@ from dataclasses import asdict
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..dataset.dataset import ImageSet, read_dataset
 from ..dataset.folder import MISSION_FILE
 from ..dataset.table import seconds_of
@@ -26,7 +27,6 @@ from ..mission.mission import Mission
 from ..mission.parts import Flight
 from .settings import Sensors
 
-Floats = NDArray[np.float64]
 PRIORS_FILE, SETTINGS_FILE = "priors.csv", "priors.json"
 COLUMNS = ("img_names", "prior_lat_deg", "prior_lon_deg", "prior_agl_m", "prior_yaw_deg")
 #: Decimals of a degree of place, 1 mm, and of metres and degrees of heading.

@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Flags, Floats
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84
@@ -23,8 +23,6 @@ from ..mission.flight.motion import normal, uniform
 from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 FIXED, UNIFORM, NORMAL = "fixed", "uniform", "normal"
 #: Where fewer than one in a thousand is accepted of at least this many that are drawn, drawing ends.
 _TRIES, _LEAST_SHARE = 100_000, 1e-3

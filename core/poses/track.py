@@ -9,13 +9,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput, Message, OptionName
 from ..fields import field_named
 from ..mission.area import Points, check_agl
 from ..mission.flight.motion import legs
 from ..mission.parts import Flight
 
-Floats = NDArray[np.float64]
 #: Decimals of latitude and longitude that are kept, 0.1 mm; of heights and angles; of seconds.
 PLACE_DIGITS, ANGLE_DIGITS, _TIME_DIGITS = 9, 6, 6
 #: A step shorter than this has no direction: a vehicle that stands, or a position that is logged twice.

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message, OptionName
 from ..geodesy.camera import attitude_of
 from ..geodesy.local import LocalFrame
@@ -20,8 +20,6 @@ from ..mission.parts import HIGHEST_AGL_M
 from ..numbers import real_number
 from .settings import WITHOUT_TIMES
 from .track import REPORT_EACH, Progress, Track, report, unwatched
-
-Floats = NDArray[np.float64]
 
 #: Right, top and view of the camera in the body's axes, as rows.
 BODIES: Mapping[str, Floats] = {

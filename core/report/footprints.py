@@ -8,15 +8,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..geodesy.accuracy import Scene, flat_bending_px, outside_flat_domain, with_noise
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, Footprint, ImagePoints, exact
 from ..mission.methods import Method, exact_footprint
-
-Floats = NDArray[np.float64]
 
 
 def _flat_offsets(camera: Camera, poses: Poses, points: ImagePoints) -> tuple[Floats, Floats]:

@@ -9,7 +9,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import Message
 from ..geodesy.accuracy import Scene, outside_flat_domain
@@ -38,7 +37,6 @@ from .pictures import BY_RAYS, Bench, Encoding, Resampling, Tiles, Way, encoding
 from .positions import floor_px
 from .wind import WindEffect, wind_effect
 
-Pixels = NDArray[np.uint8]
 #: Called with what is being measured, in words.
 Progress = Callable[[str], None]
 

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
+from ..arrays import Bytes, Floats
 from ..capture.metadata import Description
 from ..capture.records import job_of
 from ..capture.writers import JPEG_QUALITY, Place, encoded
@@ -31,14 +31,12 @@ from ..timing import Effort, Seconds, timed_together
 from ..world import WorldSource
 from .positions import level_below, scene_of, spread
 
-Pixels = NDArray[np.uint8]
 #: Kernel that only single samples can have: it needs a ray for every pixel.
 BY_RAYS = "lanczos"
 #: Larger pictures are timed on so many pixels of theirs, and the time is scaled: a report must end.
 _MOST_PX = 2_000_000
 #: Captures that are tried for a picture where parts of the source are missing.
 _TRIES = 3
-Floats = NDArray[np.float64]
 #: Side of the patch that kernels are measured on, px, and what it is taken with around it for their reach.
 _PATCH_PX, _MARGIN_PX = 112, 8
 #: Where between four pixels the samples lie: halfway is worst for every kernel, the others are what pictures hold, too.
@@ -144,7 +142,7 @@ class Bench:
         kinds = [way._replace(kernel=way.kernel if way.kernel == BY_RAYS else "") for way in ways]
         looks = {kind: partial(self._view, kind) for kind in kinds}
         seen = {kind: look() for kind, look in looks.items()}
-        draws: list[Callable[[], Pixels]] = []
+        draws: list[Callable[[], Bytes]] = []
         for way, kind in zip(ways, kinds):
             one = seen[kind]
             parts = camera_parts(one, self.lon_deg)
@@ -175,7 +173,7 @@ class Bench:
             scene = level_below(plan, self.index, scene)
         return view(scene, plan.grid, zooms, way.tolerance_px, by_rays=way.kernel == BY_RAYS)
 
-    def _map_frame(self) -> Callable[[], Pixels]:
+    def _map_frame(self) -> Callable[[], Bytes]:
         """What makes the map frame of the capture."""
         plan = self.plan
         pose = plan.poses.take(np.array([self.index]))
@@ -191,7 +189,7 @@ class Bench:
         pixels = self.tiles.of(parts)
         return lambda: turned(assemble(window, parts, pixels), turns)
 
-    def own_picture(self) -> Pixels:
+    def own_picture(self) -> Bytes:
         """Picture of the capture by the plan's own methods, at the size that it is written in."""
         plan = self.plan
         if plan.size_px is None:
@@ -202,7 +200,7 @@ class Bench:
         picture = render(seen, self.lon_deg, parts, self.tiles.of(parts), kernel)
         return resized(picture, plan.mission.output.img_size)
 
-    def _file_bytes(self, picture: Pixels) -> int:
+    def _file_bytes(self, picture: Bytes) -> int:
         """Bytes of a picture's file in the mission's format and at its size."""
         plan, source = self.plan, self.tiles.source
         sized = resized(picture, plan.mission.output.img_size)
@@ -225,12 +223,12 @@ class Tiles:
     def __init__(self, source: Source, map_type: str) -> None:
         self.source = source
         self.map_type = map_type
-        self._pixels: dict[Window, Pixels] = {}
+        self._pixels: dict[Window, Bytes] = {}
 
     def __len__(self) -> int:
         return len(self._pixels)
 
-    def of(self, parts: Sequence[Part]) -> dict[Window, Pixels]:
+    def of(self, parts: Sequence[Part]) -> dict[Window, Bytes]:
         """Pixels of some parts; those not there yet are fetched.
 
         Raises
@@ -344,7 +342,7 @@ def _spectrum(values: Floats) -> Floats:
 
 
 def encodings(
-    plan: Plan, source: Source, index: int, map_type: str, picture: Pixels, effort: Effort
+    plan: Plan, source: Source, index: int, map_type: str, picture: Bytes, effort: Effort
 ) -> list[Encoding]:
     """What a picture loses and takes as each kind of file.
 
@@ -377,13 +375,13 @@ def _about(plan: Plan, source: Source, index: int, map_type: str) -> tuple[Place
     return job.place, job.description
 
 
-def _jpeg(picture: Pixels, quality: int) -> bytes:
+def _jpeg(picture: Bytes, quality: int) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(picture).save(buffer, "JPEG", quality=quality, subsampling=0)
     return buffer.getvalue()
 
 
-def _loss(picture: Pixels, data: bytes) -> float:
+def _loss(picture: Bytes, data: bytes) -> float:
     """RMS difference of a picture and what is read back."""
     with Image.open(io.BytesIO(data)) as opened:
         read = np.asarray(opened, np.float64)

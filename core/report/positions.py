@@ -8,6 +8,7 @@ from typing import Any, Optional
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..geodesy.accuracy import Scene
 from ..geodesy.camera import CORNERS, Camera, Poses
@@ -19,7 +20,6 @@ from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import Cells, ImageRays, mesh
 from ..mission.plan import Plan
 
-Floats = NDArray[np.float64]
 #: An error in px; None where nothing could be compared.
 Error = Optional[float]
 #: Captures whose errors are measured, spread over the rows.

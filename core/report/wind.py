@@ -9,13 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Floats
 from ..geodesy.camera import CORNERS, Camera, Poses
 from ..geodesy.footprint import exact
 from ..mission.flight.motion import legs
 from ..mission.plan import Plan, plan
 from .positions import errors_px, scene_of, spread
-
-Floats = NDArray[np.float64]
 
 #: What the three rows are called that sum up the others.
 MOVED, TURNED, TOGETHER = "moved, in all", "turned, in all", "moved and turned"

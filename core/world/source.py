@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import PixelValues
 from ..bands import Bands
 from ..errors import InvalidInput
 from ..geodesy.mercator import HALF_WORLD_M, PixelGrid, WebMercator
@@ -15,7 +16,7 @@ from ..geodesy.planes import ProjectedPlane
 from ..imagery.entry import CatalogueEntry
 from ..imagery.opening import SourceOptions
 from ..imagery.policy import Policy
-from ..imagery.source import Part, Pixels, Window, tile_parts
+from ..imagery.source import Part, Window, tile_parts
 from ..map_types import MAP_TYPES, ROADMAP, SATELLITE, TERRAIN
 from . import caps, styles
 from .heights import ground_m, surface_m
@@ -244,7 +245,7 @@ class WorldSource:
         """Return the tiles that fill a window."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:
+    def fetch(self, map_type: str, part: Window) -> PixelValues:
         """Pixels of a tile, (256, 256, 3).
 
         Raises
@@ -275,7 +276,7 @@ class WorldHeights(WorldSource):
         super().__init__(seed, crs)
         self.grid = replace(self.grid, max_zoom=_HEIGHTS_ZOOM, native_zoom=_HEIGHTS_ZOOM)
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002 (its heights are one kind)
+    def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (its heights are one kind)
         """Heights of a tile, (256, 256, 1); raises InvalidInput for a tile that does not exist."""
         column, row = int(part.left_px) // TILE_PX, int(part.top_px) // TILE_PX
         return self.world.heights(part.zoom, column, row)[..., np.newaxis]

@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from qgis.core import (
     Qgis,
     QgsAbstractGeometry,
@@ -29,6 +28,7 @@ from qgis.core import (
 )
 from qgis.PyQt.QtCore import QDateTime, Qt
 
+from ...core.arrays import Floats
 from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
@@ -49,7 +49,6 @@ from ..map.canvas import LON_LAT, box_of, check_earthly
 from ..tasks import Task
 from .xml import xml_elements
 
-Floats = NDArray[np.float64]
 #: Metres that an edge or a curve of a layer may be off on the ground, once it is straight between degrees: about a
 #: pixel of the sharpest imagery there is.
 EDGE_TOLERANCE_M = 0.1

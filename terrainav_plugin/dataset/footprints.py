@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from pyproj.exceptions import ProjError
 
+from ...core.arrays import Bytes, Floats, Numbers
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled, InvalidInput
 from ...core.files import open_foreign, read_line, too_long_line
@@ -34,9 +35,6 @@ _FEATURE = b'{"type": "Feature",'
 #: Footprints after which it is asked whether to go on.
 _LOOK = 500
 Bounds = tuple[float, float, float, float]
-Floats = NDArray[np.float64]
-Bytes = NDArray[np.uint8]
-Numbers = NDArray[np.int64]
 _LINE_END, _BRACKET, _MINUS, _DOT, _ZERO = (ord(sign) for sign in "\n[-.0")
 #: Characters of the longest number that is read digit by digit: a sign, 17 significant digits, a dot, leading zeros.
 _WIDTH = 24

@@ -6,14 +6,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from qgis.PyQt.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen
 from qgis.PyQt.QtWidgets import QSizePolicy, QWidget
 
+from ...core.arrays import Floats
 from ..i18n import number_text, tr
 
-Floats = NDArray[np.float64]
 #: Range of entropies of 256 grey levels, in bits.
 LOWEST, HIGHEST = 0.0, 8.0
 #: Digits after the point that a threshold has.

@@ -7,15 +7,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Floats, Numbers
 from ...core.dataset.entropy import Report, deciding_entropies, otsu, parts_groups
 from ...core.dataset.folder import REJECTED_FOLDER
 from ...core.dataset.table import REJECTED
 from ...core.files import is_there
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 
 class Example(NamedTuple):

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from qgis.core import QgsCoordinateReferenceSystem, QgsRectangle
 from qgis.gui import QgsMapCanvas, QgsMapCanvasItem
 from qgis.PyQt.QtCore import QLineF, QObject, QPointF, QRectF, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 
+from ...core.arrays import Floats
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled
 from ..dataset.footprints import Bounds, Outlines, read_outlines, stamp_of
@@ -21,7 +21,6 @@ from ..i18n import tr
 from ..tasks import LatestWorker
 from .charts import REJECTED
 
-Floats = NDArray[np.float64]
 #: Footprints smaller than this on the screen are blots; larger ones are crossed out.
 _BLOT_PX = 6.0
 _LINE_PX = 2.0

@@ -24,11 +24,10 @@ from qgis.core import (
     QgsRectangle,
 )
 
+from ...core.arrays import Bytes, Floats
 from ...core.picture.resampling import sample
 from .renderer import Jobs, Pipes
 
-Floats = NDArray[np.float64]
-Pixels = NDArray[np.uint8]
 #: Well-known binary of a line: byte order, kind, count of points.
 _LINE_STRING = 2
 _HEADER = struct.Struct("<BII")
@@ -77,7 +76,7 @@ def sampled(
     edges_m: tuple[float, float, float, float],
     size: tuple[int, int],
     jobs: Jobs,
-) -> Pixels | None:
+) -> Bytes | None:
     """Pixels of a layer where a picture's pixels have their centres.
 
     Parameters
@@ -116,7 +115,7 @@ def sampled(
 
 def averaged(
     pipes: Pipes, left_px: int, top_px: int, size: tuple[int, int], factor: int, jobs: Jobs
-) -> Pixels | None:
+) -> Bytes | None:
     """Pixels of a layer as its raster has them, or means of several.
 
     Parameters

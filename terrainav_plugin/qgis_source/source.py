@@ -23,6 +23,7 @@ from qgis.core import QgsMapLayer, QgsMapSettings, QgsRectangle
 from qgis.PyQt.QtCore import QSize
 from qgis.PyQt.QtGui import QColor, QImage, QPainter
 
+from ...core.arrays import Bytes
 from ...core.errors import PartError
 from ...core.imagery.source import Part, Window, tile_parts
 from .renderer import Jobs, Pipes, blank, to_array, to_image
@@ -30,7 +31,6 @@ from .sampling import averaged, resamples_early, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
 from .tiles import Tiles
 
-Pixels = NDArray[np.uint8]
 #: Tiles of ground kept for the next pictures that show them (64 MB).
 _KEPT_TILES = 256
 #: Pixels by which a tile that is asked of a service stays clear of its neighbours: without it QGIS asks for them,
@@ -60,7 +60,7 @@ class LayerSource:
         self.grid, self.policy = snapshot.grid, snapshot.policy
         self._snapshot = snapshot
         self._jobs = jobs or Jobs()
-        self._tiles: OrderedDict[Window, Future[Pixels]] = OrderedDict()
+        self._tiles: OrderedDict[Window, Future[Bytes]] = OrderedDict()
         self._lock = threading.Lock()
         paper = snapshot.paper
         self._paper = np.array([paper.red(), paper.green(), paper.blue()], np.uint16)
@@ -72,7 +72,7 @@ class LayerSource:
         left_px = window.left_px % self.grid.world_px(window.zoom)
         return [Part(window._replace(left_px=left_px), 0, 0)]
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002
+    def fetch(self, map_type: str, part: Window) -> Bytes:  # noqa: ARG002
         """Pixels of a part, (height_px, width_px, 3) uint8, or 4 where something is missing.
 
         Raises
@@ -101,7 +101,7 @@ class LayerSource:
             shown = self._drawn_over(np.dstack([below, np.full_like(below[..., :1], 255)]), part)
         return self._on_paper(shown, missing)
 
-    def _drawn_over(self, below: Pixels, part: Window) -> Pixels:
+    def _drawn_over(self, below: Bytes, part: Window) -> Bytes:
         """Drawings over what is below them, premultiplied."""
         image, settings = to_image(below), self._settings(part)
         settings.setExtentBuffer(_REACH_PX * self.grid.pixel_size(part.zoom)[0])
@@ -115,7 +115,7 @@ class LayerSource:
                 layer.close()
         self._jobs.close()
 
-    def _on_paper(self, shown: Pixels, missing: NDArray[np.bool_]) -> Pixels:
+    def _on_paper(self, shown: Bytes, missing: NDArray[np.bool_]) -> Bytes:
         """Premultiplied pixels over the map's own colour, with a channel for those without imagery."""
         alpha = shown[..., 3]
         picture = shown[..., :3]
@@ -126,7 +126,7 @@ class LayerSource:
             return np.ascontiguousarray(picture)
         return np.dstack([picture, np.where(missing, 0, 255).astype(np.uint8)])
 
-    def _ground(self, window: Window) -> Pixels:
+    def _ground(self, window: Window) -> Bytes:
         """Ground below a window, put together from its tiles."""
         ground = np.empty((window.height_px, window.width_px, 4), np.uint8)
         for part in tile_parts(window, self.grid):
@@ -139,7 +139,7 @@ class LayerSource:
             ]
         return ground
 
-    def _tile(self, tile: Window) -> Pixels:
+    def _tile(self, tile: Window) -> Bytes:
         """Premultiplied pixels of a tile of ground; drawn once while it is wanted by several."""
         with self._lock:
             known = self._tiles.get(tile)
@@ -161,7 +161,7 @@ class LayerSource:
         mine.set_result(pixels)
         return pixels
 
-    def _draw_tile(self, tile: Window) -> Pixels:
+    def _draw_tile(self, tile: Window) -> Bytes:
         image = blank(tile.width_px, tile.height_px)
         blended = self._blended(image)
         settings = self._settings(tile)
@@ -189,7 +189,7 @@ class LayerSource:
         pipes: Pipes,
         settings: QgsMapSettings,
         tile: Window,
-    ) -> Pixels | None:
+    ) -> Bytes | None:
         """Pixels of one layer; None where it shows nothing."""
         layer, size = pipes.layer, (tile.width_px, tile.height_px)
         if self.grid.own is not None and tile.zoom <= self.grid.native_zoom:
@@ -219,7 +219,7 @@ class LayerSource:
         return settings
 
 
-def _paint(image: QImage, pixels: Pixels, mode: QPainter.CompositionMode) -> None:
+def _paint(image: QImage, pixels: Bytes, mode: QPainter.CompositionMode) -> None:
     painter = QPainter(image)
     painter.setCompositionMode(mode)
     painter.drawImage(0, 0, to_image(pixels))

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Numbers
 from ...errors import OutputError, PartError
 from ...files import read_if_there, write_whole
 from ...imagery.opening import NamedSource, SourceOptions
@@ -37,8 +38,6 @@ from ..journal import FAILED, Outcome
 from ..making import Making
 from ..records import Made, PictureJob, outcome_of, table_of
 from .shards import Gathered
-
-Numbers = NDArray[np.int64]
 
 #: Heights of the relief that blocks of other processes see.
 RELIEF_FILE = "relief.npy"

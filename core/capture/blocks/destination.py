@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Sequence
 from typing import Any
 
+from ...arrays import Numbers
 from ...dataset.folder import JOURNAL_FILE
 from ...errors import InvalidInput, Message, OutputError
 from ...files import json_bytes, read_each, read_if_there, write_whole
@@ -19,7 +20,6 @@ from ..folder import captured_mission, is_complete, open_place, sizes_of_picture
 from ..journal import FAILED
 from ..writers import file_endings
 from .block import Record, block_name
-from .division import Numbers
 
 
 class Destination:

@@ -6,12 +6,10 @@ import re
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Numbers
 from ...errors import InvalidInput
 from ...geodesy.frames import Windows
-
-Numbers = NDArray[np.int64]
 
 #: Images of one at most: all that its shard holds are in memory together.
 MOST_IMAGES = 100_000

@@ -11,6 +11,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from ...arrays import Numbers
 from ...dataset.folder import FOOTPRINTS_FILE, PLAN_FILE, TABLE_FILE
 from ...dataset.table import other_columns
 from ...errors import InvalidInput, Message, OptionName, OutputError, SourceError, TerrAInavError
@@ -43,7 +44,7 @@ from .block import (
     write_relief,
 )
 from .destination import Destination, check_in_blocks
-from .division import Numbers, divide
+from .division import divide
 from .engines import Engine
 from .shards import INDEX_FILE, index_of
 

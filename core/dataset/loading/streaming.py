@@ -23,11 +23,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Numbers
 from ...errors import InvalidInput, OutputError, TerrAInavError
 from ...files import PARTIAL_ENDING, lock_tried
 from ...stores import get_range
-
-Numbers = NDArray[np.int64]
 
 #: Shards that are fetched at a time, by each process.
 _FETCHERS = 4

@@ -10,10 +10,11 @@ from http import HTTPStatus
 from itertools import islice
 from typing import Callable
 
+from ...arrays import PixelValues
 from ...errors import PartError
 from ..http.client import NotThere, OutOfReach
 from ..http.transport import Response
-from ..source import Pixels, Tile
+from ..source import Tile
 from .freshness import Freshness, freshness
 from .tilefile import BATCH_TILES, FILE_ERRORS, BrokenTileError, Kept, TileFile, fault
 
@@ -33,10 +34,10 @@ _MOST_BUSY = 10
 _log = logging.getLogger(__name__)
 
 #: Turns body and headers into pixels, or raises PartError.
-Read = Callable[[bytes, Mapping[str, str]], Pixels]
+Read = Callable[[bytes, Mapping[str, str]], PixelValues]
 #: Sends a request with these headers; an answer with status 200, or 304 where there were headers, and what the
 #: callable reads of it.
-Ask = Callable[[Mapping[str, str], Callable[[Response], Pixels]], tuple[Response, Pixels]]
+Ask = Callable[[Mapping[str, str], Callable[[Response], PixelValues]], tuple[Response, PixelValues]]
 
 
 class TileStore:
@@ -75,7 +76,7 @@ class TileStore:
         self._file: TileFile | None = None
         self._open(None)
 
-    def fetch(self, tile: Tile, ask: Ask, read: Read, out_of_reach: Callable[[], bool]) -> Pixels:
+    def fetch(self, tile: Tile, ask: Ask, read: Read, out_of_reach: Callable[[], bool]) -> PixelValues:
         """Pixels of a tile: from the file while they are fresh, else from the server, which may confirm them.
 
         Parameters
@@ -91,7 +92,7 @@ class TileStore:
             As ``ask`` and ``read`` do.
         """
 
-        def new(response: Response) -> Pixels:
+        def new(response: Response) -> PixelValues:
             return read(response.body, response.headers)
 
         kept, pixels = self._usable(tile, read)
@@ -163,7 +164,7 @@ class TileStore:
         if file is not None:
             file.close()
 
-    def _usable(self, tile: Tile, read: Read) -> tuple[Kept | None, Pixels | None]:
+    def _usable(self, tile: Tile, read: Read) -> tuple[Kept | None, PixelValues | None]:
         """Return the stored tile and its pixels; what is broken is dropped."""
         kept = self._stored(tile)
         if kept is None:
@@ -191,7 +192,7 @@ class TileStore:
             self._failed(wrong, file)
         return None
 
-    def _received(self, tile: Tile, response: Response, pixels: Pixels) -> Pixels:
+    def _received(self, tile: Tile, response: Response, pixels: PixelValues) -> PixelValues:
         """Keep an answer that has shown to be a picture, and return its pixels."""
         self._keep(tile, response.body, freshness(response.headers, self._clock()))
         return pixels

@@ -10,12 +10,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Bytes
 from ...bands import DATA_TYPES, RGB, BandMetadata, Bands, chosen, shown_of, unnamed
 from ...errors import InvalidInput, Message, OptionName
 from ...limits import MAX_BANDS
 from ...text import printable
 from ..source import over_white
-from .reading import Band, Box, Bytes, Facts, RasterFile, Values
+from .reading import Band, Box, Facts, RasterFile, Values
 
 #: Colour interpretations whose values are neither red, green and blue nor greys.
 _OTHER_COLOURS = frozenset(

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from pyproj import CRS, Transformer
 from pyproj.enums import TransformDirection
 from pyproj.exceptions import ProjError
 
+from ...arrays import Floats
 from ...errors import InvalidInput
 from ...geodesy.mercator import HALF_WORLD_M, PixelGrid, extent_of_outline, fitting_zoom
 from ...geodesy.planes import ProjectedPlane
@@ -17,8 +17,6 @@ from ...geodesy.projections import through_proj
 from ...geodesy.reference import read_reference
 from ..source import Window
 from .reading import Facts
-
-Floats = NDArray[np.float64]
 
 _MAP = "EPSG:3857"
 _CIRCLE_DEG = 360.0

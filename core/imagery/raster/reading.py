@@ -16,6 +16,7 @@ from typing import IO, Any, NamedTuple, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Bytes
 from ...errors import Cancelled, InvalidInput, Message
 from ...native_calls import NativeCall
 from .remote import Remote
@@ -23,7 +24,6 @@ from .sizes import check_block, check_counts
 from .trust import DRIVERS, NAMES_OVERVIEWS, OVERVIEW_DOMAIN, OVERVIEW_FILE, VIRTUAL, check_virtual_file
 from .virtual import OPTIONS, ROW_BYTES, VirtualFile, vrt_of_bytes
 
-Bytes = NDArray[np.uint8]
 Values = NDArray[Any]
 
 #: GDAL's option for errors instead of grey where a JPEG is broken off.

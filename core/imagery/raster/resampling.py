@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...bands import fitted, full
 from .reading import Values
 
-Floats = NDArray[np.float64]
 #: Sums of blocks of pixels: whole numbers, or float64 where values are floats.
 Sums = NDArray[Any]
 

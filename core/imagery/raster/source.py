@@ -17,6 +17,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
+from ...arrays import Floats, PixelValues
 from ...bands import NO_STRETCH, Bands, Range, in_8_bits, percentiles, stretch_range
 from ...errors import InvalidInput, Message, PartError, SourceError
 from ...geodesy.mercator import HIGHEST_ZOOM, PixelGrid
@@ -26,14 +27,14 @@ from ...text import printable
 from ..http.transport import Transport
 from ..opening import FileSource
 from ..policy import Policy
-from ..source import Part, Pixels, Window, check_zoom, tile_parts
+from ..source import Part, Window, check_zoom, tile_parts
 from ..systems import MAP
 from ..template import KEY_ENV, environment_key
 from .colours import Colours, colours_of, heights_of
 from .place import TILE_PX, Place
 from .reading import Box, Facts, Pool, ReadError, Values, opener
 from .remote import Remote
-from .resampling import MOST_PX, Boxes, Floats, Sums, boxes, means, reduced
+from .resampling import MOST_PX, Boxes, Sums, boxes, means, reduced
 from .trust import FETCHED, KEY, check_virtual, drivers_for, file_of_part, host_of_virtual, name_for_gdal
 
 #: Highest zoom served, by enlarging, where the raster's own is below: that of tiles.
@@ -261,7 +262,7 @@ class RasterSource:
         """Tiles that fill ``window``."""
         return tile_parts(window, self.grid)
 
-    def fetch(self, map_type: str, part: Window) -> Pixels:  # noqa: ARG002 (a file has one kind of picture)
+    def fetch(self, map_type: str, part: Window) -> PixelValues:  # noqa: ARG002 (a file has one kind of picture)
         """Pixels of a part.
 
         Returns
@@ -311,7 +312,7 @@ class RasterSource:
                 raise SourceError("{0}: is gone", self._path)
             raise SourceError("{0}: has changed since it was opened", self._path, remedy="start anew")
 
-    def _stretched(self, picture: Values) -> Pixels:
+    def _stretched(self, picture: Values) -> PixelValues:
         count = len(self.bands)
         limits = self._file_percentiles() if self._limits is None else (self._limits,) * count
         there = picture[..., -1] != 0

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
@@ -27,7 +28,6 @@ from ..plan import Plan
 from ..relief import no_ground
 from .sorties import continuous
 
-Floats = NDArray[np.float64]
 #: Between two lines of places.
 _END = np.full((1, 3), np.nan)
 #: A waypoint's number in its file, its latitude and longitude, and its height.

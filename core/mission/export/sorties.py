@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats, Numbers
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
 from ..flight.motion import legs
 from ..flight.path import CAPTURE, LANDING, TAKEOFF
 from ..plan import Plan
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: What lines through fewer waypoints may be higher than captures over relief, as a share of their height above ground.
 _HIGHER_SHARE = 0.01

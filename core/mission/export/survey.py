@@ -18,8 +18,8 @@ from itertools import chain, product
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...errors import InvalidInput, Message
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
@@ -37,8 +37,6 @@ from .qgroundcontrol import (
     text_of,
 )
 from .sorties import Sortie, sorties
-
-Floats = NDArray[np.float64]
 
 #: By how much QGroundControl's rows reach beyond the polygon's extent, both sides together, metres.
 _BEYOND_M = 2000.0

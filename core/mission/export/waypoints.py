@@ -8,14 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...errors import Message
 from ...geodesy.mercator import wrap_lon_deg
 from ..flight.path import CAPTURE, LANDING, LEAD_IN, TAKEOFF, TRANSIT, TURNAROUND
 from ..outlines import cut_line
 from ..plan import Plan
 from .rows import clock, parts
-
-Floats = NDArray[np.float64]
 
 #: Points of a flight line, about; a longer one is drawn through the ends of its rows and some places between.
 LINE_POINTS = 50_000

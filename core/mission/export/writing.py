@@ -9,11 +9,12 @@ from itertools import count, islice, takewhile
 from pathlib import Path
 from typing import NamedTuple
 
+from ...arrays import Floats
 from ...errors import InvalidInput, Message, OutputError
 from ...files import write_whole
 from ...stores import is_address, store_path
 from ..plan import Plan
-from .flown import Floats, Reader, Way, places_of_gpx, places_of_kml
+from .flown import Reader, Way, places_of_gpx, places_of_kml
 from .geojson import geojson_text
 from .geopackage import geopackage_notes, write_geopackage
 from .gpx import gpx_notes, gpx_text

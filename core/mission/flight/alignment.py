@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import Cancelled, InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import arctan2
@@ -23,8 +22,6 @@ from ..parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
 from ..plan import Plan, plan
 from ..relief import Heights
 from .motion import legs
-
-Floats = NDArray[np.float64]
 
 _HALF_TURN_DEG = 180.0
 #: Azimuths are found to this, degrees: a thousandth of a row's length to its side.

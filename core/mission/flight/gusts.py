@@ -22,12 +22,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...errors import InvalidInput
 from ...units import M_PER_FT
 
-Floats = NDArray[np.float64]
 GRAVITY_M_PER_S2 = 9.80665
 #: Heights in feet between which the low-altitude model holds, and from which the scale is the same at every height.
 LOW_FT = 10.0

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import geodesics
@@ -15,7 +16,6 @@ from ...units import M_PER_FT
 from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, outputs
 from .wind import Wind
 
-Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 #: Intervals shorter than this are as good as none: the fastest time constant is 5 ms.
 SHORTEST_S = 1e-9

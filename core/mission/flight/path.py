@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats, Numbers
 from ...errors import InvalidInput
 from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
@@ -22,9 +23,6 @@ from ..overflown import Overflown, Profile
 from ..parts import GROUND, HOVER, ONE_WAY
 from ..relief import ReliefBelow, no_ground
 from .motion import legs
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 
 #: Kinds of points. Take-off and landing lie on the ground; the points above them, at which the way there begins and
 #: the way back ends, are transit, as are those around no-fly polygons and over relief.

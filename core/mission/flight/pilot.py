@@ -6,15 +6,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Floats
 from ...errors import Message, OptionName
 from ...geodesy.sun import sun_position
 from ..parts import HOVER, Flight, utc_time
 from ..plan import Plan
 from .path import HOVER_S
-
-Floats = NDArray[np.float64]
 
 #: Below this the sun casts shadows longer than 1.7 times what stands there, degrees.
 _LOW_SUN_DEG = 30.0

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Floats, Numbers
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import Windows
 from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
@@ -27,8 +27,6 @@ from ..area import (
     shared_rings,
 )
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 #: A share is printed rounded down at this many decimals, so that 100 % is never said of less.
 _SHARE_DECIMALS = 6
 #: Strips looked at in one go, to bound memory however many rectangles there are.

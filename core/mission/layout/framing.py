@@ -11,6 +11,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.accuracy import Scene
 from ...geodesy.camera import Poses
@@ -40,8 +41,6 @@ from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, bounds_with_margin, from_entry, lay_out, point_angles_deg, row_yaws_deg, sees_below
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 #: Places and nominal poses to the poses that are flown.
 Disturbed = Callable[[Layout, Poses], Poses]
 

@@ -7,8 +7,8 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import WGS84, sin_cos
 from ..area import Polygons
@@ -17,8 +17,6 @@ from ..parts import ONE_WAY, PAPER
 from .rotated import Pass
 from .rows import Layout, keeps_ways, picked, refuse_too_many, turned_yaws_deg
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 #: Rows of one polygon, and their passes where they lie in planes.
 LaidOut = Callable[[Mission], tuple[Layout, tuple[Pass, ...]]]
 

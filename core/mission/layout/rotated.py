@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Flags, Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
@@ -53,10 +53,6 @@ from .rows import (
     refuse_no_step,
     refuse_too_many,
 )
-
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 #: How far from its middle a plane is used, metres: it enlarges by 0.6 % there, and as many images more are flown.
 _REACH_M = 1e6

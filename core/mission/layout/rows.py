@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
@@ -21,8 +22,6 @@ from ..flight.motion import legs
 from ..mission import Mission
 from ..parts import COMPASS_CORNERS, EASTWARD_DEG, FIRST, NEAREST, NORTH, ONE_WAY, TRACK
 
-Floats = NDArray[np.float64]
-Numbers = NDArray[np.int64]
 #: Edges of the frames of captures at latitudes in degrees and heights above ground in metres, (n,) each.
 Frames = Callable[[Floats, Floats], FrameEdges]
 #: The same for latitudes alone: those that any capture there has at least.

@@ -1,0 +1,15 @@
+"""Arrays, as annotations name them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+Bytes = NDArray[np.uint8]
+#: Of a picture, of one of `bands.DATA_TYPES`; of most sources uint8.
+PixelValues = NDArray[Any]
