@@ -6,7 +6,6 @@ import importlib
 from typing import Any
 
 from .errors import OutputError
-from .text import one_line, words_of
 
 #: Characters shown of what a library says, which may be pages.
 _SAID_CHARACTERS = 120
@@ -29,6 +28,9 @@ def imported(name: str) -> Any:
     except (ImportError, MemoryError):
         raise
     except Exception as wrong:
+        # Only where something is wrong: the command imports this for its help.
+        from .text import one_line, words_of
+
         raise OutputError(
             "{0}: cannot be imported ({1}: {2}); its own settings, in a file or the environment, may be wrong",
             name,

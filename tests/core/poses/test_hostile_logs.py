@@ -40,15 +40,17 @@ def definition(kind: int, length: int, columns: bytes = b"Q", names: bytes = b"T
     return b"\xa3\x95\x80" + struct.pack("<BB4s16s64s", kind, length, b"POS", columns, names)
 
 
+#: Of pyulog, which newer versions of it refuse themselves: they leave the topic out.
+HUGE = ("1,000,000,000 fields", f"has no positions ({PLACE})")
 WIDE = fields(PLACE, "uint64_t timestamp;uint8_t[60000] x;")
 #: What pyulog takes for 1000 and `int` alone reads, and headers that it takes back by a byte before a definition.
 PX4 = {
-    "underscores": (px4(fields(PLACE, "float[1_000_000_000] x;"), topic(0)), "1,000,000,000 fields"),
-    "a sign": (px4(fields(PLACE, "float[+1000000000] x;"), topic(0)), "1,000,000,000 fields"),
-    "more after the size": (px4(fields(PLACE, "float[1000000000]] x;"), topic(0)), "1,000,000,000 fields"),
+    "underscores": (px4(fields(PLACE, "float[1_000_000_000] x;"), topic(0)), HUGE),
+    "a sign": (px4(fields(PLACE, "float[+1000000000] x;"), topic(0)), HUGE),
+    "more after the size": (px4(fields(PLACE, "float[1000000000]] x;"), topic(0)), HUGE),
     "behind damage": (
         px4(b"\x20\x4e\0X", bytes(0x4E), fields(PLACE, "float[1000000000] x;"), topic(0), bytes(0x4E20)),
-        "1,000,000,000 fields",
+        HUGE,
     ),
     "itself": (px4(fields(PLACE, f"{PLACE} x;"), topic(0)), f"more than {MAX_LOG_DEPTH} deep"),
     "itself many times": (
@@ -141,7 +143,7 @@ def test_a_hostile_log_is_refused_in_one_line(tmp_path, log):
         refused = read(path, fast_index)
         assert refused.returncode == 2, refused.stderr
         line = refused.stderr.splitlines()[-1]
-        assert said in line
+        assert any(one in line for one in ((said,) if isinstance(said, str) else said))
         assert "Traceback" not in refused.stderr
 
 
