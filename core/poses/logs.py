@@ -134,7 +134,7 @@ def _standard_error(target: int) -> Iterator[None]:
         os.close(kept)
 
 
-class _BeyondLimitsError(Exception):
+class _BeyondLimits(Exception):
     """What ends the reading of a log: newer versions of pyulog take each ValueError for damage, and read on."""
 
 
@@ -231,7 +231,7 @@ def _ulog_reader(pyulog: Any) -> Any:
         def __init__(self, data: bytes, header: Any, formats: Mapping[str, Any]) -> None:
             Reader.fields += _count_fields(data[3:].decode("utf-8", "replace"), formats)
             if Reader.fields > MAX_LOG_FIELDS:
-                raise _BeyondLimitsError(f"its topics have more than {MAX_LOG_FIELDS:,} fields")
+                raise _BeyondLimits(f"its topics have more than {MAX_LOG_FIELDS:,} fields")
             super().__init__(data, header, formats)
 
     class Reader(pyulog.ULog):  # type: ignore[misc]
@@ -246,14 +246,14 @@ def _count_fields(name: str, formats: Mapping[str, Any], depth: int = 0) -> int:
     if name not in formats:
         return 1
     if depth == MAX_LOG_DEPTH:
-        raise _BeyondLimitsError(f"its types are within each other more than {MAX_LOG_DEPTH} deep")
+        raise _BeyondLimits(f"its types are within each other more than {MAX_LOG_DEPTH} deep")
     total = 0
     for inner, times, field in formats[name].fields:
         if max(len(name), len(field)) > MAX_LOG_NAME_CHARACTERS:
-            raise _BeyondLimitsError(f"a name has more than {MAX_LOG_NAME_CHARACTERS} characters")
+            raise _BeyondLimits(f"a name has more than {MAX_LOG_NAME_CHARACTERS} characters")
         total += max(times, 1) * _count_fields(inner, formats, depth + 1)
         if total > MAX_LOG_FIELDS:
-            raise _BeyondLimitsError(f"{name} has {total:,} fields")
+            raise _BeyondLimits(f"{name} has {total:,} fields")
     # One without any is gone through, too.
     return max(total, 1)
 
@@ -338,7 +338,7 @@ def _dataflash_reader(reader: Any, path: Path, progress: Progress) -> Any:
             before = self.offset
             message = super().recv_msg()
             if message is not None and self.offset <= before:
-                raise _BeyondLimitsError(f"its messages {message.get_type()} have no length")
+                raise _BeyondLimits(f"its messages {message.get_type()} have no length")
             return message
 
     return _opened(Reader, path)
@@ -375,7 +375,7 @@ def _check_messages(path: Path, progress: Progress) -> None:
             if kind == _DEFINITION and at <= len(data):
                 number, length = data[begin + _HEAD_BYTES : begin + _HEAD_BYTES + 2]
                 if length < _HEAD_BYTES:
-                    raise _BeyondLimitsError(f"its messages of kind {number} have {length} bytes")
+                    raise _BeyondLimits(f"its messages of kind {number} have {length} bytes")
                 defined[number] = length
             if damaged > MAX_LOG_DAMAGE_BYTES:
                 break
@@ -395,12 +395,12 @@ def _check_lines(path: Path) -> None:
             damaged += len(line) * (b"," not in line)
             _check_damage(damaged)
             if len(kinds) > MAX_LOG_KINDS:
-                raise _BeyondLimitsError(f"its lines begin with more than {MAX_LOG_KINDS} words")
+                raise _BeyondLimits(f"its lines begin with more than {MAX_LOG_KINDS} words")
 
 
 def _check_damage(damaged: int) -> None:
     if damaged > MAX_LOG_DAMAGE_BYTES:
-        raise _BeyondLimitsError(f"more than {MAX_LOG_DAMAGE_BYTES >> 20} MB of it belong to no message")
+        raise _BeyondLimits(f"more than {MAX_LOG_DAMAGE_BYTES >> 20} MB of it belong to no message")
 
 
 #: Columns that `_Log` has, of whatever format.

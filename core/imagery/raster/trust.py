@@ -55,11 +55,16 @@ _PLAIN_DRIVERS = frozenset("JPEG PNG GIF BIGGIF WEBP BMP JP2OpenJPEG JP2KAK JP2E
 _HEADER = Message("header")
 #: Environment variable with folders that a VRT may read files of, beside its own.
 FOLDERS_ENV = "TERRAINAV_RASTER_FOLDERS"
-#: How files of these formats begin, of those that say so.
+#: How files begin of formats that may have their coordinate reference system as text anywhere: HFA, NITF, MrSID, ECW.
+_TEXT_ANYWHERE = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02")
+_SQLITE = b"SQLite format 3"
+#: Those that would be read from end to end to look through them: these, databases, and grids written as text.
+_READ_WHOLE = (*_TEXT_ANYWHERE, _SQLITE, b"ncols", b"NCOLS")
+#: How files of all these formats begin, of those that say so.
 _MAGIC = (
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+", b"\xff\xd8\xff", b"\x89PNG", b"GIF8", b"BM", b"RIFF"),
-    *(b"SQLite format 3", b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a", b"EHFA_HEADER_TAG"),
-    *(b"msid", b"e\x02", b"NITF", b"NSIF", b"ncols", b"NCOLS"),
+    *(b"\0\0\0\x0cjP", b"\xff\x4f\xff\x51", b"\xff\x0a"),
+    *_READ_WHOLE,
 )
 #: Endings of SRTM's files, which have no beginning of their own, and bytes of their 1, 1.5 and 3 seconds of arc.
 _SRTM, _SRTM_BYTES = (
@@ -122,21 +127,8 @@ _COMPANIONS = (".ovr", ".msk")
 _BEHIND, _IN_PLACE = (".aux", ".hdr"), (".prj", ".hdr", ".aux", ".tab")
 #: Boxes of JPEG 2000 and JPEG XL that have pixels alone, and how files of boxes begin.
 _PIXEL_BOXES, _BOXES = frozenset({b"jp2c", b"jxlc", b"jxlp"}), (b"\0\0\0\x0cjP", b"\0\0\0\x0cJXL ")
-#: Formats whose files hold no coordinate reference system, or one that is looked at elsewhere.
-_WITHOUT_TEXT = (
-    b"II",
-    b"MM",
-    b"\xff\xd8\xff",
-    b"\x89PNG",
-    b"GIF8",
-    b"BM",
-    b"RIFF",
-    b"\xff\x4f\xff\x51",
-    b"\xff\x0a",
-)
-#: How files begin of the others that may have it as text anywhere: HFA, NITF, MrSID, ECW, RMF.
-_WITH_TEXT = (b"EHFA_HEADER_TAG", b"NITF", b"NSIF", b"msid", b"e\x02", b"RSW", b"MTW", b"\0WSR")
-_SQLITE = b"SQLite format 3"
+#: Those in which it is looked for from end to end: the formats above, and RMF.
+_WITH_TEXT = (*_TEXT_ANYWHERE, b"RSW", b"MTW", b"\0WSR")
 #: Bytes of a file that are looked through at once, and those that are looked at again with the next ones.
 _CHUNK_BYTES, _OVERLAP_BYTES = 1 << 22, 1 << 10
 #: Steps of SQLite between looks at the clock.
@@ -396,7 +388,7 @@ def check_virtual_file(path: str, file: IO[bytes], drivers: Sequence[str]) -> li
         check_directories(_HEADER, file, head)
         _check_texts(_HEADER, _texts(_HEADER, file, head, sys.maxsize))
         return [name for name in drivers if name == "GTiff"]
-    if head.startswith(_MAGIC) and not head.startswith(_WITHOUT_TEXT):
+    if head.startswith(_READ_WHOLE):
         raise InvalidInput(
             "is of a format that is read from folders of this machine alone",
             remedy="name a copy of it, unpacked and on this machine",
