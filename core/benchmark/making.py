@@ -51,7 +51,7 @@ _LOCK_FILE = "run.lock"
 
 
 @dataclass(frozen=True)
-class Making:
+class BenchmarkResult:
     """What a run did.
 
     Parameters
@@ -85,7 +85,7 @@ def make_benchmark(
     resume: bool = False,
     progress: Callable[[Progress], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
-) -> Making:
+) -> BenchmarkResult:
     """Make a benchmark in a folder.
 
     The reference is captured as one image, ``reference/mosaic``, and as tiles, ``reference/tiles_…m``; the queries into
@@ -133,10 +133,10 @@ def make_benchmark(
             cancelled=ends,
         )
         if any(one.cancelled for one in results.values()):
-            return Making(path, results, None)
+            return BenchmarkResult(path, results, None)
         check()
         hint = _write_truth(path, worked_out, about, shares)
-    return Making(path, results, Benchmark.read(path), hint)
+    return BenchmarkResult(path, results, Benchmark.read(path), hint)
 
 
 def _claim(path: Path, about: dict[str, object], *, resume: bool) -> None:

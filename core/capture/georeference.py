@@ -16,7 +16,7 @@ from ..geodesy.mercator import WebMercator
 from ..geodesy.reference import read_reference
 from ..mission.plan import Plan
 from .metadata import degrees, metres, xml_text
-from .tiff import Kind, Tag
+from .tiff import Tag, TagType
 
 #: What GeoTIFF says of a CRS that has no code.
 _USER_DEFINED = 32767
@@ -131,17 +131,17 @@ class Georeference:
             else [(1024, 1), (1025, 1), (3072, int(self.crs[5:]))]
         )
         place = [
-            Tag(33550, Kind.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
-            Tag(33922, Kind.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
+            Tag(33550, TagType.DOUBLE, [width_m, height_m, 0.0]),  # ModelPixelScale
+            Tag(33922, TagType.DOUBLE, [0.0, 0.0, 0.0, self.west_m, self.north_m, 0.0]),  # ModelTiepoint
         ]
         if self.quarter_turns % 4:
             x, across_x, down_x, y, across_y, down_y = self.geotransform
             matrix = [across_x, down_x, 0.0, x, across_y, down_y, 0.0, y, *(0.0,) * 7, 1.0]
-            place = [Tag(34264, Kind.DOUBLE, matrix)]  # ModelTransformation
+            place = [Tag(34264, TagType.DOUBLE, matrix)]  # ModelTransformation
         return [
             *place,
-            Tag(34735, Kind.SHORT, _geo_keys(keys, citation)),
-            *([Tag(34737, Kind.ASCII, citation)] if citation else []),
+            Tag(34735, TagType.SHORT, _geo_keys(keys, citation)),
+            *([Tag(34737, TagType.ASCII, citation)] if citation else []),
         ]
 
 
@@ -206,8 +206,8 @@ class ControlPoints:
         """GeoTIFF's tags: tie points, and a geographic CRS by its code."""
         ties = np.insert(self.points, 2, 0.0, axis=1).ravel().tolist()
         return [
-            Tag(33922, Kind.DOUBLE, ties),  # ModelTiepoint
-            Tag(34735, Kind.SHORT, _geo_keys([(1024, 2), (1025, 1), (2048, _GEOGRAPHIC_EPSG)])),
+            Tag(33922, TagType.DOUBLE, ties),  # ModelTiepoint
+            Tag(34735, TagType.SHORT, _geo_keys([(1024, 2), (1025, 1), (2048, _GEOGRAPHIC_EPSG)])),
         ]
 
 

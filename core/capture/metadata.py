@@ -22,7 +22,7 @@ import numpy as np
 
 from ..geodesy.mercator import wrap_lon_deg
 from ..picture.optics import Exposure
-from .tiff import HEADER_BYTES, Kind, Tag, directory, header, rational
+from .tiff import HEADER_BYTES, Tag, TagType, directory, header, rational
 
 SOFTWARE = "TerrAInav"
 #: The camera is a simulated one, and its maker this program. Readers turn the angles of some makers' cameras.
@@ -149,18 +149,18 @@ def exif(description: Description) -> bytes:
     """TIFF structure with the directories of the picture, its exposure and its position."""
     exposure = description.exposure
     own = [
-        Tag(270, Kind.ASCII, description.title),
-        Tag(274, Kind.SHORT, [1]),  # orientation: as it is
-        Tag(305, Kind.ASCII, SOFTWARE),
-        Tag(33432, Kind.ASCII, description.attribution),
+        Tag(270, TagType.ASCII, description.title),
+        Tag(274, TagType.SHORT, [1]),  # orientation: as it is
+        Tag(305, TagType.ASCII, SOFTWARE),
+        Tag(33432, TagType.ASCII, description.attribution),
     ]
     below = [(34853, _position(description))]
     if exposure is not None:
-        own += [Tag(271, Kind.ASCII, MAKE), Tag(272, Kind.ASCII, exposure.body.model)]
+        own += [Tag(271, TagType.ASCII, MAKE), Tag(272, TagType.ASCII, exposure.body.model)]
         below.insert(0, (34665, _exposure(exposure)))
 
     def root(offsets: list[int]) -> bytes:
-        pointers = [Tag(number, Kind.LONG, [at]) for (number, _), at in zip(below, offsets)]
+        pointers = [Tag(number, TagType.LONG, [at]) for (number, _), at in zip(below, offsets)]
         return directory([*own, *pointers], HEADER_BYTES)
 
     at, parts, offsets = HEADER_BYTES + len(root([0] * len(below))), [], []
@@ -233,20 +233,20 @@ def xml_text(text: str) -> str:
 def _exposure(exposure: Exposure) -> list[Tag]:
     focal = FocalTags.of(exposure.body.focal_length_mm, *exposure.focal_px)
     tags = [
-        Tag(36864, Kind.UNDEFINED, b"0300"),  # ExifVersion
-        Tag(37386, Kind.RATIONAL, focal.length_mm),
-        Tag(40961, Kind.SHORT, [1]),  # sRGB
-        Tag(40962, Kind.LONG, [exposure.size_px[0]]),
-        Tag(40963, Kind.LONG, [exposure.size_px[1]]),
-        Tag(41486, Kind.RATIONAL, focal.x_px_per_cm),
-        Tag(41487, Kind.RATIONAL, focal.y_px_per_cm),
-        Tag(41488, Kind.SHORT, [_CENTIMETRE]),
+        Tag(36864, TagType.UNDEFINED, b"0300"),  # ExifVersion
+        Tag(37386, TagType.RATIONAL, focal.length_mm),
+        Tag(40961, TagType.SHORT, [1]),  # sRGB
+        Tag(40962, TagType.LONG, [exposure.size_px[0]]),
+        Tag(40963, TagType.LONG, [exposure.size_px[1]]),
+        Tag(41486, TagType.RATIONAL, focal.x_px_per_cm),
+        Tag(41487, TagType.RATIONAL, focal.y_px_per_cm),
+        Tag(41488, TagType.SHORT, [_CENTIMETRE]),
     ]
     if exposure.taken is not None:
         tags += [
-            Tag(36867, Kind.ASCII, f"{_date(exposure.taken)} {exposure.taken:%H:%M:%S}"),
-            Tag(36881, Kind.ASCII, "+00:00"),
-            Tag(37521, Kind.ASCII, f"{exposure.taken.microsecond:06d}"),
+            Tag(36867, TagType.ASCII, f"{_date(exposure.taken)} {exposure.taken:%H:%M:%S}"),
+            Tag(36881, TagType.ASCII, "+00:00"),
+            Tag(37521, TagType.ASCII, f"{exposure.taken.microsecond:06d}"),
         ]
     return tags
 
@@ -260,22 +260,22 @@ def _position(description: Description) -> list[Tag]:
     altitude_m = figure(description.agl_m if exposure is None else exposure.altitude_m)
     heading = round(description.yaw_deg % 360.0 * _HEADING_SHARE) % (360 * _HEADING_SHARE)
     tags = [
-        Tag(0, Kind.BYTE, [2, 4, 0, 0]),  # GPSVersionID
-        Tag(1, Kind.ASCII, "S" if lat < 0.0 else "N"),
-        Tag(2, Kind.RATIONAL, _degrees_minutes_seconds(lat)),
-        Tag(3, Kind.ASCII, "W" if lon < 0.0 else "E"),
-        Tag(4, Kind.RATIONAL, _degrees_minutes_seconds(lon)),
-        Tag(5, Kind.BYTE, [int(altitude_m < 0.0)]),
-        Tag(6, Kind.RATIONAL, rational(abs(altitude_m))),
-        Tag(16, Kind.ASCII, "T"),  # heading from true north
-        Tag(17, Kind.RATIONAL, [heading, _HEADING_SHARE]),
-        Tag(18, Kind.ASCII, "WGS-84"),
+        Tag(0, TagType.BYTE, [2, 4, 0, 0]),  # GPSVersionID
+        Tag(1, TagType.ASCII, "S" if lat < 0.0 else "N"),
+        Tag(2, TagType.RATIONAL, _degrees_minutes_seconds(lat)),
+        Tag(3, TagType.ASCII, "W" if lon < 0.0 else "E"),
+        Tag(4, TagType.RATIONAL, _degrees_minutes_seconds(lon)),
+        Tag(5, TagType.BYTE, [int(altitude_m < 0.0)]),
+        Tag(6, TagType.RATIONAL, rational(abs(altitude_m))),
+        Tag(16, TagType.ASCII, "T"),  # heading from true north
+        Tag(17, TagType.RATIONAL, [heading, _HEADING_SHARE]),
+        Tag(18, TagType.ASCII, "WGS-84"),
     ]
     if exposure is not None and exposure.taken is not None:
         taken = exposure.taken
         seconds = taken.second * _MICROSECONDS + taken.microsecond
         time = [taken.hour, 1, taken.minute, 1, seconds, _MICROSECONDS]
-        tags += [Tag(7, Kind.RATIONAL, time), Tag(29, Kind.ASCII, _date(taken))]
+        tags += [Tag(7, TagType.RATIONAL, time), Tag(29, TagType.ASCII, _date(taken))]
     return tags
 
 

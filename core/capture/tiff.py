@@ -13,7 +13,7 @@ _LARGEST_LONG = (1 << 32) - 1
 _SHARES = tuple(10**digits for digits in range(9, -1, -1))
 
 
-class Kind(IntEnum):
+class TagType(IntEnum):
     """Types of a tag's values."""
 
     BYTE = 1
@@ -28,12 +28,12 @@ class Kind(IntEnum):
 
 
 _FORMATS = {
-    Kind.BYTE: "B",
-    Kind.SHORT: "H",
-    Kind.LONG: "I",
-    Kind.RATIONAL: "I",
-    Kind.DOUBLE: "d",
-    Kind.LONG8: "Q",
+    TagType.BYTE: "B",
+    TagType.SHORT: "H",
+    TagType.LONG: "I",
+    TagType.RATIONAL: "I",
+    TagType.DOUBLE: "d",
+    TagType.LONG8: "Q",
 }
 
 
@@ -45,7 +45,7 @@ class Tag(NamedTuple):
     """
 
     number: int
-    kind: Kind
+    kind: TagType
     values: str | bytes | Sequence[int] | Sequence[float]
 
     def packed(self) -> tuple[int, bytes]:
@@ -56,7 +56,7 @@ class Tag(NamedTuple):
         if isinstance(self.values, bytes):
             return len(self.values), self.values
         data = struct.pack(f"<{len(self.values)}{_FORMATS[self.kind]}", *self.values)
-        return (len(self.values) // 2 if self.kind is Kind.RATIONAL else len(self.values)), data
+        return (len(self.values) // 2 if self.kind is TagType.RATIONAL else len(self.values)), data
 
 
 def rational(value: float) -> list[int]:

@@ -20,7 +20,7 @@ from ..errors import InvalidInput
 from ..files import write_whole
 from .georeference import ControlPoints, Georeference
 from .metadata import SOFTWARE, Description, exif, xml_text, xmp
-from .tiff import HEADER_BYTES, Kind, Tag, directory, header
+from .tiff import HEADER_BYTES, Tag, TagType, directory, header
 
 #: Only runs are searched for: on photographs that is four times as fast as zlib's default level and smaller too,
 #: as the predictor has left little else to find; drawn maps are small either way.
@@ -141,12 +141,12 @@ def geotiff(
         return _geotiff_of_bands(pixels, place, description, bands, ranges)
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     tags = [
-        Tag(262, Kind.SHORT, [1 if channels == 1 else 2]),  # black is zero; RGB
-        Tag(42112, Kind.ASCII, gdal_metadata(_description_items(description))),
+        Tag(262, TagType.SHORT, [1 if channels == 1 else 2]),  # black is zero; RGB
+        Tag(42112, TagType.ASCII, gdal_metadata(_description_items(description))),
     ]
     if channels == _WITH_ALPHA:
         tags.append(
-            Tag(338, Kind.SHORT, [2])
+            Tag(338, TagType.SHORT, [2])
         )  # the fourth channel is alpha, and the others are not multiplied by it
     return _with_pixels(pixels, place, description, tags)
 
@@ -160,8 +160,8 @@ def _geotiff_of_bands(
     extra = [0] * (count - (_COLOURS if are_shown_first else 1))
     items = band_items(bands, ranges, has_alpha=is_masked and bands.data_type not in _NO_DATA)
     tags = [
-        Tag(262, Kind.SHORT, [2 if are_shown_first else 1]),  # RGB; black is zero
-        Tag(42112, Kind.ASCII, gdal_metadata(_description_items(description) + items)),
+        Tag(262, TagType.SHORT, [2 if are_shown_first else 1]),  # RGB; black is zero
+        Tag(42112, TagType.ASCII, gdal_metadata(_description_items(description) + items)),
     ]
     nodata = bands.nodata
     if nodata is not None:
@@ -169,7 +169,7 @@ def _geotiff_of_bands(
     elif is_masked:
         nodata = _NO_DATA.get(bands.data_type)
     if nodata is not None:
-        tags.append(Tag(42113, Kind.ASCII, repr(nodata)))
+        tags.append(Tag(42113, TagType.ASCII, repr(nodata)))
     if is_masked and nodata is not None:
         there = pixels[..., count:] != 0
         values = np.where(there, pixels[..., :count], bands.dtype.type(nodata))
@@ -179,9 +179,9 @@ def _geotiff_of_bands(
     elif is_masked:
         extra.append(2)
     if extra:
-        tags.append(Tag(338, Kind.SHORT, extra))
+        tags.append(Tag(338, TagType.SHORT, extra))
     if bands.dtype.kind != "u":
-        tags.append(Tag(339, Kind.SHORT, [_SAMPLE_FORMATS[bands.dtype.kind]] * pixels.shape[2]))
+        tags.append(Tag(339, TagType.SHORT, [_SAMPLE_FORMATS[bands.dtype.kind]] * pixels.shape[2]))
     return _with_pixels(pixels, place, description, tags)
 
 
@@ -211,18 +211,18 @@ def _with_pixels(pixels: PixelValues, place: Place, description: Description, mo
     is_float = pixels.dtype.kind == "f"
     strips = _packed_strips(_as_bytes(pixels) if is_float else pixels, rows)
     tags = [
-        Tag(256, Kind.LONG, [width]),
-        Tag(257, Kind.LONG, [height]),
-        Tag(258, Kind.SHORT, [8 * pixels.itemsize] * channels),
-        Tag(259, Kind.SHORT, [8]),  # compression: deflate
-        Tag(270, Kind.ASCII, description.title),
-        Tag(277, Kind.SHORT, [channels]),
-        Tag(278, Kind.LONG, [rows]),
-        Tag(279, Kind.LONG, [len(strip) for strip in strips]),
-        Tag(284, Kind.SHORT, [1]),  # channels pixel by pixel
-        Tag(305, Kind.ASCII, SOFTWARE),
-        Tag(317, Kind.SHORT, [_OF_FLOATS if is_float else _DIFFERENCES]),
-        Tag(33432, Kind.ASCII, description.attribution),
+        Tag(256, TagType.LONG, [width]),
+        Tag(257, TagType.LONG, [height]),
+        Tag(258, TagType.SHORT, [8 * pixels.itemsize] * channels),
+        Tag(259, TagType.SHORT, [8]),  # compression: deflate
+        Tag(270, TagType.ASCII, description.title),
+        Tag(277, TagType.SHORT, [channels]),
+        Tag(278, TagType.LONG, [rows]),
+        Tag(279, TagType.LONG, [len(strip) for strip in strips]),
+        Tag(284, TagType.SHORT, [1]),  # channels pixel by pixel
+        Tag(305, TagType.ASCII, SOFTWARE),
+        Tag(317, TagType.SHORT, [_OF_FLOATS if is_float else _DIFFERENCES]),
+        Tag(33432, TagType.ASCII, description.attribution),
         *place.tags(),
         *more,
     ]
@@ -341,7 +341,7 @@ def _with_strips(tags: list[Tag], strips: list[bytes]) -> bytes:
         offsets = [start]
         for strip in strips[:-1]:
             offsets.append(offsets[-1] + len(strip))
-        return Tag(273, Kind.LONG, offsets)
+        return Tag(273, TagType.LONG, offsets)
 
     length = len(directory([*tags, offsets_from(0)], HEADER_BYTES))
     return b"".join(

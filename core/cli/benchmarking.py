@@ -28,7 +28,7 @@ from .stopping import collected
 
 if TYPE_CHECKING:
     from ..benchmark.folder import Benchmark
-    from ..benchmark.making import Making
+    from ..benchmark.making import BenchmarkResult
     from ..benchmark.planning import BenchmarkPlan, BenchmarkSettings
     from ..benchmark.scoring import Scores
     from ..imagery.source import Source
@@ -127,7 +127,7 @@ def _made(
     arguments: argparse.Namespace,
     values: dict[str, Any],
     signals: list[int],
-) -> Making:
+) -> BenchmarkResult:
     from ..benchmark.making import make_benchmark
     from ..imagery.catalogue import check_policy, shared_requests
 
@@ -170,7 +170,7 @@ def _print_plan(worked_out: BenchmarkPlan) -> None:
         print(f"{worked_out.left_out:,} queries of each imagery left out, which see beyond the imagery")
 
 
-def _print_made(made: Making, as_json: bool) -> None:
+def _print_made(made: BenchmarkResult, as_json: bool) -> None:
     total = made.total
     warning = None if made.benchmark is None else made.benchmark.warning
     for words in filter(None, (warning, made.hint)):

@@ -14,7 +14,7 @@ from .exits import exit_code
 _ASKING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
-class Stopped(KeyboardInterrupt):
+class Interrupted(KeyboardInterrupt):
     """One of these signals, raised where the program is, as Ctrl-C is: what is under way is cleaned up.
 
     Parameters
@@ -30,11 +30,11 @@ class Stopped(KeyboardInterrupt):
 
 @contextmanager
 def raised(received: list[int]) -> Iterator[None]:
-    """Have signals raise Stopped where they would end the process at once; they are put into a list at the end."""
+    """Have signals raise Interrupted where they would end the process at once; they are put into a list at the end."""
 
     def receive(number: int, _frame: object) -> None:
         ask_to_end(number, 0.0)
-        raise Stopped(number)
+        raise Interrupted(number)
 
     before = {number: signal.getsignal(number) for number in _ASKING}
     # Those that the caller has chosen to ignore, as nohup does, or to handle stay as they are.

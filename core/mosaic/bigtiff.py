@@ -12,7 +12,7 @@ from ..arrays import Bytes
 from ..bands import Bands
 from ..capture.georeference import Georeference
 from ..capture.metadata import SOFTWARE
-from ..capture.tiff import Kind, Tag, big_header, directory, header
+from ..capture.tiff import Tag, TagType, big_header, directory, header
 from ..capture.writers import band_items, gdal_metadata
 from ..errors import OutputError
 from ..files import partial_file
@@ -77,30 +77,30 @@ def write_tiles(
                 file.write(data)
             file.write(b"\0" * (file.tell() % 2))
             at = file.tell()
-            kind = Kind.LONG8 if is_big else Kind.LONG
+            kind = TagType.LONG8 if is_big else TagType.LONG
             tags = [
-                Tag(256, Kind.LONG, [place.width_px]),
-                Tag(257, Kind.LONG, [place.height_px]),
-                Tag(258, Kind.SHORT, [8] * channels),
-                Tag(259, Kind.SHORT, [8]),  # compression: deflate
-                Tag(262, Kind.SHORT, [1 if channels == 2 else 2]),  # black is zero; RGB
-                Tag(270, Kind.ASCII, title),
-                Tag(277, Kind.SHORT, [channels]),
-                Tag(284, Kind.SHORT, [1]),  # channels pixel by pixel
-                Tag(305, Kind.ASCII, SOFTWARE),
-                Tag(317, Kind.SHORT, [2]),  # differences
-                Tag(322, Kind.LONG, [TILE_PX]),
-                Tag(323, Kind.LONG, [TILE_PX]),
+                Tag(256, TagType.LONG, [place.width_px]),
+                Tag(257, TagType.LONG, [place.height_px]),
+                Tag(258, TagType.SHORT, [8] * channels),
+                Tag(259, TagType.SHORT, [8]),  # compression: deflate
+                Tag(262, TagType.SHORT, [1 if channels == 2 else 2]),  # black is zero; RGB
+                Tag(270, TagType.ASCII, title),
+                Tag(277, TagType.SHORT, [channels]),
+                Tag(284, TagType.SHORT, [1]),  # channels pixel by pixel
+                Tag(305, TagType.ASCII, SOFTWARE),
+                Tag(317, TagType.SHORT, [2]),  # differences
+                Tag(322, TagType.LONG, [TILE_PX]),
+                Tag(323, TagType.LONG, [TILE_PX]),
                 Tag(324, kind, offsets.ravel().tolist()),
                 Tag(325, kind, lengths.ravel().tolist()),
                 Tag(
-                    338, Kind.SHORT, [2]
+                    338, TagType.SHORT, [2]
                 ),  # the last channel is alpha, and the others are not multiplied by it
-                Tag(33432, Kind.ASCII, attribution),
+                Tag(33432, TagType.ASCII, attribution),
                 *place.tags(),
             ]
             if about := "" if bands is None else band_items(bands):
-                tags.append(Tag(42112, Kind.ASCII, gdal_metadata(about)))
+                tags.append(Tag(42112, TagType.ASCII, gdal_metadata(about)))
             file.write(directory(tags, at, big=is_big))
             file.seek(0)
             file.write(big_header(at) if is_big else header(at))

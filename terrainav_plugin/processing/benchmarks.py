@@ -39,7 +39,7 @@ from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
     from ...core.benchmark.folder import Benchmark
-    from ...core.benchmark.making import Making
+    from ...core.benchmark.making import BenchmarkResult
     from ...core.benchmark.planning import BenchmarkPlan, BenchmarkSettings
     from ...core.benchmark.scoring import Figure, Scores
     from ...core.capture.progress import Progress
@@ -233,7 +233,7 @@ class MakeBenchmark(WithImagery):
 
         folder, dry_run, accepted = Path(run.text("FOLDER")), run.flag("DRY_RUN"), run.flag("ACCEPT_TERMS")
 
-        def work(watch: Watch) -> tuple[BenchmarkPlan, Making | None]:
+        def work(watch: Watch) -> tuple[BenchmarkPlan, BenchmarkResult | None]:
             from ..sources import heights_for
 
             grids = {name: imagery.grid() for name, imagery in zip(self._named, self._taken)}
@@ -244,7 +244,9 @@ class MakeBenchmark(WithImagery):
         worked_out, made = off_main_thread(work, run.feedback)
         return self._results(run, folder, worked_out, made)
 
-    def _made(self, worked_out: BenchmarkPlan, folder: Path, watch: Watch, *, accepted: bool) -> Making:
+    def _made(
+        self, worked_out: BenchmarkPlan, folder: Path, watch: Watch, *, accepted: bool
+    ) -> BenchmarkResult:
         from ...core.benchmark.making import make_benchmark
         from ...core.imagery.catalogue import shared_requests
 
@@ -273,7 +275,7 @@ class MakeBenchmark(WithImagery):
         return made
 
     def _results(
-        self, run: Run, folder: Path, worked_out: BenchmarkPlan, made: Making | None
+        self, run: Run, folder: Path, worked_out: BenchmarkPlan, made: BenchmarkResult | None
     ) -> dict[str, Any]:
         plans = [plan for _, plan in worked_out.captures.values()]
         found: dict[str, Any] = {
