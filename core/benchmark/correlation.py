@@ -153,7 +153,7 @@ def _seen_from_above(
     """A query on the reference's pixels, as if its camera stood at a place; None where it has no room on them."""
     agl = query.height_m - query.ground_m
     ground = WGS84.raised(query.ground_m)
-    pose = Poses.of_attitude(
+    pose = Poses.from_attitude(
         np.array([lat_deg]),
         np.array([lon_deg]),
         np.array([agl]),

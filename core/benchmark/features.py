@@ -16,7 +16,7 @@ import numpy as np
 from ..arrays import Bytes, Floats, Numbers
 from ..dataset.dataset import open_image
 from ..errors import OutputError
-from ..geodesy.camera import attitude_of
+from ..geodesy.camera import attitude_from_axes
 from ..geodesy.local import LocalFrame
 from .answers import POSE, Answer, Locate, Query
 from .folder import Benchmark
@@ -128,8 +128,8 @@ class _Features:
         place = -(matrix.T @ shift).ravel()
         there = tuple(float(value) for value in frame.geodetic(place))
         # Rows of the matrix are the camera's right, down and axis in the frame; attitudes count where the camera is.
-        right, down, axis = matrix @ frame.turn_to(*there[:2]).T
-        attitude = (float(angle) for angle in attitude_of(right, -down, axis))
+        right, down, axis = matrix @ frame.rotations(*there[:2]).T
+        attitude = (float(angle) for angle in attitude_from_axes(right, -down, axis))
         if there[2] <= query.ground_m:
             return None
         return dict(zip(POSE, (*there, *attitude))), agree.astype(np.int64)

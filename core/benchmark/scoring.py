@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import image_axes
-from ..geodesy.local import LocalFrame, axes_at
+from ..geodesy.local import LocalFrame, enu_axes
 from ..geodesy.projections import geodesics
 from . import metrics
 from .answers import POSE, Predictions
@@ -355,7 +355,7 @@ def _between_deg(pose: Sequence[Floats], other: Sequence[Floats]) -> Floats:
     found = np.full(len(pose[0]), np.nan)
     for at in np.flatnonzero(np.isfinite(other).all(axis=0)).tolist():
         axes = [
-            np.stack(image_axes(*attitude)) @ axes_at(lat, lon)
+            np.stack(image_axes(*attitude)) @ enu_axes(lat, lon)
             for lat, lon, *attitude in ([float(values[at]) for values in one] for one in (pose, other))
         ]
         # From the chord between axes, which keeps digits where the arccosine of a trace has none.

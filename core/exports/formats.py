@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import InvalidInput
 from ..files import json_bytes, make_folder, new_folder, write_whole
-from ..geodesy.quaternions import quaternions_of
+from ..geodesy.quaternions import quaternions_from_matrices
 from .views import ORIGIN_FILE, Views, origin_of
 
 #: What turns OpenCV's camera axes (right, down, view) into OpenGL's (right, up, back).
@@ -53,7 +53,7 @@ def colmap(views: Views, _: Path) -> dict[str, str]:
     """
     sizes: dict[tuple[float, ...], int] = {}
     lines = []
-    quaternions = quaternions_of(views.rotations)
+    quaternions = quaternions_from_matrices(views.rotations)
     # As COLMAP numbers the images of a folder, so that its database of features has the same numbers.
     for number, at in enumerate(np.argsort(views.names, kind="stable").tolist(), 1):
         name = views.names[at]
@@ -103,7 +103,7 @@ def tum(views: Views, _: Path) -> dict[str, str]:
 
     Times are Unix seconds; where the table has none, the image's number from 0, in the order of the table.
     """
-    quaternions = quaternions_of(np.swapaxes(views.rotations, 1, 2))
+    quaternions = quaternions_from_matrices(np.swapaxes(views.rotations, 1, 2))
     first, times = (
         ("number", np.arange(float(len(views)))) if views.times_s is None else ("timestamp", views.times_s)
     )

@@ -134,7 +134,7 @@ def camera_rotations(
     right, image_up, axis = image_axes(yaw_deg, tilt_deg, roll_deg)
     own = np.stack([right, -image_up, axis], axis=1)
     # Attitudes count from the north and the up of where the camera is.
-    turns = [frame.turn_to(lat, lon) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist())]
+    turns = [frame.rotations(lat, lon) for lat, lon in zip(lat_deg.tolist(), lon_deg.tolist())]
     found: Floats = own @ np.array(turns).reshape(-1, 3, 3)
     return found
 

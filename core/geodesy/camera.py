@@ -1,4 +1,4 @@
-"""Cameras by their field of view, and their poses: where they are and which way they look."""
+"""Cameras by their field of view, and their poses."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Camera(Lens):
 
         Parameters
         ----------
-        image_xy : array (k, 2), or (..., k, 2) for points of each pose's own
+        image_xy : array (k, 2), or (..., k, 2) for other points in each pose
             Right and up, each -1..1 from edge to edge of the image.
         yaw_deg, tilt_deg, roll_deg : array (...) or float
             Attitude of each pose, broadcast against each other.
@@ -76,7 +76,7 @@ class Camera(Lens):
         Returns
         -------
         image_xy : array (..., k, 2)
-            Right and up, -1..1 inside the image; finite but without meaning for what lies behind the camera.
+            Right and up, -1..1 inside the image; finite but meaningless for points behind the camera.
         in_front : array (..., k) of bool
         """
         right, image_up, axis = (
@@ -88,14 +88,14 @@ class Camera(Lens):
         tan_x, tan_y = self.half_tangents
         return np.stack([right / depth / tan_x, image_up / depth / tan_y], axis=-1), in_front
 
-    def beyond_sides(
+    def side_excess(
         self,
         vectors_enu: Floats,
         yaw_deg: Floats | float = 0.0,
         tilt_deg: Floats | float = 0.0,
         roll_deg: Floats | float = 0.0,
     ) -> Floats:
-        """How far directions lie outside the planes through the camera and the sides of its image.
+        """Signed offset of directions from the planes through the camera and the sides of its image.
 
         Unlike image points this is smooth at any angle, also behind the camera.
 
@@ -106,8 +106,8 @@ class Camera(Lens):
         Returns
         -------
         array (..., k, 4)
-            For right, left, top and bottom the sine of the angle from the plane, over that of half the image:
-            nowhere positive inside the image, and near half images beyond a side where angles are small.
+            For right, left, top and bottom the sine of the angle from the plane, over that of half the image: never
+            positive inside the image; outside, for small angles, about the distance from the side in half images.
         """
         right, image_up, axis = (
             np.einsum("...ki,...i->...k", vectors_enu, direction)
@@ -128,7 +128,7 @@ class Poses(NamedTuple):
     """Poses as arrays (n,) in degrees and metres.
 
     ``agl_m`` is the height over the ground; longitudes are continuous along a mission. Yaw, tilt and roll are as
-    in `Camera.rays_enu`: tilt 0 looks straight down. At ±90° of latitude the longitude says where "north" is.
+    in `Camera.rays_enu`: tilt 0 looks straight down. At ±90° of latitude the longitude defines "north".
     """
 
     lat_deg: Floats
@@ -141,13 +141,13 @@ class Poses(NamedTuple):
     @classmethod
     def level(cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats) -> Poses:
         """North-up poses that look straight down."""
-        return cls.of_attitude(lat_deg, lon_deg, agl_m, 0.0, 0.0, 0.0)
+        return cls.from_attitude(lat_deg, lon_deg, agl_m, 0.0, 0.0, 0.0)
 
     @classmethod
-    def of_attitude(
+    def from_attitude(
         cls, lat_deg: Floats, lon_deg: Floats, agl_m: Floats, yaw_deg: float, tilt_deg: float, roll_deg: float
     ) -> Poses:
-        """Poses of one attitude; it takes no memory, however many they are."""
+        """Poses that share one attitude, which is stored once."""
         attitude = (
             np.broadcast_to(np.float64(angle), np.shape(lat_deg)) for angle in (yaw_deg, tilt_deg, roll_deg)
         )
@@ -170,16 +170,14 @@ class Poses(NamedTuple):
         )
 
     def runs(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Runs of neighbours that differ in longitude alone, as the captures of a row do.
-
-        Their geometry differs by that longitude alone, too.
+        """Runs of consecutive poses that differ in longitude alone, as the captures of a row do.
 
         Returns
         -------
         first : array (k,)
             Index of the first of each run.
         run : array (n,)
-            For every pose the run it is in.
+            For every pose the number of its run.
         """
         change = np.zeros(self.lat_deg.shape, bool)
         change[:1] = True
@@ -207,7 +205,7 @@ def image_axes(
     return right, image_up, axis
 
 
-def attitude_of(right: Floats, image_up: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
+def attitude_from_axes(right: Floats, image_up: Floats, axis: Floats) -> tuple[Floats, Floats, Floats]:
     """Yaw in [-180, 180], tilt in [-90, 90] and roll in degrees of a camera's axes (..., 3); inverse of `image_axes`.
 
     Where the top of the image points up or down, yaw and roll turn about one axis, and their split is arbitrary.

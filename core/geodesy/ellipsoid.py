@@ -13,17 +13,14 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..errors import InvalidInput
 
-#: Gauss-Legendre nodes per latitude interval. With 16 the area of a zone from equator to pole is right to
-#: 1e-14 relative, so no interval needs to be divided.
-_QUADRATURE_NODES = 16
-_QUARTER_DEG = 90.0
-#: Turns to a point's foot: each leaves a part in h·e²/R, at 1,000 km a thousandth.
-_TURNS_TO_FOOT = 5
-
 
 @cache
-def gauss_legendre(count: int) -> tuple[Floats, Floats]:
-    """Nodes in (-1, 1) and weights of Gauss-Legendre quadrature, (count,) each, read-only."""
+def gauss_legendre(count: int = 16) -> tuple[Floats, Floats]:
+    """Nodes in (-1, 1) and weights of Gauss-Legendre quadrature, (count,) each, read-only.
+
+    With 16 nodes the area of a zone from equator to pole is right to 1e-14 relative, so no interval of latitude needs
+    to be divided.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call, unused-ignore]
     nodes.flags.writeable = weights.flags.writeable = False
     return nodes, weights
@@ -54,7 +51,7 @@ class Ellipsoid:
         return (self.a_m - self.b_m) * (self.a_m + self.b_m) / (self.a_m * self.a_m)
 
     def raised(self, height_m: float) -> Ellipsoid:
-        """Ellipsoid through the ground at ``height_m`` over this one.
+        """Ellipsoid through the ground at ``height_m`` above this one.
 
         Both axes grow by the height, and every later formula uses the eccentricity of the grown axes:
         that stays within 1.4 mm of the true surface of constant height per kilometre of it.
@@ -81,7 +78,7 @@ class Ellipsoid:
         return density
 
     def zone_area_m2_per_deg(self, south_deg: Floats, north_deg: Floats) -> Floats:
-        """Ground between two parallels, in m² per degree of longitude.
+        """Area of ground between two parallels, in m² per degree of longitude.
 
         Quadrature instead of a difference of the closed form: a band one pixel high keeps all its digits.
 
@@ -90,7 +87,7 @@ class Ellipsoid:
         south_deg, north_deg : array, degrees
             Broadcast against each other; the result is negative where south lies above north.
         """
-        nodes, weights = gauss_legendre(_QUADRATURE_NODES)
+        nodes, weights = gauss_legendre()
         south, north = np.broadcast_arrays(
             np.asarray(south_deg, np.float64), np.asarray(north_deg, np.float64)
         )
@@ -101,7 +98,7 @@ class Ellipsoid:
         return total
 
     def ring_area_m2(self, lon_deg: Floats, lat_deg: Floats) -> float:
-        """Ground inside a ring whose edges are straight in longitude and latitude (RFC 7946).
+        """Area of ground inside a ring whose edges are straight in longitude and latitude (RFC 7946).
 
         Green's theorem with quadrature along each edge.
 
@@ -119,7 +116,7 @@ class Ellipsoid:
         return float(self.ring_areas_m2(*corners, np.zeros(len(corners[0]), np.int64), 1)[0])
 
     def ring_areas_m2(self, lon_deg: Floats, lat_deg: Floats, ring: NDArray[np.int64], count: int) -> Floats:
-        """Ground inside each of many rings, as `ring_area_m2` gives it.
+        """Area of ground inside each of many rings; see `ring_area_m2`.
 
         Parameters
         ----------
@@ -135,7 +132,7 @@ class Ellipsoid:
         array (count,)
             Square metres, never negative.
         """
-        nodes, weights = gauss_legendre(_QUADRATURE_NODES)
+        nodes, weights = gauss_legendre()
         middle = np.bincount(ring, lon_deg, count) / np.maximum(np.bincount(ring, minlength=count), 1)
         lon, lat = lon_deg - middle[ring], lat_deg
         following = next_corners(ring)
@@ -148,22 +145,22 @@ class Ellipsoid:
 
 
 def next_corners(ring: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Index of the corner after each one, of rings one after the other; ``ring`` (n,) numbers each corner's own."""
+    """Index of the next corner of the same ring, (n,); ``ring`` (n,) is the number of each corner's ring, ascending."""
     following = np.arange(1, len(ring) + 1)
     last = np.append(ring[1:] != ring[:-1], True)[: len(ring)]
     following[last] = np.flatnonzero(np.append(True, last[:-1])[: len(ring)])
     return following
 
 
-#: EPSG:7030.
+#: EPSG:7030
 WGS84 = Ellipsoid(6378137.0, 6378137.0 * (1.0 - 1.0 / 298.257223563))
 
 
 class GroundPoints(NamedTuple):
-    """Where rays meet the ground; the arrays share one shape.
+    """Points where rays meet the ground; the arrays share one shape.
 
-    ``lat_deg`` is geodetic; ``dlon_deg`` is the longitude from the camera's, in (-180, 180], never wrapped
-    into the camera's own; both are NaN where ``hit`` is False, that is where a ray misses the Earth.
+    ``lat_deg`` is geodetic; ``dlon_deg`` is the difference of longitude to the camera, in (-180, 180]; both are NaN
+    where ``hit`` is False, that is where a ray misses the Earth.
     """
 
     lat_deg: Floats
@@ -171,11 +168,12 @@ class GroundPoints(NamedTuple):
     hit: NDArray[np.bool_]
 
 
-class _Station(NamedTuple):
+class _Viewpoint(NamedTuple):
     """A camera over the ellipsoid: its latitude with sine and cosine, the normal's length N there, and its height.
 
-    Points are worked out in its own east, north and up, from the ground below it or from itself: the Earth's size,
-    whose last digit is a nanometre, is never subtracted from anything. ``e2`` is e², ``e2_prime`` e'² = e²/(1 - e²).
+    Points are computed in the camera's east, north and up, from the ground below it or from the camera: the Earth's
+    size, whose last digit is a nanometre, is never subtracted from anything. ``e2`` is e², ``e2_prime`` is
+    e'² = e²/(1 - e²).
     """
 
     lat_deg: Floats
@@ -187,8 +185,8 @@ class _Station(NamedTuple):
     e2_prime: float
 
     @classmethod
-    def of(cls, lat_deg: Floats, agl_m: Floats, ground: Ellipsoid) -> _Station:
-        """Camera at a geodetic latitude and height."""
+    def locate(cls, lat_deg: Floats, agl_m: Floats, ground: Ellipsoid) -> _Viewpoint:
+        """Build from a geodetic latitude and a height above ``ground``."""
         sin, cos = sin_cos(lat_deg)
         e2 = ground.e2
         normal = ground.a_m / np.sqrt(1.0 - e2 * sin * sin)
@@ -204,14 +202,14 @@ class _Station(NamedTuple):
 
     @property
     def excess_m2(self) -> Floats:
-        """h(2N + h(1 + e'² sin² φ)): the surface's equation at the camera, of which rays start."""
+        """Value of the surface's equation at the camera: h(2N + h(1 + e'² sin² φ))."""
         h = self.agl_m
         excess: Floats = h * (2.0 * self.normal_m + h * (1.0 + self.e2_prime * self.sin * self.sin))
         return excess
 
     @property
     def lean_m(self) -> Floats:
-        """How far south of the line to the Earth's centre the normal meets its level: N e² sin φ cos φ."""
+        """Distance of the Earth's centre from the camera's vertical: N e² sin φ cos φ."""
         lean: Floats = self.normal_m * self.e2 * self.sin * self.cos
         return lean
 
@@ -222,7 +220,7 @@ class _Station(NamedTuple):
         return reach
 
     def polar(self, north: Floats, up: Floats) -> Floats:
-        """Part of vectors along the Earth's axis."""
+        """Component of vectors along the Earth's axis."""
         part: Floats = self.cos * north + self.sin * up
         return part
 
@@ -233,10 +231,10 @@ class _Station(NamedTuple):
         return inner
 
     def geodetic(self, east_m: Floats, north_m: Floats, up_m: Floats) -> tuple[Floats, Floats]:
-        """Latitude, and longitude from the camera's, in degrees, of points of the ellipsoid.
+        """Latitude, and difference of longitude to the camera, in degrees, of points on the ellipsoid.
 
-        Their offsets count from the ground below the camera. The latitude is the camera's and the angle between the two
-        normals; half the gradient of the surface's equation is one, turned into the camera's meridian.
+        Offsets count from the ground below the camera. The latitude is the camera's plus the angle between both
+        normals; the point's normal is half the gradient of the surface's equation, turned into the camera's meridian.
         """
         s, c = self.sin, self.cos
         bend = self.e2_prime * self.polar(north_m, up_m)
@@ -268,7 +266,7 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
     ground : Ellipsoid
         The surface to hit; ``WGS84.raised(g)`` for ground at height g.
     """
-    place = _Station.of(lat_deg, agl_m, ground)
+    place = _Viewpoint.locate(lat_deg, agl_m, ground)
     rays = np.asarray(rays_enu, np.float64)
     disc, half_lin = _clearance(place, rays, ground)
     hit = np.asarray((disc >= 0.0) & (half_lin < 0.0))
@@ -282,16 +280,16 @@ def trace(lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = 
 def clearance(
     lat_deg: Floats, agl_m: Floats, rays_enu: Floats, ground: Ellipsoid = WGS84
 ) -> tuple[Floats, Floats]:
-    """How rays pass the Earth: two numbers (...), of which a ray that hits has the first >= 0 and the second < 0.
+    """Discriminant of the quadratic along each ray and half its linear term, (...) each.
 
-    They are the discriminant of the quadratic along the ray and half its linear term. Along a straight line in the
-    image the first is a quadratic and the second is linear.
+    A ray hits the Earth where the first is >= 0 and the second < 0. Along a straight line in the image the first is
+    quadratic and the second linear.
     """
-    return _clearance(_Station.of(lat_deg, agl_m, ground), np.asarray(rays_enu, np.float64), ground)
+    return _clearance(_Viewpoint.locate(lat_deg, agl_m, ground), np.asarray(rays_enu, np.float64), ground)
 
 
-def _clearance(place: _Station, rays: Floats, ground: Ellipsoid) -> tuple[Floats, Floats]:
-    """As `clearance`."""
+def _clearance(place: _Viewpoint, rays: Floats, ground: Ellipsoid) -> tuple[Floats, Floats]:
+    """Discriminant and half the linear term, as `clearance` returns them."""
     east, north, up = rays[..., 0], rays[..., 1], rays[..., 2]
     polar = place.polar(north, up)
     square = east * east + north * north + up * up + place.e2_prime * polar * polar
@@ -301,7 +299,7 @@ def _clearance(place: _Station, rays: Floats, ground: Ellipsoid) -> tuple[Floats
     from_afar = place.excess_m2 > a2
     if not np.any(from_afar):
         return near, half_lin
-    # From high up those two cancel; |d|² - |Q × d|², the same by Lagrange's identity, does not.
+    # Seen from high up the two terms cancel; |d|² - |Q × d|², the same by Lagrange's identity, does not.
     moment = place.reach_m * north + place.lean_m * up
     high = a2 * square - (a2 + place.excess_m2) * east * east - (1.0 + place.e2_prime) * moment * moment
     return np.where(from_afar, high, near), half_lin
@@ -325,7 +323,7 @@ def limb(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: Ellipsoid 
     GroundPoints
         All hit.
     """
-    place = _Station.of(lat_deg, agl_m, ground)
+    place = _Viewpoint.locate(lat_deg, agl_m, ground)
     towards = np.asarray(towards_enu, np.float64)
     from_centre = np.stack(np.broadcast_arrays(0.0 * place.lean_m, -place.lean_m, place.reach_m), axis=-1)
     a2, excess = ground.a_m**2, place.excess_m2
@@ -343,7 +341,7 @@ def limb_azimuth(lat_deg: Floats, agl_m: Floats, towards_enu: Floats, ground: El
     Directions that differ by a part along the line from the Earth's centre share their point of the `limb`; that line
     leans from the vertical by N e² sin φ cos φ over N(1 - e² sin² φ) + h.
     """
-    place = _Station.of(lat_deg, agl_m, ground)
+    place = _Viewpoint.locate(lat_deg, agl_m, ground)
     towards = np.asarray(towards_enu, np.float64)
     lean = place.lean_m / place.reach_m
     azimuth: Floats = arctan2(towards[..., 0], towards[..., 1] + lean * towards[..., 2])
@@ -360,14 +358,14 @@ def sight_lines(
     lat_deg, agl_m : array
         Cameras, as in `trace`.
     ground_lat_deg, dlon_deg : array
-        Points: geodetic latitude, and longitude from the camera's. All broadcast.
+        Points: geodetic latitude, and difference of longitude to the camera. All broadcast.
 
     Returns
     -------
     array (..., 3)
         East, north, up of the camera in metres, good to 64 roundings of their length, 2⁻⁴⁷.
     """
-    place, point = _Station.of(lat_deg, agl_m, ground), _Station.of(ground_lat_deg, agl_m, ground)
+    place, point = _Viewpoint.locate(lat_deg, agl_m, ground), _Viewpoint.locate(ground_lat_deg, agl_m, ground)
     half_rise, half_turn = np.radians(point.lat_deg - place.lat_deg) / 2.0, np.radians(dlon_deg) / 2.0
     sin_half, sin_half_dlon = np.sin(half_rise), np.sin(half_turn)
     # Differences by the addition theorems: of the normals' directions and, by a²/N² = 1 - e² sin² φ, of their lengths.
@@ -386,14 +384,14 @@ def sight_lines(
 def above_tangent_plane_m(
     lat_deg: Floats, vectors_enu: Floats, ground_lat_deg: Floats, dlon_deg: Floats
 ) -> Floats:
-    """Height of cameras over the planes that touch the ellipsoid at ground points: those are seen from above them only.
+    """Height of cameras above the tangent planes of the ellipsoid at ground points; a point is visible where it is > 0.
 
     Parameters
     ----------
     lat_deg : array
         Cameras.
     vectors_enu : array (..., 3)
-        From them to the points, as `sight_lines` gives them.
+        From cameras to points, as `sight_lines` returns them.
     ground_lat_deg, dlon_deg : array
         The points. All broadcast.
     """
@@ -408,23 +406,24 @@ def above_tangent_plane_m(
 def positions(
     lat_deg: Floats, height_m: Floats, offsets_enu: Floats, ground: Ellipsoid = WGS84
 ) -> tuple[Floats, Floats, Floats]:
-    """Latitude, longitude from the camera's, and height, of points in the camera's east, north and up.
+    """Latitude, difference of longitude to the camera, and height of points in the camera's east, north and up.
 
-    The height comes of the surface's equation at the point, the latitude of the point's foot on the surface, which is
-    found by going down the normal there: each turn leaves a part in h·e²/R of what it was off by.
+    The height follows from the surface's equation at the point, the latitude from the point's foot on the surface,
+    which is found by fixed-point iteration along the normal: each step reduces the error to h·e²/R of what it was, at
+    1,000 km to a thousandth.
 
     Parameters
     ----------
     lat_deg, height_m : array
         Cameras, as in `trace`.
     offsets_enu : array (..., 3)
-        From them, metres; of points less than the Earth's radius below the surface.
+        From cameras to points, metres; points lie less than the Earth's radius below the surface.
 
     Returns
     -------
     lat_deg, dlon_deg, height_m : array (...)
     """
-    place = _Station.of(lat_deg, height_m, ground)
+    place = _Viewpoint.locate(lat_deg, height_m, ground)
     offsets = np.asarray(offsets_enu, np.float64)
     east, north, up = offsets[..., 0], offsets[..., 1], offsets[..., 2] + place.agl_m
     polar = place.polar(north, up)
@@ -432,7 +431,7 @@ def positions(
         east * east + north * north + up * up + place.e2_prime * polar * polar + 2.0 * place.normal_m * up
     )
     lat, dlon = place.geodetic(east, north, up)
-    for _ in range(_TURNS_TO_FOOT):
+    for _ in range(5):
         (sine, cosine), (sin_dlon, cos_dlon) = sin_cos(lat), sin_cos(dlon)
         normal = ground.a_m / np.sqrt(1.0 - ground.e2 * sine * sine)
         stretch = 1.0 + place.e2_prime * sine * sine
@@ -446,10 +445,10 @@ def positions(
 
 
 def arctan2(across: Floats, along: Floats) -> Floats:
-    """Angles, radians, as `numpy.arctan2` has them, of arrays that lie in memory in any way.
+    """Angles in radians as `numpy.arctan2` computes them, independent of the arrays' layout in memory.
 
-    numpy (1.24, AVX-512) rounds those of parts of larger arrays in one of two ways, by where in memory the result
-    happens to lie: the same mission would have other last digits another time.
+    numpy 1.24 with AVX-512 rounds slices of larger arrays in one of two ways, depending on where the result lies in
+    memory: the same mission would get other last digits at another time.
     """
     found: Floats = np.arctan2(
         np.array(across, np.float64, order="C"), np.array(along, np.float64, order="C")
@@ -458,14 +457,14 @@ def arctan2(across: Floats, along: Floats) -> Floats:
 
 
 def sin_cos(angle_deg: Floats | float) -> tuple[Floats, Floats]:
-    """Sine and cosine of angles (any shape), each with small relative error, also where it is near 0.
+    """Sine and cosine of angles (any shape), each with small relative error, also near 0.
 
-    The nearest whole quarter turn is taken off in degrees, where that is exact: in radians the cosine of 89.9999
-    degrees is off by a part in 10¹⁰, which is how far π/2 is from a float64.
+    The nearest quarter turn is subtracted in degrees, where that is exact: in radians the cosine of 89.9999 degrees is
+    off by a part in 10¹⁰, the distance of π/2 from the nearest float64.
     """
     angle = np.asarray(angle_deg, np.float64)
-    quarters = np.rint(angle / _QUARTER_DEG)
-    rest = np.radians(angle - _QUARTER_DEG * quarters)
+    quarters = np.rint(angle / 90.0)
+    rest = np.radians(angle - 90.0 * quarters)
     sine, cosine = np.sin(rest), np.cos(rest)
     if not quarters.any():
         return sine, cosine

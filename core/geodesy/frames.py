@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats, Numbers
 from ..errors import InvalidInput
-from .accuracy import Scene, map_noise_px, with_noise
+from .accuracy import Scene, bound_px, map_noise_px
 from .camera import EDGE_MIDPOINTS, Camera, Poses
 from .ellipsoid import WGS84, Ellipsoid, trace
 from .mercator import PixelGrid, lat_to_v, lon_to_u, wrap_lon_deg
@@ -229,7 +229,7 @@ def own_frame_px(scene: Scene, own: ProjectedPlane, bend: float) -> Floats:
     found = np.hypot(off_x * width_px[:, np.newaxis], off_y * height_px[:, np.newaxis]).max(axis=1)
     size_m = 2.0 * poses.agl_m * max(scene.camera.half_tangents)
     third = scene.half_diagonal_px * (size_m / scene.radius_m) ** 2 * (1.0 + bend**2)
-    bound: Floats = with_noise(scene, _BETWEEN_NINE * found + third) + map_noise_px(scene)
+    bound: Floats = bound_px(scene, _BETWEEN_NINE * found + third) + map_noise_px(scene)
     return np.where(np.isfinite(bound), bound, np.inf)
 
 

@@ -1,4 +1,4 @@
-"""What a camera's field of view says of its image, in plain numbers: needs no numerics."""
+"""Field of view, aspect ratio and ground size of an ideal camera, in plain Python numbers."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from ..errors import InvalidInput
 from ..fields import Part, declared, field_named
 
 _Lens = TypeVar("_Lens", bound="Lens")
-#: Width to height of a sensor may differ from that of its pixels by this share, which is what data sheets round
-#: away; beyond, the numbers do not belong together or the pixels are not square.
+#: Largest relative difference between the aspect ratios of sensor and image, which is what data sheets round away;
+#: beyond, the numbers do not belong together or the pixels are not square.
 SQUARE_PIXELS = 0.03
-#: Field of view in degrees and width over height of the paper's camera.
+#: Field of view in degrees and aspect ratio of the paper's camera.
 PAPER_FOV_DEG, PAPER_ASPECT_RATIO = 78.8, 4.0 / 3.0
 
 
@@ -58,7 +58,7 @@ class Lens(Part):
         Raises
         ------
         InvalidInput
-            Outside the domain, or where the diagonal is no longer told from 180 degrees.
+            Outside the domain, or where the diagonal field of view rounds to 180 degrees.
         """
         _check_side("horizontal", fov_deg, aspect_ratio)
         return cls._across(_half_tangent(fov_deg) * math.hypot(1.0, 1.0 / aspect_ratio), aspect_ratio)
@@ -69,7 +69,7 @@ class Lens(Part):
     ) -> _Lens:
         """Camera by its vertical field of view v: the diagonal one is 2 atan(tan(v/2) sqrt(1 + a^2)).
 
-        Parameters and refusals are those of `from_horizontal_fov`.
+        Parameters and errors are those of `from_horizontal_fov`.
         """
         _check_side("vertical", fov_deg, aspect_ratio)
         return cls._across(_half_tangent(fov_deg) * math.hypot(1.0, aspect_ratio), aspect_ratio)
@@ -86,27 +86,27 @@ class Lens(Part):
         Parameters
         ----------
         sensor_mm : (width, height)
-            Of the part of the sensor that makes the picture, w and h, > 0.
+            Size of the part of the sensor that the image shows, w and h, > 0.
         focal_length_mm : float
-            The lens's own, f, > 0; not one "equivalent to 35 mm film".
+            True focal length f, > 0; not one "equivalent to 35 mm film".
         aspect_ratio : float or None
-            Of the picture in pixels, which data sheets state exactly where they round the sensor's size; None for
+            Of the image in pixels, which data sheets state exactly although they round the sensor's size; None for
             that of the sensor.
 
         Raises
         ------
         InvalidInput
-            Outside the domain, or where the pixels would be further from square than `SQUARE_PIXELS`.
+            Outside the domain, or pixels further from square than `SQUARE_PIXELS`.
         """
         width_mm, height_mm = sensor_mm
         if not all(math.isfinite(side) and side > 0.0 for side in sensor_mm):
             raise InvalidInput("sensor {0} by {1} mm: both sides must be above 0", width_mm, height_mm)
         if not (math.isfinite(focal_length_mm) and focal_length_mm > 0.0):
             raise InvalidInput("focal length {0} mm: must be above 0", focal_length_mm)
-        own = width_mm / height_mm
-        ratio = own if aspect_ratio is None else aspect_ratio
+        sensor_ratio = width_mm / height_mm
+        ratio = sensor_ratio if aspect_ratio is None else aspect_ratio
         _check_ratio(ratio)
-        if abs(own / ratio - 1.0) > SQUARE_PIXELS:
+        if abs(sensor_ratio / ratio - 1.0) > SQUARE_PIXELS:
             raise InvalidInput(
                 "sensor {0:g} by {1:g} mm and an image of {2:.4g} to 1: pixels would not be square",
                 width_mm,
@@ -132,8 +132,8 @@ class Lens(Part):
     def half_tangents(self) -> tuple[float, float]:
         """Tangents of half the horizontal and half the vertical field of view.
 
-        The paper's equation 2 without its sine and cosine of an arctangent, which lose every digit of
-        the height at extreme aspect ratios.
+        Equation 2 of the paper, without its sine and cosine of an arctangent, which lose every digit of the height at
+        extreme aspect ratios.
         """
         diagonal = _half_tangent(self.fov_deg)
         return (
@@ -157,34 +157,34 @@ class Lens(Part):
         return 2.0 * agl_m * tan_x, 2.0 * agl_m * tan_y
 
     def gsd_m_per_px(self, agl_m: float, longer_side_px: float) -> float:
-        """Ground sample distance straight down, at the middle of the picture, over flat ground.
+        """Ground sample distance straight down, at the middle of the image, over flat ground.
 
         It is 2 H t / n with t the tangent of half the field of view along the longer side: as pixels are square, it is
-        the same along both sides, and everywhere in the picture of flat ground seen from straight above.
+        the same along both sides, and everywhere in an image of flat ground taken straight down.
 
         Parameters
         ----------
         agl_m : float
             Height above ground H in metres, > 0.
         longer_side_px : float
-            Pixels n along the picture's longer side, > 0.
+            Pixels n along the image's longer side, > 0.
         """
         return 2.0 * agl_m * max(self.half_tangents) / longer_side_px
 
     def agl_m(self, gsd_m_per_px: float, longer_side_px: float) -> float:
-        """Height above ground in metres at which a picture has a ground sample distance; inverse of `gsd_m_per_px`."""
+        """Height above ground in metres at which an image has a ground sample distance; inverse of `gsd_m_per_px`."""
         return gsd_m_per_px * longer_side_px / (2.0 * max(self.half_tangents))
 
 
 def _half_tangent(fov_deg: float) -> float:
-    """tan(fov/2), through the complement above 90° where the argument itself loses digits."""
+    """tan(fov/2); above 90° through the complement, as the argument loses digits there."""
     if fov_deg <= 90.0:
         return math.tan(math.radians(fov_deg) / 2.0)
     return 1.0 / math.tan(math.radians(180.0 - fov_deg) / 2.0)
 
 
 def _fov_deg(half_tangent: float) -> float:
-    """Field of view of the tangent of half of it."""
+    """Inverse of `_half_tangent`, in degrees."""
     return math.degrees(2.0 * math.atan(half_tangent))
 
 

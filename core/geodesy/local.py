@@ -1,4 +1,4 @@
-"""Local frames: metres east, north and up of a place (EPSG methods 9837 and 9602), through PROJ."""
+"""Local frames: metres east, north and up from an origin (EPSG methods 9837 and 9602), through PROJ."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LocalFrame:
-    """East, north, up of a place of WGS 84, in metres.
+    """Metres east, north and up from an origin on WGS 84.
 
     Parameters
     ----------
     lat_deg, lon_deg, height_m : float
-        Its origin, its height above the ellipsoid.
+        Origin, and its height above the ellipsoid.
     """
 
     lat_deg: float
@@ -41,19 +41,19 @@ class LocalFrame:
         )
 
     def enu(self, lat_deg: Floats, lon_deg: Floats, height_m: Floats) -> Floats:
-        """Places (..., 3) in metres, of positions in degrees and heights above the ellipsoid."""
+        """Coordinates (..., 3) in metres of positions in degrees and heights above the ellipsoid."""
         return np.stack(through_proj(self._transformer.transform, lon_deg, lat_deg, height_m), axis=-1)
 
     def geodetic(self, enu_m: Floats) -> tuple[Floats, Floats, Floats]:
-        """Latitude, longitude in degrees and height above the ellipsoid of places (..., 3); the inverse of `enu`."""
+        """Latitude, longitude in degrees and height above the ellipsoid of coordinates (..., 3)."""
         lon, lat, height = through_proj(
             self._transformer.transform, *np.moveaxis(enu_m, -1, 0), direction="INVERSE"
         )
         return lat, lon, height
 
-    def turn_to(self, lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
-        """Rotations (..., 3, 3) that take vectors of this frame to those of the frames at other places."""
-        turn: Floats = axes_at(lat_deg, lon_deg) @ axes_at(self.lat_deg, self.lon_deg).T
+    def rotations(self, lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
+        """Rotation matrices (..., 3, 3) that take vectors of this frame to the frames at other positions."""
+        turn: Floats = enu_axes(lat_deg, lon_deg) @ enu_axes(self.lat_deg, self.lon_deg).T
         return turn
 
 
@@ -63,7 +63,7 @@ def geocentric(
     height_m: Floats | float = 0.0,
     ground: Ellipsoid = WGS84,
 ) -> Floats:
-    """Places (..., 3) in metres from the Earth's centre, of positions and heights over an ellipsoid; all broadcast."""
+    """Geocentric coordinates (..., 3) in metres of positions and heights above an ellipsoid; all broadcast."""
     (sin_lat, cos_lat), (sin_lon, cos_lon) = sin_cos(lat_deg), sin_cos(lon_deg)
     normal = ground.a_m / np.sqrt(1.0 - ground.e2 * sin_lat * sin_lat)
     level = (normal + height_m) * cos_lat
@@ -71,8 +71,8 @@ def geocentric(
     return np.stack(np.broadcast_arrays(level * cos_lon, level * sin_lon, up), axis=-1)
 
 
-def axes_at(lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
-    """East, north and up of places as rows (..., 3, 3), in geocentric axes."""
+def enu_axes(lat_deg: Floats | float, lon_deg: Floats | float) -> Floats:
+    """Unit vectors east, north and up at positions, in geocentric axes, as rows (..., 3, 3)."""
     (sin_lat, cos_lat), (sin_lon, cos_lon) = sin_cos(lat_deg), sin_cos(lon_deg)
     rows = [
         [-sin_lon, cos_lon, np.zeros_like(sin_lon)],

@@ -1,4 +1,4 @@
-"""Ways of rays through space as polynomials: where they are on a map's plane, and how high over the ellipsoid."""
+"""Rays in map coordinates: plane position and height above the ellipsoid as polynomials of the distance."""
 
 from __future__ import annotations
 
@@ -11,25 +11,16 @@ import numpy as np
 from ..arrays import Floats
 from .ellipsoid import WGS84, Ellipsoid, positions
 
-#: Coordinates (n, c) of latitudes, longitudes from the camera's, in degrees, and heights in metres, (n,) each.
+#: Coordinates (n, c) of latitudes and differences of longitude to the camera in degrees, and heights in metres.
 Coordinates = Callable[[Floats, Floats, Floats], Floats]
-
-#: Highest degree that is tried.
-_HIGHEST_DEGREE = 6
-#: Points of a ray that polynomials are fitted to, and points in between at which they are compared.
-_FITTED, _COMPARED = 8, 13
-#: Degree of the ways of single rays, and metres up to which one less is as good: third powers over R squared.
-_SEPARATE, _SHORT_M = 3, 2_000.0
-#: Factor on the largest difference found for points that are not looked at.
-_BETWEEN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """Coordinates along the rays of a camera, as polynomials; made by `fitted`.
+    """Coordinates along the rays of a camera, as polynomials; made by `fit_paths`.
 
-    The ray of direction d reaches the point t·d from the camera. A coordinate is a polynomial in the three parts of
-    that, so along one ray a polynomial in t, whose coefficient of tᵏ is a form of degree k in d.
+    The ray of direction d reaches the point t·d from the camera. A coordinate is a polynomial in its three components,
+    so along one ray a polynomial in t, whose coefficient of tᵏ is a form of degree k in d.
 
     Parameters
     ----------
@@ -48,17 +39,17 @@ class Paths:
         return len(self.forms)
 
     def coefficients(self, rays_enu: Floats) -> Floats:
-        """Of t, t², … along rays (n, 3): (degree, c, n)."""
+        """Coefficients of t, t², … along rays (n, 3): (degree, c, n)."""
         powers = (_monomials(rays_enu, degree) for degree in range(1, self.degree + 1))
         return np.stack([form @ monomials for form, monomials in zip(self.forms, powers)])
 
-    def at(self, rays_enu: Floats, t: Floats) -> Floats:
+    def evaluate(self, rays_enu: Floats, t: Floats) -> Floats:
         """Coordinates (c, n) at t (n,) along rays (n, 3)."""
-        return along(self.start, self.coefficients(rays_enu), t)
+        return evaluate(self.start, self.coefficients(rays_enu), t)
 
 
-def along(start: Floats, coefficients: Floats, t: Floats) -> Floats:
-    """Coordinates (c, n) at t (n,), of coefficients (degree, c, n); ``start`` is (c,), or (c, n) of each ray's own."""
+def evaluate(start: Floats, coefficients: Floats, t: Floats) -> Floats:
+    """Coordinates (c, n) at t (n,) of polynomials (degree, c, n); ``start`` is (c,), or (c, n) where rays differ."""
     total: Floats = coefficients[-1] * t
     for term in coefficients[-2::-1]:
         total = (total + term) * t
@@ -66,7 +57,7 @@ def along(start: Floats, coefficients: Floats, t: Floats) -> Floats:
     return total
 
 
-def separate(
+def interpolate_rays(
     lat_deg: Floats,
     height_m: Floats,
     rays_enu: Floats,
@@ -74,29 +65,32 @@ def separate(
     ends: tuple[Floats, Floats, Floats],
     coordinates: Coordinates,
 ) -> tuple[Floats, Floats]:
-    """Ways of rays of as many cameras, each a polynomial of its own.
+    """Interpolate each ray, of a camera each, by a polynomial.
+
+    The polynomials pass through the camera, the end and equidistant points between; they are cubic, or quadratic where
+    no ray is longer than 2 km, as the term left out grows with the third power of the length over R².
 
     Parameters
     ----------
     lat_deg, height_m : array (n,)
-        Of the cameras.
+        Positions of the cameras.
     rays_enu : array (n, 3)
     farthest : array (n,)
         t up to which each is followed.
     ends : tuple of array (n,)
-        Latitudes, longitudes from each one's camera, and heights of the points there.
+        Latitudes, differences of longitude to the camera, and heights of the points at ``farthest``.
     coordinates : callable
-        Of such positions; (n, c).
+        Coordinates (n, c) of such positions.
 
     Returns
     -------
     start : array (c, n)
     coefficients : array (degree, c, n)
-        Of t, t², … : through the cameras, the ends and points between, so that little is left.
+        Coefficients of t, t², …
     """
     start = coordinates(lat_deg, np.zeros_like(lat_deg), height_m).T
     longest = float((farthest * np.linalg.norm(rays_enu, axis=1)).max())
-    degree = _SEPARATE if longest > _SHORT_M else _SEPARATE - 1
+    degree = 3 if longest > 2_000.0 else 2
     shares = (np.arange(degree) + 1.0) / degree
     values = []
     for share in shares[:-1]:
@@ -109,7 +103,7 @@ def separate(
     return start, coefficients / farthest ** powers[:, np.newaxis, np.newaxis]
 
 
-def fitted(
+def fit_paths(
     lat_deg: float,
     height_m: float,
     rays_enu: Floats,
@@ -123,29 +117,29 @@ def fitted(
     Parameters
     ----------
     lat_deg, height_m : float
-        Of the camera, the height over ``ground``.
+        Position of the camera, its height above ``ground``.
     rays_enu : array (n, 3)
-        Rays that others lie between.
+        Rays that enclose all others.
     farthest : array (n,)
         t up to which each is followed.
     coordinates : callable
-        What the polynomials stand for.
+        Coordinates to fit.
     tolerances : array (c,)
-        What each coordinate may be off by at t, per unit of t.
+        Largest error of each coordinate at t, per unit of t.
 
     Returns
     -------
     Paths, array (c,)
-        The latter what each may be off by, per unit of t; more than asked for where no degree is exact enough.
+        The latter bounds the error of each coordinate per unit of t; it exceeds ``tolerances`` where no degree up to
+        6 is exact enough.
     """
     start = coordinates(*(np.array([value]) for value in (lat_deg, 0.0, height_m)))[0]
-    points, wanted = _points(lat_deg, height_m, rays_enu, farthest, _FITTED, coordinates, ground)
-    tried, true = _points(lat_deg, height_m, rays_enu, farthest, _COMPARED, coordinates, ground)
+    points, wanted = _points(lat_deg, height_m, rays_enu, farthest, 8, coordinates, ground)
+    tried, true = _points(lat_deg, height_m, rays_enu, farthest, 13, coordinates, ground)
     scale = np.abs(points).max(axis=0)
-    # Per unit of t, by which errors are told.
     per_t, per_t_tried = (1.0 / np.linalg.norm(offsets, axis=1) for offsets in (points, tried))
     tried_degrees: list[tuple[Paths, Floats]] = []
-    for degree in range(1, _HIGHEST_DEGREE + 1):
+    for degree in range(1, 7):
         columns = [_monomials(points / scale, k) for k in range(1, degree + 1)]
         system = np.concatenate(columns).T * per_t[:, np.newaxis]
         found = np.linalg.lstsq(system, (wanted - start) * per_t[:, np.newaxis], rcond=None)[0].T
@@ -155,8 +149,9 @@ def fitted(
             for k, form in enumerate(np.split(found, ends, axis=1))
         )
         paths = Paths(start, forms)
-        off = np.abs(paths.at(tried, np.ones(len(tried))).T - true) * per_t_tried[:, np.newaxis]
-        residual = _BETWEEN * off.max(axis=0) * np.linalg.norm(rays_enu, axis=1).max()
+        off = np.abs(paths.evaluate(tried, np.ones(len(tried))).T - true) * per_t_tried[:, np.newaxis]
+        # Between the points that are compared, errors are at most twice as large.
+        residual = 2.0 * off.max(axis=0) * np.linalg.norm(rays_enu, axis=1).max()
         tried_degrees.append((paths, residual))
         if (residual <= tolerances).all():
             break
@@ -180,7 +175,7 @@ def _points(
 
 
 def _monomials(vectors: Floats, degree: int) -> Floats:
-    """Products of ``degree`` parts of vectors (n, 3), each once: (m, n)."""
+    """All monomials (m, n) of one degree in the components of vectors (n, 3)."""
     parts = vectors.T
     return np.stack(
         [np.prod(parts[list(chosen)], axis=0) for chosen in combinations_with_replacement(range(3), degree)]

@@ -1,4 +1,4 @@
-"""Geodesics, projections in metres (UTM, and a conformal plane about any place), and the way to any CRS and back."""
+"""Geodesics, projections in metres (UTM, and a conformal plane about any position), and coordinates in any CRS."""
 
 from __future__ import annotations
 
@@ -17,19 +17,8 @@ from ..arrays import Floats
 from .ellipsoid import WGS84, sin_cos
 from .reference import read_reference
 
-#: Noise of positions in degrees and of the projection, metres: seen are 4 nm.
+#: Rounding of positions in degrees and of projections, metres; 4 nm were observed.
 NOISE_M = 5e-8
-#: Half a step of latitude from which the direction of north is worked out, degrees: 11 m of ground, so that the noise
-#: of positions turns it by 4e-10 rad.
-_STEP_DEG = 1e-4
-#: Geographic coordinates are taken for those of WGS 84.
-_GEOGRAPHIC = "EPSG:4326"
-#: Times that an inverse is tried: each leaves about 1e-5 of what it was off by.
-_MOST_TURNS = 8
-#: Projections whose inverses PROJ has to `NOISE_M`, and steps of its definitions, of which some move nothing.
-_EXACT_INVERSES = frozenset({"utm", "tmerc", "lcc", "merc", "sterea"})
-_STEP = re.compile(r"\bproj=(\w+)")
-_NO_STEPS = frozenset({"pipeline", "unitconvert", "axisswap", "noop"})
 
 
 @dataclass(frozen=True)
@@ -81,16 +70,16 @@ def utm_zone(lat_deg: float, lon_deg: float) -> UTMZone:
 
 @dataclass(frozen=True)
 class LocalPlane:
-    """Oblique stereographic plane (EPSG method 9809) with true scale in its middle.
+    """Oblique stereographic plane (EPSG method 9809) with true scale at its origin.
 
-    It enlarges by 1 + (r / 2R)² at the distance r from there: 0.02 px of 640 at 100 km.
+    The scale at the distance r is 1 + (r / 2R)²: 0.02 px of 640 at 100 km.
 
     Parameters
     ----------
     lat_deg, lon_deg : float
-        Its middle, on WGS84.
+        Origin, on WGS84.
     angle_deg : float
-        By which its axes are turned clockwise from east and north.
+        Angle by which the axes are turned clockwise from east and north.
     """
 
     lat_deg: float
@@ -106,7 +95,7 @@ class LocalPlane:
         return east * cosine - north * sine, east * sine + north * cosine
 
     def inverse(self, x_m: Floats, y_m: Floats) -> tuple[Floats, Floats]:
-        """Latitude and longitude in degrees of positions (any shape); longitudes are continuous with the middle's."""
+        """Latitude and longitude in degrees of positions (any shape); longitudes are continuous with the origin's."""
         sine, cosine = self._turn()
         east, north = x_m * cosine + y_m * sine, y_m * cosine - x_m * sine
         project, middle_m = _stereographic(self.lat_deg)
@@ -115,7 +104,8 @@ class LocalPlane:
 
     def north_deg(self, lat_deg: Floats, lon_deg: Floats) -> Floats:
         """Direction of true north at positions (any shape), degrees clockwise from the plane's second axis."""
-        ends = (self.forward(lat_deg + step, lon_deg) for step in (-_STEP_DEG, _STEP_DEG))
+        # 11 m of ground to either side: the rounding of positions turns the direction by 4e-10 rad.
+        ends = (self.forward(lat_deg + step_deg, lon_deg) for step_deg in (-1e-4, 1e-4))
         (x0, y0), (x1, y1) = ends
         bearing: Floats = np.degrees(np.arctan2(x1 - x0, y1 - y0))
         return bearing
@@ -126,35 +116,36 @@ class LocalPlane:
 
 
 def _stereographic(lat_deg: float) -> tuple[Proj, float]:
-    """Projection of a middle, and how far north of the projection's origin that is, metres.
+    """Projection about a latitude, and the northing of the origin in it, metres.
 
-    PROJ takes an origin within 5e-9 degrees of the equator for one on it. Longitudes count from the middle.
+    The northing is not 0 within 5e-9 degrees of the equator, where PROJ puts the origin on it. Longitudes count from
+    the origin.
     """
     project = projection(proj="sterea", lat_0=lat_deg, lon_0=0.0, ellps="WGS84")
     return project, float(project(0.0, lat_deg)[1])
 
 
 class _Projections(threading.local):
-    """Projections that this thread has made: costly to make (0.4 ms), and PROJ's are for one thread at a time."""
+    """Cache of projections, which take 0.4 ms to make and may be used by one thread at a time."""
 
     def __init__(self) -> None:
-        self.of = lru_cache(maxsize=8)(Proj)
+        self.get = lru_cache(maxsize=8)(Proj)
 
 
 _PROJECTIONS = _Projections()
 
 
 def projection(**definition: Any) -> Proj:
-    """Projection by PROJ's parameters, for the current thread alone."""
-    return _PROJECTIONS.of(**definition)
+    """Projection by PROJ's parameters, for the current thread."""
+    return _PROJECTIONS.get(**definition)
 
 
 def through_proj(
     function: Callable[..., tuple[Any, ...]], *values: Any, **options: Any
 ) -> tuple[Floats, ...]:
-    """Results of a function of pyproj for arrays that go together, (their common shape) each.
+    """Results of a pyproj function for arrays that broadcast, each of their common shape.
 
-    pyproj takes an array of a single value for a number, which numpy 2 deprecates: it is given two.
+    pyproj treats an array of a single value as a number, which numpy 2 deprecates: it gets the value twice.
     """
     arrays = np.broadcast_arrays(*(np.asarray(value, np.float64) for value in values))
     shape, size = arrays[0].shape, arrays[0].size
@@ -167,9 +158,9 @@ def through_proj(
 class Transformation:
     """PROJ's transformation from WGS 84 to a CRS, and its exact inverse; for the thread that made it.
 
-    PROJ has ways back of its own, which are only near: that of a Helmert transformation is up to 6 mm off, as small
-    angles stand for their sines, and of a CRS with a transformation for each of its parts it may take another one than
-    on the way there. So the way there alone defines where places are.
+    PROJ's inverses are approximations: that of a Helmert transformation is up to 6 mm off, as small angles replace
+    their sines, and for a CRS with one transformation for each of its regions it may choose another one than forwards.
+    So the forward transformation alone defines positions.
 
     Parameters
     ----------
@@ -177,13 +168,15 @@ class Transformation:
     """
 
     def __init__(self, crs: CRS) -> None:
-        self._proj = Transformer.from_crs(_GEOGRAPHIC, crs, always_xy=True)
+        self._proj = Transformer.from_crs("EPSG:4326", crs, always_xy=True)
         unit = float(crs.axis_info[0].unit_conversion_factor)
-        #: Once around the Earth, where coordinates are angles, and noise, in the CRS's unit.
+        #: Full turn, where coordinates are angles, and rounding, in the CRS's unit.
         self._turn = 2.0 * math.pi / unit if crs.is_geographic else math.inf
         self._noise = NOISE_M / (unit * (WGS84.b_m if crs.is_geographic else 1.0))
-        steps = [step for step in _STEP.findall(self._proj.definition) if step not in _NO_STEPS]
-        self._is_exact = len(steps) == 1 and steps[0] in _EXACT_INVERSES
+        formal = ("pipeline", "unitconvert", "axisswap", "noop")
+        steps = [step for step in re.findall(r"\bproj=(\w+)", self._proj.definition) if step not in formal]
+        #: Whether PROJ's inverse is within `NOISE_M`, as that of a single one of these projections is.
+        self._is_exact = len(steps) == 1 and steps[0] in ("utm", "tmerc", "lcc", "merc", "sterea")
 
     def forward(self, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, Floats]:
         """Coordinates, easting first, of positions in degrees (any shape); infinite where there are none."""
@@ -193,7 +186,8 @@ class Transformation:
     def inverse(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
         """Latitude and longitude (in [-180, 180]) in degrees of coordinates, easting first (any shape).
 
-        What `forward` is off by from PROJ's own inverse is taken off and tried again, until that is noise or no less.
+        Fixed-point iteration from PROJ's inverse: the error of `forward` is subtracted until it is rounding or stops
+        falling. Each step leaves about 1e-5 of the error.
         """
         lat, lon = self._back(x, y)
         if self._is_exact:
@@ -202,7 +196,7 @@ class Transformation:
         found, tried = np.stack([lat.ravel(), lon.ravel()]), np.stack([lat.ravel(), lon.ravel()])
         asked_x, asked_y, least = x.astype(np.float64), y.astype(np.float64), np.full(x.size, np.inf)
         index = np.flatnonzero(np.isfinite(found).all(axis=0))
-        for _ in range(_MOST_TURNS):
+        for _ in range(8):
             if not len(index):
                 break
             with np.errstate(invalid="ignore"):
@@ -223,38 +217,35 @@ class Transformation:
         return lat, lon
 
     def _back(self, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-        """Latitude and longitude by PROJ's own inverse."""
+        """Latitude and longitude by PROJ's inverse."""
         lon, lat = through_proj(self._proj.transform, x, y, direction="INVERSE")
         return lat, lon
 
 
 class _Transformations(threading.local):
-    """Transformations that this thread has made: costly to make, and PROJ's are for one thread at a time."""
+    """Cache of transformations, which are costly to make and may be used by one thread at a time."""
 
     def __init__(self) -> None:
-        self.of = lru_cache(maxsize=8)(lambda crs: Transformation(read_reference(crs)))
+        self.get = lru_cache(maxsize=8)(lambda crs: Transformation(read_reference(crs)))
 
 
 _TRANSFORMATIONS = _Transformations()
 
 
 def transformation(crs: str) -> Transformation:
-    """Transformation to a CRS by its code, WKT or PROJ's text, for the current thread alone; see `read_reference`."""
-    return _TRANSFORMATIONS.of(crs)
+    """Transformation to a CRS by code, WKT or PROJ string, for the current thread; see `read_reference`."""
+    return _TRANSFORMATIONS.get(crs)
 
 
 def geodesics(
     lat_deg: Floats | float, lon_deg: Floats | float, to_lat_deg: Floats | float, to_lon_deg: Floats | float
 ) -> tuple[Floats, Floats, Floats]:
-    """Azimuths at both ends, in degrees, and lengths in metres of geodesics of WGS 84 (any shape).
-
-    The second azimuth is that of the way on, beyond the end.
-    """
+    """Forward azimuths at both ends, in degrees, and lengths in metres of geodesics of WGS 84 (any shape)."""
     start, back, length_m = through_proj(_geod().inv, lon_deg, lat_deg, to_lon_deg, to_lat_deg)
     return start, back + 180.0, length_m
 
 
-def along_geodesics(
+def geodesic_ends(
     lat_deg: Floats, lon_deg: Floats, azimuth_deg: Floats, length_m: Floats
 ) -> tuple[Floats, Floats, Floats]:
     """Latitudes, longitudes and azimuths at the ends of geodesics of WGS 84 (any shape); see `geodesics`."""

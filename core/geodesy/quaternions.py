@@ -1,4 +1,4 @@
-"""Unit quaternions, w first, and the rotations that they stand for."""
+"""Unit quaternions, w first, from and to rotation matrices and angles."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 from ..arrays import Floats
 
 
-def rotations_of(quaternions: Floats) -> Floats:
-    """Rotations (n, 3, 3) of quaternions (n, 4) of length 1, w first."""
+def rotation_matrices(quaternions: Floats) -> Floats:
+    """Rotation matrices (n, 3, 3) of unit quaternions (n, 4), w first."""
     w, x, y, z = quaternions.T
     rows = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
@@ -18,16 +18,16 @@ def rotations_of(quaternions: Floats) -> Floats:
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
-def quaternions_of(rotations: Floats) -> Floats:
-    """Unit quaternions (n, 4), w first and not negative, of rotations (n, 3, 3).
+def quaternions_from_matrices(rotations: Floats) -> Floats:
+    """Unit quaternions (n, 4), w first and not negative, of rotation matrices (n, 3, 3).
 
-    Each from the largest of its four parts, which keeps all digits (Shepperd, Journal of Guidance and Control 1(3),
-    1978).
+    Each is computed from the largest of its four components, which keeps all digits (Shepperd, Journal of Guidance and
+    Control 1(3), 1978).
     """
     r = rotations
     trace = r[:, 0, 0] + r[:, 1, 1] + r[:, 2, 2]
     squares = np.stack([trace, r[:, 0, 0], r[:, 1, 1], r[:, 2, 2]], axis=1)
-    # Products of parts: of w with x, y, z; of x with y, z; of y with z.
+    # Products of components: of w with x, y, z; of x with y, z; of y with z.
     wx, wy, wz = r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]
     xy, xz, yz = r[:, 0, 1] + r[:, 1, 0], r[:, 0, 2] + r[:, 2, 0], r[:, 1, 2] + r[:, 2, 1]
     own = 1.0 + 2.0 * squares - trace[:, np.newaxis]
@@ -46,7 +46,7 @@ def quaternions_of(rotations: Floats) -> Floats:
     return np.where(found[:, :1] < 0.0, -found, found)
 
 
-def quaternions_of_angles(yaw_deg: Floats, pitch_deg: Floats, roll_deg: Floats) -> Floats:
+def quaternions_from_angles(yaw_deg: Floats, pitch_deg: Floats, roll_deg: Floats) -> Floats:
     """Quaternions (n, 4) from body to north, east, down of an aircraft's yaw, then pitch, then roll."""
     (sy, cy), (sp, cp), (sr, cr) = (
         (np.sin(np.radians(angle) / 2.0), np.cos(np.radians(angle) / 2.0))

@@ -188,7 +188,7 @@ def _leaving(
     lat = v_to_lat(top + height * down + moved)
     camera_lat, agl = (values[:, np.newaxis, np.newaxis] for values in (poses.lat_deg, poses.agl_m))
     vectors = sight_lines(camera_lat, agl, lat, dlon, ground)
-    sides = camera.beyond_sides(vectors.reshape(len(west), -1, 3), *poses.attitude)
+    sides = camera.side_excess(vectors.reshape(len(west), -1, 3), *poses.attitude)
     below_m = -above_tangent_plane_m(camera_lat, vectors, lat, dlon)
     hidden = _reach(below_m[..., np.newaxis]) >= 0.0
     beyond: Floats = np.where(hidden, np.inf, _reach(sides.reshape(len(west), 4, points, 4))).max(axis=1)
@@ -369,7 +369,7 @@ def _sides_shown(
         values[:, np.newaxis, np.newaxis] for values in (poses.lat_deg, poses.lon_deg, poses.agl_m)
     )
     vectors = sight_lines(camera_lat, agl, lat, lon - camera_lon, ground)
-    sides = camera.beyond_sides(vectors.reshape(len(lat), -1, 3), *poses.attitude)
+    sides = camera.side_excess(vectors.reshape(len(lat), -1, 3), *poses.attitude)
     inside: Flags = _reach(sides.reshape(len(lat), 4, points, 4)).max(axis=1) <= _NOISE_OF_SIDES
     return inside
 

@@ -1,8 +1,8 @@
-"""Coordinate reference systems as files, servers and datasets of others state them. PROJ is loaded where used.
+"""Coordinate reference systems from foreign files, servers and datasets. PROJ is loaded where used.
 
-A definition may name files, of grids and of parameters, which PROJ opens wherever they lie: on this machine, on
-another one, or a pipe without end. None of these is taken, and each is refused before PROJ or GDAL sees it. Grids that
-PROJ's own database has for a code stay PROJ's affair.
+A definition may name files of grids and parameters, which PROJ opens wherever they lie: on this machine, on another
+one, or a pipe without end. Such definitions are refused before PROJ or GDAL sees them. Grids that PROJ's database
+lists for a code are left to PROJ.
 """
 
 from __future__ import annotations
@@ -19,23 +19,23 @@ from ..safe_json import parse_json
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: Codes and their URNs and addresses, which are looked up in PROJ's database alone; several for the two of a compound.
+#: Codes, URNs and URLs, also of compound CRSs, which PROJ looks up in its database alone.
 _CODE = re.compile(
     r"[a-z]\w*:\w[\w.]*(\+([a-z]\w*:)?\w[\w.]*)?|CRS84"
     r"|(urn:(x-)?ogc:def:crs|https?://(www\.)?opengis\.net/def/crs)[:,/][\w.:,/-]+",
     re.IGNORECASE,
 )
 _WKT = re.compile(r"[a-z]\w*\s*[\[(]", re.IGNORECASE)
-#: Parameter of PROJ's texts: numbers, names and the lists of them, no paths.
+#: Parameter of a PROJ string: numbers, names and lists of them, no paths.
 _PARAMETER = re.compile(r"\+?[a-z]\w*(=[\w.,+:'°@-]*(/\d+(\.\d+)?)?)?", re.IGNORECASE)
-#: Grids that GDAL named beside the codes of vertical systems until it had PROJ's database, without a folder.
+#: Grids that GDAL named beside the codes of vertical CRSs before it used PROJ's database, without a folder.
 _GRID_OF_GDAL = r"(?:egm96_15|egm08_25|g\d{4}[a-z]?\d*(?:_\w+)?)\.gtx"
-#: One or more of these, or the grid of zeros.
+#: One or more of these, or the null grid.
 _HARMLESS = rf"(?:@?null|{_GRID_OF_GDAL}(?:\s*,\s*{_GRID_OF_GDAL})*)"
-#: What follows the last of them: the end of a text, of a word in quotes, or of a member.
+#: End of such a value: of the text, of a quoted word, or of a member.
 _END = r'(?:\s*$|"?\s*[\])}|<]|"\s*,\s*(?:"|[a-z]+\s*[\[(]))'
-#: What has PROJ open a file: its parameters (but for grids of zeros and EPSG's codes, which are none), the operations
-#: whose files have other parameters, and those of WKT. Printed quotes are as good as others to PROJ.
+#: Parameters and operations, of PROJ strings and of WKT, for which PROJ opens a file; null grids and EPSG codes are no
+#: files. PROJ takes typographic quotes as quotes.
 _FILES = re.compile(
     rf"""
     grids["“”]?\s*=(?!\s*"?@?null(?:{_END}|\s+[+a-z]))
@@ -47,28 +47,25 @@ _FILES = re.compile(
     """,
     re.IGNORECASE | re.VERBOSE,
 )
-#: One of these is in each text of which `_FILES` finds something, in letters of any case.
+#: Each text that `_FILES` matches contains one of these, in any case.
 _CLUES = (b"grids", b"catalog", b"init", b"tinshift", b"defmodel", b"geoidmodel", b"parameterfile")
-#: A name behind one of these, as far as messages show it.
+#: The name that follows, as far as messages show it.
 _NAME = re.compile(r"""[\s="“”,\[(]*(?:[^"“”,]{0,100}["“”]\s*,)?[\s"“”]*([^\s"“”\])|<]{1,200})""")
-#: Members of PROJJSON whose name may be that of a grid, behind this word.
-_GEOID_MODELS = frozenset({"geoid_model", "geoid_models"})
-_PROJ = "PROJ "
 
 
 def is_code(text: str) -> bool:
-    """Whether a text is a code, in any of the ways that documents write one."""
+    """Whether a text is a code, URN or URL of a CRS."""
     return _CODE.fullmatch(text.strip()) is not None
 
 
 def may_name_file(data: bytes) -> bool:
-    """Whether `file_named` has to look through bytes of a text, which takes a hundred times as long as this."""
+    """Whether bytes may name a file: a quick test before `file_named`, which takes a hundred times as long."""
     lower = data.lower()
     return any(clue in lower for clue in _CLUES)
 
 
 def file_named(text: str) -> str:
-    """Return the first file that a definition, or a text with some in it, has PROJ open; empty where it has none."""
+    """First file that PROJ would open for a definition, or for a text that contains some; empty without one."""
     found = _FILES.search(text)
     if found is None:
         return ""
@@ -77,12 +74,12 @@ def file_named(text: str) -> str:
 
 
 def check_reference(text: str) -> None:
-    """Refuse a definition that PROJ would open a file for; nothing is asked of PROJ.
+    """Raise unless a definition is a code, WKT, PROJJSON or PROJ string without files; PROJ is not called.
 
     Raises
     ------
     InvalidInput
-        It names a file, is too long, or is neither a code nor a definition.
+        It names a file, is too long, or is no definition.
     """
     from ..text import one_line
 
@@ -115,12 +112,12 @@ def check_reference(text: str) -> None:
 
 
 def read_reference(text: str) -> CRS:
-    """CRS of a code, WKT, PROJJSON or PROJ's text; no file is opened for it, and no server asked.
+    """CRS of a code, WKT, PROJJSON or PROJ string; no file is opened and no server asked.
 
     Raises
     ------
     InvalidInput
-        As `check_reference` does; PROJ knows no such system, or one of its units is none.
+        As `check_reference` raises it; or PROJ knows no such CRS, or a unit is not positive.
     """
     from pyproj import CRS
     from pyproj.exceptions import CRSError
@@ -129,10 +126,10 @@ def read_reference(text: str) -> CRS:
 
     check_reference(text)
     try:
-        # PROJ 9.5 knows this name with its authority alone.
+        # PROJ 9.5 needs the authority before this name.
         found = CRS.from_user_input("OGC:CRS84" if text.upper() == "CRS84" else text.strip())
     except CRSError as wrong:
-        # The definition stands before the reason.
+        # The message quotes the definition before the reason.
         reason = str(wrong).rpartition("(Internal Proj Error: ")[2].rstrip(")")
         raise InvalidInput(
             "coordinate reference system {0!r}: {1}", one_line(text[:80]), one_line(reason)
@@ -151,7 +148,7 @@ def read_reference(text: str) -> CRS:
 
 
 def _files_of_json(node: Any) -> Iterator[str]:
-    """Files that a definition in JSON names."""
+    """Yield the files that a PROJJSON definition names."""
     if isinstance(node, list):
         for part in node:
             yield from _files_of_json(part)
@@ -165,10 +162,11 @@ def _files_of_json(node: Any) -> Iterator[str]:
                 for one in values
                 if isinstance(one, str) and not re.fullmatch(_HARMLESS, one, re.IGNORECASE)
             )
-        if name in _GEOID_MODELS:
+        # Members whose name may be that of a grid, after the word PROJ.
+        if name in ("geoid_model", "geoid_models"):
             models = part if isinstance(part, list) else [part]
             names = (str(one.get("name")) for one in models if isinstance(one, dict))
-            yield from (one for one in names if one.upper().startswith(_PROJ))
+            yield from (one for one in names if one.upper().startswith("PROJ "))
         if isinstance(part, str):
             yield from filter(None, [file_named(part)])
         yield from _files_of_json(part)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..arrays import Flags, Floats, Numbers
 from .ellipsoid import WGS84, sight_lines, trace
 from .mercator import PixelGrid
-from .paths import Paths, along, fitted, separate
+from .paths import Paths, evaluate, fit_paths, interpolate_rays
 
 #: Sides of the bundles of pixels that are followed together, px: the larger ones lead the smaller ones near the ground.
 _BUNDLES_PX = (64, 16, 4)
@@ -235,7 +235,7 @@ class Surface:
                 return np.stack([*self.position(points_lat, lon_deg[some] + points_dlon), up], axis=1)  # noqa: B023
 
             last = level.lat_deg[some], level.dlon_deg[some], np.full(len(some), lowest_m - 1.0)
-            start, coefficients = separate(
+            start, coefficients = interpolate_rays(
                 lat_deg[some], height_m[some], rays_enu[some], farthest[some], last, coordinates
             )
             hits = self.first_hits(start, coefficients, farthest[some])
@@ -293,7 +293,7 @@ class Surface:
         def coordinates(lat: Floats, dlon: Floats, height: Floats) -> Floats:
             return np.stack([*self.position(lat, lon_deg + dlon), height], axis=1)
 
-        found, off = fitted(lat_deg, height_m, directions, farthest, coordinates, tolerances)
+        found, off = fit_paths(lat_deg, height_m, directions, farthest, coordinates, tolerances)
         return found, reach, tolerance_px * float((off / tolerances).sum()) / 3.0
 
     def away_m(self, lat_deg: float, lon_deg: float, height_m: float) -> float:
@@ -375,7 +375,7 @@ class Surface:
         """
         rate, reach = np.zeros(len(after)), np.zeros(len(after))
         t = np.where(np.isfinite(after), after, 1.0)
-        x, y, h = along(start, middle, t)
+        x, y, h = evaluate(start, middle, t)
         per_x, per_y = (np.abs(_slope(middle[:, axis], t)) + _slope(spread[:, 0], t) for axis in (0, 1))
         fall = -_slope(middle[:, 2], t) - _slope(spread[:, 1], t)
         wide, deep = (_polynomial(spread[:, axis], t) for axis in (0, 1))
@@ -478,7 +478,7 @@ class Surface:
         found = Hits(*(np.full(len(t), np.nan) for _ in range(3)))
         index = np.arange(len(t))
         for turn in range(_TURNS + 1):
-            x, y, h = along(start, coefficients, t)
+            x, y, h = evaluate(start, coefficients, t)
             with np.errstate(divide="ignore", invalid="ignore"):
                 j = np.minimum(np.maximum(x, 0.0), columns - 1.0).astype(np.int32)
                 i = np.minimum(np.maximum(y, 0.0), rows - 1.0).astype(np.int32)
@@ -541,7 +541,7 @@ class Surface:
         for _ in range(_MOST_STEPS):
             if not len(index):
                 break
-            x, y, h = along(start, c, t)
+            x, y, h = evaluate(start, c, t)
             per_x, per_y = _speed(c, t)
             # Within the width of a block, in whatever direction, no ray leaves the blocks around.
             size = np.ldexp(1.0, level)
@@ -558,7 +558,7 @@ class Surface:
                 deep = _polynomial(s[:, 1], ahead)
             sag = _bulge(c) * (ahead - t) ** 2
             top = tops.around(level, x, y)
-            over, fall = h - deep - sag - top, h - along(start[2:], c[:, 2:], ahead)[0]
+            over, fall = h - deep - sag - top, h - evaluate(start[2:], c[:, 2:], ahead)[0]
             free = roomy & (over > np.maximum(fall, 0.0))
             partly = roomy & ~free & (over > 0.0)
             reach = t + np.where(partly, over / np.where(partly, fall, 1.0), 0.0) * (ahead - t)
@@ -619,7 +619,7 @@ class Surface:
             if not len(index):
                 break
             if fresh:
-                x, y, h = along(start, c, t)
+                x, y, h = evaluate(start, c, t)
                 per_x, per_y = _speed(c, t)
                 j, i = (
                     np.floor(at).astype(np.int64) - ((at == np.floor(at)) & (per < 0.0))
@@ -632,7 +632,7 @@ class Surface:
                 to_y = np.where(per_y != 0.0, (i + (per_y > 0.0) - y) / per_y, np.inf)
             across = to_x <= to_y
             t_next = np.minimum(t + np.maximum(np.minimum(to_x, to_y), 0.0), end)
-            x_next, y_next, h_next = along(start, c, t_next)
+            x_next, y_next, h_next = evaluate(start, c, t_next)
             inside = (j >= 0) & (j < columns) & (i >= 0) & (i < rows)
             cell = np.where(inside, i * columns + j, 0)
             u, v, u_next, v_next = (

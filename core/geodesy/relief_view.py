@@ -246,7 +246,7 @@ class Tracing:
                 np.isfinite(after) & np.isnan(hits.t) & (height < surface.highest_m + _CURVED_M)
             )
             t = after[row, column]
-            at_column, at_row, height = paths.at(self.rays.at(column + 0.5, row + 0.5), t)
+            at_column, at_row, height = paths.evaluate(self.rays.at(column + 0.5, row + 0.5), t)
             below = surface.heights(at_column, at_row) >= height
         for whole, part in zip(hits, (t, at_column, at_row)):
             whole[row[below], column[below]] = part[below]

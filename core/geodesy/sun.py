@@ -1,7 +1,8 @@
-"""Where the sun stands: its height and azimuth, by the equations that NOAA's solar calculator has from Meeus.
+"""Height and azimuth of the sun, by the equations of NOAA's solar calculator.
 
-J. Meeus, Astronomical Algorithms (2nd edition), chapters 12, 13, 22 and 25, in low precision: from 1950 to 2050 within
-0.01 degrees of NREL's SPA, which a test holds it to. Refraction, 0.03 degrees at 30, is left out.
+They are those of J. Meeus, Astronomical Algorithms (2nd edition), chapters 12, 13, 22 and 25, in low precision: from
+1950 to 2050 within 0.01 degrees of NREL's SPA, as a test proves. Refraction, 0.03 degrees at a height of 30, is left
+out.
 """
 
 from __future__ import annotations
@@ -10,13 +11,9 @@ import numpy as np
 
 from ..arrays import Floats
 
-#: Noon of the first of January 2000, from which the equations count, and the days of their centuries.
-_J2000 = np.datetime64("2000-01-01T12:00:00", "us")
-_CENTURY_DAYS, _DAY_US = 36_525.0, 86_400e6
-
 
 def sun_position(start: str, after_s: Floats, lat_deg: float, lon_deg: float) -> tuple[Floats, Floats]:
-    """Height above the horizon and azimuth, clockwise from north, of the sun's middle, degrees (n,) each.
+    """Height above the horizon and azimuth, clockwise from north, of the sun's centre, degrees (n,) each.
 
     Parameters
     ----------
@@ -26,8 +23,9 @@ def sun_position(start: str, after_s: Floats, lat_deg: float, lon_deg: float) ->
         Seconds after it.
     """
     first = np.datetime64(start.rstrip("Z"), "us")
-    days = ((first - _J2000).astype(np.int64) + np.asarray(after_s, np.float64) * 1e6) / _DAY_US
-    t = days / _CENTURY_DAYS
+    j2000 = np.datetime64("2000-01-01T12:00:00", "us")
+    days = ((first - j2000).astype(np.int64) + np.asarray(after_s, np.float64) * 1e6) / 86_400e6
+    t = days / 36_525.0
     longitude = 280.46646 + t * (36_000.76983 + 0.0003032 * t)
     anomaly = np.radians(357.52911 + t * (35_999.05029 - 0.0001537 * t))
     centre = (

@@ -1,4 +1,4 @@
-"""Names and codes of what heights count from. PROJ is loaded where used."""
+"""Vertical datums by name and code. PROJ is loaded where used."""
 
 from __future__ import annotations
 
@@ -11,18 +11,16 @@ from .reference import is_code, read_reference
 if TYPE_CHECKING:
     from pyproj import CRS
 
-#: Codes by names; the ellipsoid, WGS 84's, has none and needs no grid.
-_CODES = {"ellipsoid": "", "egm96": "EPSG:5773", "egm2008": "EPSG:3855"}
-
 
 def vertical_code(text: str) -> str:
-    """Code of a name, or of a code in any case; empty for the ellipsoid."""
-    return _CODES.get(text.lower(), text.upper())
+    """Code of a datum by name, or by code in any case; empty for the ellipsoid of WGS 84, which needs no grid."""
+    codes = {"ellipsoid": "", "egm96": "EPSG:5773", "egm2008": "EPSG:3855"}
+    return codes.get(text.lower(), text.upper())
 
 
 @lru_cache(32)
 def vertical_crs(code: str) -> CRS:
-    """Vertical system of a code or of WKT; raises InvalidInput where it is none."""
+    """Vertical CRS of a code or of WKT; raises InvalidInput for any other text."""
     try:
         found = read_reference(code)
     except InvalidInput as wrong:
@@ -33,11 +31,11 @@ def vertical_crs(code: str) -> CRS:
 
 
 def check_vertical(text: str) -> None:
-    """Refuse what is neither empty nor the name or the code of a vertical system."""
+    """Raise InvalidInput unless a text is empty, or the name or code of a vertical CRS."""
     code = vertical_code(text)
     if not code:
         return
-    # What is no code at all PROJ would look for among its names.
+    # PROJ would search its names for any other text.
     if not is_code(code):
         raise _unknown(text)
     vertical_crs(code)

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InvalidInput, Message
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import along_geodesics, geodesics
+from ..geodesy.projections import geodesic_ends, geodesics
 from ..limits import MAX_POSES
 from ..text import finite_number
 from ..units import LENGTHS_M
@@ -118,6 +118,6 @@ def _between(start: Pose, end: Pose, spacing_m: float, where: str) -> list[Pose]
     count = max(math.ceil(float(length_m) / spacing_m - 0.5) - 1, 0)
     along = spacing_m * np.arange(1.0, count + 1.0)
     first_lat, first_lon, way = (np.full(count, value) for value in (start[0], start[1], azimuth[0]))
-    lat, lon, _ = along_geodesics(first_lat, first_lon, way, along)
+    lat, lon, _ = geodesic_ends(first_lat, first_lon, way, along)
     agl = start[2] + along / max(float(length_m), spacing_m) * (end[2] - start[2])
     return [(*place, *start[3:]) for place in zip(lat.tolist(), wrap_lon_deg(lon).tolist(), agl.tolist())]

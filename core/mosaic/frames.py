@@ -23,7 +23,7 @@ from ..errors import InvalidInput
 from ..files import open_foreign, read_limited
 from ..geodesy.camera import CORNERS, Camera, Poses, image_axes
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
-from ..geodesy.local import axes_at, geocentric
+from ..geodesy.local import enu_axes, geocentric
 from ..geodesy.mercator import MAX_LAT_DEG, Plane, WebMercator, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.relief import Surface
@@ -155,7 +155,7 @@ class CameraFrames:
     def axes(self) -> Floats:
         """Right, top and view of the images as rows, (n, 3, 3), in geocentric axes."""
         own = np.stack(image_axes(*self.poses.attitude), axis=-2)
-        turned: Floats = own @ axes_at(self.poses.lat_deg, self.poses.lon_deg)
+        turned: Floats = own @ enu_axes(self.poses.lat_deg, self.poses.lon_deg)
         return turned
 
     @cached_property
@@ -379,7 +379,7 @@ class CameraFrames:
             pose.lat_deg,
             pose.lon_deg,
             pose.agl_m,
-            towards @ axes_at(pose.lat_deg[0], pose.lon_deg[0]).T,
+            towards @ enu_axes(pose.lat_deg[0], pose.lon_deg[0]).T,
             surface.lowest_m,
         )
         met = geocentric(lat, pose.lon_deg + dlon, height)

@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Floats
 from ..capture.georeference import Georeference
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
-from ..geodesy.local import axes_at, geocentric
+from ..geodesy.local import enu_axes, geocentric
 from ..geodesy.mercator import Plane, WebMercator
 from ..geodesy.relief import Surface
 
@@ -116,5 +116,5 @@ def positions(plane: Plane, lat_deg: Floats, lon_deg: Floats) -> tuple[Floats, F
 
 
 def _normals(block: Block) -> Floats:
-    normals: Floats = axes_at(block.lat_deg, block.lon_deg)[..., 2, :]
+    normals: Floats = enu_axes(block.lat_deg, block.lon_deg)[..., 2, :]
     return normals

@@ -152,7 +152,7 @@ def standing_poses(lat_deg: Floats, lon_deg: Floats, view: View, ground: Ellipso
         miss_lat, miss_lon = lat_deg - seen.lat_deg, lon_deg - (lon + seen.dlon_deg)
         lat, lon = np.clip(lat + miss_lat, -90.0, 90.0), lon + miss_lon
         if max(np.abs(miss_lat).max(), np.abs(miss_lon).max()) <= _SETTLED_DEG:
-            return Poses.of_attitude(
+            return Poses.from_attitude(
                 np.round(lat, _DECIMALS), np.round(lon, _DECIMALS), agl, view.yaw_deg, view.tilt_deg, 0.0
             )
     raise InvalidInput(

@@ -19,7 +19,7 @@ from ..errors import InvalidInput, Message
 from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import along_geodesics, geodesics
+from ..geodesy.projections import geodesic_ends, geodesics
 from ..limits import MAX_MISSION_BYTES, MAX_POSES
 from ..mission.area import Points, check_agl, check_lat_lon
 from ..mission.flight.gusts import GRAVITY_M_PER_S2
@@ -218,7 +218,7 @@ class _Way:
         inward = np.where(in_turn, self.arrival_deg[corner - 1], self.azimuth_deg[piece // 2])
         heading = inward + np.copysign(np.degrees(swept), turn)
         away = inward + np.degrees(np.arctan2(right, ahead))
-        lat, lon, bearing = along_geodesics(
+        lat, lon, bearing = geodesic_ends(
             self.lat_deg[corner], self.lon_deg[corner], away, np.hypot(ahead, right)
         )
         # Heights are those of the line at the share of the turn that is flown.

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput, Message, OptionName, OutputError
 from ..files import open_foreign
-from ..geodesy.camera import attitude_of
-from ..geodesy.quaternions import quaternions_of_angles, rotations_of
+from ..geodesy.camera import attitude_from_axes
+from ..geodesy.quaternions import quaternions_from_angles, rotation_matrices
 from ..limits import (
     MAX_JOURNAL_LINE_BYTES,
     MAX_LOG_DAMAGE_BYTES,
@@ -318,7 +318,7 @@ def read_dataflash(
     if turned is not None:
         with np.errstate(invalid="ignore"):
             # Of infinite angles NaN, which are left out as states of a filter that are none.
-            quaternions = quaternions_of_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
+            quaternions = quaternions_from_angles(turned["Yaw"], turned["Pitch"], turned["Roll"])
         attitude = {"clock_s": turned["TimeUS"] * _S_PER_US, **dict(zip(_QUATERNION, quaternions.T))}
     fixes = read.get("GPS")
     found = _Log(
@@ -594,5 +594,5 @@ def _attitude_at(
     quaternions = quaternions * signs[:, np.newaxis]
     mean = np.stack([np.interp(clock_s, times_s, part) for part in quaternions.T], axis=1)
     mean /= np.linalg.norm(mean, axis=1, keepdims=True)
-    vectors = WORLDS["ned"] @ rotations_of(mean) @ BODIES["frd"].T
-    return attitude_of(vectors[..., 0], vectors[..., 1], vectors[..., 2])
+    vectors = WORLDS["ned"] @ rotation_matrices(mean) @ BODIES["frd"].T
+    return attitude_from_axes(vectors[..., 0], vectors[..., 1], vectors[..., 2])

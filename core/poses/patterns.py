@@ -17,7 +17,7 @@ from ..arrays import Floats
 from ..errors import InvalidInput, Message
 from ..geodesy.camera import Camera
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.projections import LocalPlane, along_geodesics
+from ..geodesy.projections import LocalPlane, geodesic_ends
 from ..limits import MAX_POSES
 from ..mission.area import Points, Polygon, check_agl, check_lat_lon, check_polygons
 from .settings import Corridor, Orbit, Scan
@@ -126,7 +126,7 @@ def orbit(lat_deg: float, lon_deg: float, wanted: Orbit) -> Points:
     columns = []
     bearing = np.arange(wanted.images) * (360.0 / wanted.images)
     lats, lons, radii = (np.full(wanted.images, value) for value in (lat_deg, lon_deg, wanted.radius_m))
-    lat, lon, away = along_geodesics(lats, lons, bearing, radii)
+    lat, lon, away = geodesic_ends(lats, lons, bearing, radii)
     for agl_m in _levels(wanted.lowest_m, wanted.highest_m, wanted.circles):
         tilt = math.degrees(math.atan2(wanted.radius_m, agl_m - wanted.target_m))
         columns.append((lat, lon, np.full(len(lat), agl_m), away + 180.0, np.full(len(lat), tilt)))

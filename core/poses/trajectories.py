@@ -12,9 +12,9 @@ import numpy as np
 
 from ..arrays import Floats
 from ..errors import InvalidInput, Message, OptionName
-from ..geodesy.camera import attitude_of
+from ..geodesy.camera import attitude_from_axes
 from ..geodesy.local import LocalFrame
-from ..geodesy.quaternions import rotations_of
+from ..geodesy.quaternions import rotation_matrices
 from ..mission.clock import CLOCKS, implausible, is_dated
 from ..mission.parts import HIGHEST_AGL_M
 from ..numbers import real_number
@@ -102,9 +102,9 @@ def read_trajectory(
     frame = LocalFrame(lat, lon, height)
     lat_deg, lon_deg, height_m = frame.geodetic(places @ world_axes.T)
     # Columns of a rotation are the body's axes in the world's. Attitudes count from north and up where the camera is.
-    own_axes = frame.turn_to(lat_deg, lon_deg) @ world_axes @ rotations
+    own_axes = frame.rotations(lat_deg, lon_deg) @ world_axes @ rotations
     vectors = own_axes @ BODIES[body or "camera"].T
-    attitude = attitude_of(vectors[..., 0], vectors[..., 1], vectors[..., 2])
+    attitude = attitude_from_axes(vectors[..., 0], vectors[..., 1], vectors[..., 2])
     return Track(lat_deg, lon_deg, height_m, height, time_s, attitude)
 
 
@@ -199,4 +199,4 @@ def _rotations(quaternions: Floats, name: str) -> Floats:
             int(wrong[0]) + 1,
             lengths[wrong[0]],
         )
-    return rotations_of(quaternions / lengths[:, np.newaxis])
+    return rotation_matrices(quaternions / lengths[:, np.newaxis])

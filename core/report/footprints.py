@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from ..arrays import Floats
-from ..geodesy.accuracy import Scene, flat_bending_px, outside_flat_domain, with_noise
+from ..geodesy.accuracy import Scene, bound_px, flat_bending_px, outside_flat_domain
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, Footprint, ImagePoints, exact
@@ -56,12 +56,12 @@ def _around(poses: Poses, dlat: Floats, dlon: Floats) -> Corners:
 def loc1_px(scene: Scene) -> Floats:
     """Bound of `loc1`: that of loc2 and ρκ(T + e²), (n,)."""
     first = scene.half_diagonal_px * scene.size_share * (scene.lat_tangent + scene.ground.e2)
-    return with_noise(scene, first + _second_order_px(scene))
+    return bound_px(scene, first + _second_order_px(scene))
 
 
 def loc2_px(scene: Scene) -> Floats:
     """Bound of `loc2`: ρ[εt²/2 + κ²(½ + T²)], (n,)."""
-    return with_noise(scene, _second_order_px(scene))
+    return bound_px(scene, _second_order_px(scene))
 
 
 def _second_order_px(scene: Scene) -> Floats:

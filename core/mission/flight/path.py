@@ -14,7 +14,7 @@ from ...arrays import Floats, Numbers
 from ...errors import InvalidInput
 from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
-from ...geodesy.projections import LocalPlane, along_geodesics, geodesics
+from ...geodesy.projections import LocalPlane, geodesic_ends, geodesics
 from ...geodesy.ways import way_around
 from ..area import Points, Polygon
 from ..mission import Mission
@@ -386,7 +386,7 @@ class _Maker:
             return _Points.of(kind, *np.empty((3, 0))), which[:0]
         azimuth = self._into_deg[which] + 180.0 if lead_in else self._out_deg[which]
         own = self._captures.taken(which)
-        lat, lon, _ = along_geodesics(own.lat, wrap_lon_deg(own.lon), azimuth, np.full(len(which), length_m))
+        lat, lon, _ = geodesic_ends(own.lat, wrap_lon_deg(own.lon), azimuth, np.full(len(which), length_m))
         lon = own.lon + wrap_lon_deg(lon - own.lon)
         least, _ = self._least_m(lat, lon, self._asked_agl[which])
         free = ~in_no_fly(self._mission.no_fly, lat, lon)

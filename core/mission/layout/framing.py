@@ -125,7 +125,7 @@ def framed(
             return _common_edges(
                 [
                     framing.edges(
-                        Poses.of_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans), pixel
+                        Poses.from_attitude(lat_deg, np.zeros_like(lat_deg), agl_m, yaw, *leans), pixel
                     )
                     for yaw in row_yaws_deg(mission)
                 ]

@@ -14,7 +14,7 @@ from ...geodesy.camera import Poses
 from ...geodesy.ellipsoid import Ellipsoid
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
-from ...geodesy.projections import NOISE_M, LocalPlane, along_geodesics
+from ...geodesy.projections import NOISE_M, LocalPlane, geodesic_ends
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
 from ..area import (
     Box,
@@ -295,7 +295,7 @@ def _margin_on(mission: Mission, area: Box | Polygon, plane: RowsPlane) -> float
         return 0.0
     lon, lat = (np.concatenate(values)[:, np.newaxis] for values in zip(*rings_of(area)))
     azimuths = np.arange(0.0, 360.0, _MARGIN_STEP_DEG)
-    to_lat, to_lon, _ = along_geodesics(*np.broadcast_arrays(lat, lon, azimuths, margin))
+    to_lat, to_lon, _ = geodesic_ends(*np.broadcast_arrays(lat, lon, azimuths, margin))
     to_lon = lon + wrap_lon_deg(to_lon - lon)
     ends = (plane.forward(*place) for place in ((lat, lon), (to_lat, to_lon)))
     (x, y), (to_x, to_y) = ends

@@ -17,7 +17,7 @@ from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.exports.formats import FORMATS, ORIGIN_FILE, export
 from terrainav.core.exports.kinds import VIEWS
 from terrainav.core.exports.views import Views
-from terrainav.core.geodesy.quaternions import quaternions_of
+from terrainav.core.geodesy.quaternions import quaternions_from_matrices
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.mission.area import Points
 from terrainav.core.mission.mission import Mission
@@ -160,7 +160,7 @@ def test_quaternions_are_those_of_scipy():
         "xyz", [[180, 0, 0], [0, 180, 0], [0, 0, 180], [0, 0, 0]], degrees=True
     ).as_matrix()
     for matrix in np.concatenate([rotations, halves]):
-        found = quaternions_of(matrix[np.newaxis])[0]
+        found = quaternions_from_matrices(matrix[np.newaxis])[0]
         assert found[0] >= 0.0
         assert np.abs(Rotation.from_quat([*found[1:], found[0]]).as_matrix() - matrix).max() < 1e-12
 

@@ -22,13 +22,15 @@ pytestmark = pytest.mark.skipif(not longdouble.EXTENDED, reason=longdouble.WHY_N
 
 def scene(lat=35.14, agl=120.0, yaw=0.0, tilt=0.0, roll=0.0, camera=Camera(), size=(640, 480)):  # noqa: B008
     one = np.array([float(lat)])
-    return Scene(camera, *size, Poses.of_attitude(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll))
+    return Scene(
+        camera, *size, Poses.from_attitude(one, np.zeros(1), np.array([float(agl)]), yaw, tilt, roll)
+    )
 
 
 def test_angles_of_corners_are_those_of_their_rays_whether_poses_share_their_attitude_or_not():
     count, camera = 7, Camera(100.0, 1.5)
     some = np.linspace(0.0, 30.0, count)
-    alike = Poses.of_attitude(some, some, some + 1.0, 20.0, -15.0, 40.0)
+    alike = Poses.from_attitude(some, some, some + 1.0, 20.0, -15.0, 40.0)
     for poses in (
         alike,
         alike._replace(yaw_deg=9.0 * some),

@@ -54,7 +54,7 @@ def test_the_outline_holds_the_pixels_that_see_ground(lat, agl, attitude):
     ring = outline(CAMERA, lat, agl, attitude)
     side = (np.arange(300) + 0.5) / 150.0 - 1.0
     x, y = (values.ravel() for values in np.meshgrid(side, side))
-    one = Poses.of_attitude(np.array([lat]), np.zeros(1), np.array([agl]), *attitude)
+    one = Poses.from_attitude(np.array([lat]), np.zeros(1), np.array([agl]), *attitude)
     hit = exact(CAMERA, one, tuple(zip(x.tolist(), y.tolist()))).hit.mean()
     # An arc of 72 chords lacks a thousandth of its circle; the rest is the pixels on the edge.
     assert shoelace(*ring.image_xy.T) / 4.0 == pytest.approx(hit, abs=4e-3)
@@ -90,7 +90,7 @@ def test_a_whole_cap_has_the_area_it_should():
 )
 def test_poles_are_found_both_ways(lat, log_agl, yaw, tilt, roll, fov):
     camera, agl = Camera(fov, 1.2), 10.0**log_agl
-    pose = Poses.of_attitude(np.array([lat]), np.zeros(1), np.array([agl]), yaw, tilt, roll)
+    pose = Poses.from_attitude(np.array([lat]), np.zeros(1), np.array([agl]), yaw, tilt, roll)
     try:
         ring = outline(camera, lat, agl, (yaw, tilt, roll))
     except InvalidInput:
@@ -111,7 +111,7 @@ def test_cameras_that_look_at_the_sky_have_no_outline():
 
 @pytest.mark.parametrize("lat", [-70.0, 0.0, 40.1, 89.0])
 def test_corners_beyond_the_earth_are_points_of_the_horizon(lat):
-    pose = Poses.of_attitude(np.array([lat]), np.array([12.0]), np.array([3e5]), 40.0, 80.0, 5.0)
+    pose = Poses.from_attitude(np.array([lat]), np.array([12.0]), np.array([3e5]), 40.0, 80.0, 5.0)
     corners = ground_corners(CAMERA, pose)
     assert (~corners.hit).any()
     assert corners.hit.any()

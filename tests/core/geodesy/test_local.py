@@ -7,8 +7,8 @@ import math
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from terrainav.core.geodesy.camera import attitude_of, image_axes
-from terrainav.core.geodesy.local import LocalFrame, axes_at
+from terrainav.core.geodesy.camera import attitude_from_axes, image_axes
+from terrainav.core.geodesy.local import LocalFrame, enu_axes
 
 
 def geocentric(lat_deg: float, lon_deg: float, height_m: float) -> np.ndarray:
@@ -39,7 +39,7 @@ latitudes, longitudes = st.floats(-89.0, 89.0), st.floats(-180.0, 180.0)
 def test_places_are_differences_turned_into_the_frames_axes(lat, lon, height, dlat, dlon, up):
     frame = LocalFrame(lat, lon, height)
     place = (lat + dlat, lon + dlon, height + up)
-    expected = axes_at(lat, lon) @ (geocentric(*place) - geocentric(lat, lon, height))
+    expected = enu_axes(lat, lon) @ (geocentric(*place) - geocentric(lat, lon, height))
     found = frame.enu(*(np.array([value]) for value in place))[0]
     assert np.abs(found - expected).max() < 1e-6
     again = [float(value[0]) for value in frame.geodetic(found[np.newaxis])]
@@ -48,14 +48,14 @@ def test_places_are_differences_turned_into_the_frames_axes(lat, lon, height, dl
 
 @given(latitudes, longitudes, latitudes, longitudes)
 def test_vectors_are_turned_from_frame_to_frame(lat, lon, other_lat, other_lon):
-    turn = LocalFrame(lat, lon).turn_to(other_lat, other_lon)
+    turn = LocalFrame(lat, lon).rotations(other_lat, other_lon)
     assert np.abs(turn @ turn.T - np.eye(3)).max() < 1e-12
-    assert np.abs(axes_at(other_lat, other_lon).T @ turn - axes_at(lat, lon).T).max() < 1e-12
+    assert np.abs(enu_axes(other_lat, other_lon).T @ turn - enu_axes(lat, lon).T).max() < 1e-12
 
 
 @given(st.floats(-179.0, 179.0), st.floats(-89.0, 89.0), st.floats(-179.0, 179.0))
 def test_attitudes_are_those_that_made_the_axes(yaw, tilt, roll):
-    found = [float(angle) for angle in attitude_of(*image_axes(yaw, tilt, roll))]
+    found = [float(angle) for angle in attitude_from_axes(*image_axes(yaw, tilt, roll))]
     for axes, own in zip(image_axes(*found), image_axes(yaw, tilt, roll)):
         assert np.abs(axes - own).max() < 1e-12
     assert abs(found[1] - tilt) < 1e-9

@@ -138,7 +138,7 @@ def test_cells_and_rays_of_camera_frames_are_within_their_bounds(crs, lat, lon, 
     grid = grid_about(crs, lat, lon)
     plane = grid.own
     attitude = 30.0, tilt, 3.0
-    pose = Poses.of_attitude(np.array([lat]), np.array([lon]), np.array([120.0]), *attitude)
+    pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([120.0]), *attitude)
     scene = Scene(CAMERA, *SIZE, pose)
     rays = ImageRays.of(scene, plane)
     cells = mesh(rays, 0.1)
@@ -183,7 +183,7 @@ def _away_px(crs, lat, lon, attitude, image, place, plane):
 def test_tiles_of_views_are_those_that_pixels_are_read_from():
     crs, lat, lon = "EPSG:32616", 35.1, -89.9
     grid = grid_about(crs, lat, lon)
-    pose = Poses.of_attitude(np.array([lat]), np.array([lon]), np.array([500.0]), 20.0, 60.0, 0.0)
+    pose = Poses.from_attitude(np.array([lat]), np.array([lon]), np.array([500.0]), 20.0, 60.0, 0.0)
     seen = view(Scene(CAMERA, *SIZE, pose), grid, (0, 7), 0.1)
     tiles = set(seen.tiles(lon))
     keys = seen.tile_keys(np.array([lon]), np.zeros(1), np.zeros(1))

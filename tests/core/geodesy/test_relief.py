@@ -7,7 +7,7 @@ import pyproj
 import pytest
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.paths import Paths, along, fitted
+from terrainav.core.geodesy.paths import Paths, evaluate, fit_paths
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.relief import PixelRays, Surface
 
@@ -320,13 +320,13 @@ def test_paths_are_as_exact_as_they_say(crs, lat, lon, far):
         return np.stack([*surface.position(lat_deg, lon + dlon), height], axis=1)
 
     tolerances = np.array([1e-6, 1e-6, 1e-6])
-    paths, off = fitted(lat, 300.0, directions, np.full(len(directions), far), coordinates, tolerances)
+    paths, off = fit_paths(lat, 300.0, directions, np.full(len(directions), far), coordinates, tolerances)
     rng = np.random.default_rng(4)
     inside = corners.at(rng.uniform(0, WIDTH, 200), rng.uniform(0, HEIGHT, 200))
     inside /= np.linalg.norm(inside, axis=1)[:, np.newaxis]
     t = rng.uniform(0.0, far, 200)
     true = np.stack(on_earth(surface, lat, lon, 300.0, t[:, np.newaxis] * inside))
-    told = along(paths.start, paths.coefficients(inside), t)
+    told = evaluate(paths.start, paths.coefficients(inside), t)
     assert (off <= tolerances).all()
     # Heights by PROJ are off by 3e-6 m at a pole.
     assert (np.abs(told - true) <= off[:, np.newaxis] * t + 1e-5).all()

@@ -24,7 +24,7 @@ PLACES = [
 
 def scene(place, camera=Camera()):  # noqa: B008 - frozen
     lat, agl, yaw, tilt, roll, ground_m = place
-    poses = Poses.of_attitude(ONE + lat, ONE, ONE + agl, yaw, tilt, roll)
+    poses = Poses.from_attitude(ONE + lat, ONE, ONE + agl, yaw, tilt, roll)
     return Scene(camera, 640.0, 480.0, poses, WGS84.raised(ground_m))
 
 
