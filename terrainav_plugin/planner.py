@@ -24,7 +24,7 @@ _PAUSE_MS = 150
 _MOST_TIMED_PX = 4_000_000
 
 
-class Planned(NamedTuple):
+class PlannedMission(NamedTuple):
     """A mission worked out."""
 
     mission: Mission
@@ -38,7 +38,7 @@ class Planner(QObject):
     Signals
     -------
     planned(object)
-        `Planned`, of the latest request.
+        `PlannedMission`, of the latest request.
     costed(object, object)
         The same, and what its methods were timed at; after `planned`.
     refused(object)
@@ -85,7 +85,7 @@ class Planner(QObject):
             (mission, find_grid, timed), self._wanted = self._wanted, None
             self._worker.ask(partial(_plan, mission, find_grid), partial(self._deliver, timed))
 
-    def _deliver(self, timed: bool, planned: Planned) -> None:
+    def _deliver(self, timed: bool, planned: PlannedMission) -> None:
         if timed:
             self._worker.ask(partial(_time, planned), lambda cost: self.costed.emit(planned, cost))
         self.planned.emit(planned)
@@ -93,16 +93,20 @@ class Planner(QObject):
 
 def _plan(
     mission: Mission, find_grid: Callable[[], PixelGrid], overtaken: Callable[[], bool]
-) -> Planned | None:
+) -> PlannedMission | None:
     """Plan step by step, ending early when overtaken. Runs on the planner's thread."""
     from ..core.mission.estimate import estimate
     from .sources import costs_of, worked_out
 
     steps = worked_out(mission, find_grid)
-    return None if overtaken() else Planned(mission, steps, estimate(steps, costs_of(mission.imagery.source)))
+    return (
+        None
+        if overtaken()
+        else PlannedMission(mission, steps, estimate(steps, costs_of(mission.imagery.source)))
+    )
 
 
-def _time(planned: Planned, _overtaken: Callable[[], bool]) -> str:
+def _time(planned: PlannedMission, _overtaken: Callable[[], bool]) -> str:
     """Time the methods of a plan, last of all. Runs on the planner's thread."""
     from ..core.picture.cost import timed_cost
     from .sources import bands_of

@@ -35,7 +35,7 @@ from .panel.planning import Planning
 from .panel.runs import RunPanel
 from .panel.source_list import SourceList
 from .paths import exists, folder_of, next_folder, open_in_system
-from .planner import Planned, Planner
+from .planner import PlannedMission, Planner
 from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
@@ -121,7 +121,7 @@ class Session(QObject):
         return self.dock.form.state()
 
     @property
-    def planned(self) -> Planned | None:
+    def planned(self) -> PlannedMission | None:
         """Plan of what is entered; None while it makes none."""
         return self.planning.latest
 
@@ -300,7 +300,7 @@ class Session(QObject):
 
     # --- the preview
 
-    def _show_preview_of(self, planned: Planned) -> None:
+    def _show_preview_of(self, planned: PlannedMission) -> None:
         if not self._previewing:
             return
         self.preview.show(self.group(), planned.mission, planned.plan)

@@ -13,7 +13,7 @@ from qgis.PyQt.QtWidgets import QLabel
 from ...core.mission.area import Area
 from ..compat import POINT, POLYGON
 from ..plain import plain_label
-from .outline import Corner, Outline, turns_to
+from .outline import AreaOutline, Corner, turns_to
 
 
 class BandColours(NamedTuple):
@@ -106,7 +106,7 @@ class AreaMark(QObject):
             self._bands.clear()
             return
         crs, near = self._canvas.mapSettings().destinationCrs(), self._canvas.extent().center().x()
-        self._bands.show(Outline(self.area, crs, QgsProject.instance(), near), with_handles=False)
+        self._bands.show(AreaOutline(self.area, crs, QgsProject.instance(), near), with_handles=False)
 
 
 class AreaBands:
@@ -118,7 +118,7 @@ class AreaBands:
         self._canvas, self._colours, self._symbol = canvas, colours, symbol
         self._bands: list[QgsRubberBand] = []
 
-    def show(self, outline: Outline, with_handles: bool, picked: Corner | None = None) -> None:
+    def show(self, outline: AreaOutline, with_handles: bool, picked: Corner | None = None) -> None:
         """Draw an outline in place of the one before, with one of its corners filled."""
         if not self._bands:
             icons = QgsRubberBand.IconType

@@ -45,9 +45,9 @@ from .layers import (
     rectangle_area,
     text_file,
 )
-from .menu import Way
+from .menu import AreaAction
 from .no_fly import NoFlyWay
-from .outline import Outline
+from .outline import AreaOutline
 from .patterns import PATTERNS, OrbitDialog, pattern_dialog
 from .tools import AreaTool, BoxTool, PointTool
 
@@ -134,23 +134,23 @@ class AreaControl(QObject):
         panel.visibilityChanged.connect(self._show_mark)
         self._join_tools()
         self._ways: dict[str, Callable[[], None]] = {
-            Way.DRAW: partial(draw, box_tool.start),
-            Way.DRAW_POLYGON: partial(draw, self.polygon_tool.start),
-            Way.CANVAS: self.take_canvas,
-            Way.SINGLE: partial(draw, self.single_tool.start),
-            Way.ORBIT: partial(draw, self.orbit_tool.start),
-            Way.LAYER: self._ask_for_layer,
-            Way.POLYGON: self._take_polygon,
-            Way.POINTS: self._ask_for_points,
-            Way.LINE: self._ask_for_line,
+            AreaAction.DRAW: partial(draw, box_tool.start),
+            AreaAction.DRAW_POLYGON: partial(draw, self.polygon_tool.start),
+            AreaAction.CANVAS: self.take_canvas,
+            AreaAction.SINGLE: partial(draw, self.single_tool.start),
+            AreaAction.ORBIT: partial(draw, self.orbit_tool.start),
+            AreaAction.LAYER: self._ask_for_layer,
+            AreaAction.POLYGON: self._take_polygon,
+            AreaAction.POINTS: self._ask_for_points,
+            AreaAction.LINE: self._ask_for_line,
             **{way: partial(self._ask_for_pattern, way) for way in PATTERNS},
-            Way.AREA_FILE: self._ask_for_area_file,
-            Way.FILE: self._ask_for_file,
-            Way.POSES: self._ask_for_poses,
-            Way.PASTE: self.paste,
-            Way.ADD_POLYGON: self.part_tool.start,
-            Way.ADD_HOLE: self.hole_tool.start,
-            Way.TO_BOX: self._editing.make_box,
+            AreaAction.AREA_FILE: self._ask_for_area_file,
+            AreaAction.FILE: self._ask_for_file,
+            AreaAction.POSES: self._ask_for_poses,
+            AreaAction.PASTE: self.paste,
+            AreaAction.ADD_POLYGON: self.part_tool.start,
+            AreaAction.ADD_HOLE: self.hole_tool.start,
+            AreaAction.TO_BOX: self._editing.make_box,
             NoFlyWay.DRAW: partial(draw, self.no_fly_tool.start),
             NoFlyWay.LAYER: self._ask_for_no_fly_layer,
             NoFlyWay.FILE: self._ask_for_no_fly_file,
@@ -560,7 +560,7 @@ class AreaControl(QObject):
             return True
         view = self._canvas.extent()
         crs = self._canvas.mapSettings().destinationCrs()
-        shape = Outline(area, crs, self._project, view.center().x()).shape
+        shape = AreaOutline(area, crs, self._project, view.center().x()).shape
         return shape.intersects(view)
 
 

@@ -14,7 +14,7 @@ from ..i18n import tr
 from ..paths import icon
 
 
-class Way:
+class AreaAction:
     """Ways to an area, by the names of the menu's entries."""
 
     DRAW, DRAW_POLYGON, SINGLE, CANVAS = "draw", "draw_polygon", "single", "canvas"
@@ -80,29 +80,29 @@ class AreaMenu(MenuButton):
         is_ground, is_shape : bool
             Whether it is a box or polygons, and whether it is something else than a box.
         """
-        for name in (Way.ADD_POLYGON, Way.ADD_HOLE):
+        for name in (AreaAction.ADD_POLYGON, AreaAction.ADD_HOLE):
             self.actions_by_name[name].setEnabled(is_ground)
-        self.actions_by_name[Way.TO_BOX].setEnabled(is_shape)
+        self.actions_by_name[AreaAction.TO_BOX].setEnabled(is_shape)
 
     @staticmethod
     def _entries() -> Entries:
         return (
             (
-                (Way.DRAW, "=draw_box", tr("&Draw box"), tr("Press, drag and release on the map")),
+                (AreaAction.DRAW, "=draw_box", tr("&Draw box"), tr("Press, drag and release on the map")),
                 (
-                    Way.DRAW_POLYGON,
+                    AreaAction.DRAW_POLYGON,
                     "=draw_polygon",
                     tr("Draw pol&ygon"),
                     tr("Click each corner on the map; a double click, a right click or Enter finishes"),
                 ),
                 (
-                    Way.SINGLE,
+                    AreaAction.SINGLE,
                     "=test_shot",
                     tr("&Single capture here…"),
                     tr("Click a point on the map: the mission is one image, straight above it"),
                 ),
                 (
-                    Way.CANVAS,
+                    AreaAction.CANVAS,
                     "/mActionZoomFullExtent.svg",
                     tr("&Map canvas extent"),
                     tr("The box of what the map shows now"),
@@ -110,13 +110,13 @@ class AreaMenu(MenuButton):
             ),
             (
                 (
-                    Way.LAYER,
+                    AreaAction.LAYER,
                     "/mActionZoomToLayer.svg",
                     tr("Extent of a &layer…"),
                     tr("The box around a layer"),
                 ),
                 (
-                    Way.POLYGON,
+                    AreaAction.POLYGON,
                     "/mIconPolygonLayer.svg",
                     tr("Poly&gons of a layer…"),
                     tr(
@@ -124,13 +124,13 @@ class AreaMenu(MenuButton):
                     ),
                 ),
                 (
-                    Way.POINTS,
+                    AreaAction.POINTS,
                     "/mIconPointLayer.svg",
                     tr("P&oints of a layer…"),
                     tr("One image above each point, with height (AGL), attitude and time from fields"),
                 ),
                 (
-                    Way.LINE,
+                    AreaAction.LINE,
                     "/mIconLineLayer.svg",
                     tr("L&ine of a layer…"),
                     tr("A line flown at a speed, with images at intervals of time or distance"),
@@ -138,31 +138,31 @@ class AreaMenu(MenuButton):
             ),
             (
                 (
-                    Way.CORRIDOR,
+                    AreaAction.CORRIDOR,
                     "/mActionOffsetCurve.svg",
                     tr("&Corridor along a line…"),
                     tr("Rows along a line that show all of a strip"),
                 ),
                 (
-                    Way.ORBIT,
+                    AreaAction.ORBIT,
                     "/mActionAddRing.svg",
                     tr("O&rbit around a point…"),
                     tr("Click a point on the map: circles from which the camera looks at it"),
                 ),
                 (
-                    Way.FACADE,
+                    AreaAction.FACADE,
                     "/mActionOffsetPointSymbols.svg",
                     tr("F&açade along a line…"),
                     tr("Flights along a wall, one above the other; the camera looks at it"),
                 ),
                 (
-                    Way.STRUCTURE,
+                    AreaAction.STRUCTURE,
                     "/mActionFillRing.svg",
                     tr("Str&ucture around a polygon…"),
                     tr("Flights around a building, one above the other; the camera looks at its walls"),
                 ),
                 (
-                    Way.RANDOM,
+                    AreaAction.RANDOM,
                     "/algorithms/mAlgorithmRandomPointsWithinPolygon.svg",
                     tr("Ra&ndom poses in the area…"),
                     tr("Images at random places of the area, with random heights, directions and tilts"),
@@ -170,13 +170,13 @@ class AreaMenu(MenuButton):
             ),
             (
                 (
-                    Way.AREA_FILE,
+                    AreaAction.AREA_FILE,
                     "/mActionFileOpen.svg",
                     tr("Area file (KML, Geo&JSON)…"),
                     tr("All polygons of a KML, KMZ or GeoJSON file, with their holes"),
                 ),
                 (
-                    Way.FILE,
+                    AreaAction.FILE,
                     "/mIconPointLayer.svg",
                     tr("&Text file of points…"),
                     tr(
@@ -185,7 +185,7 @@ class AreaMenu(MenuButton):
                     ),
                 ),
                 (
-                    Way.POSES,
+                    AreaAction.POSES,
                     "/mIconLineLayer.svg",
                     tr("Trajectory or &flight log…"),
                     tr(
@@ -194,7 +194,7 @@ class AreaMenu(MenuButton):
                     ),
                 ),
                 (
-                    Way.PASTE,
+                    AreaAction.PASTE,
                     "/mActionEditPaste.svg",
                     tr("&Paste coordinates"),
                     tr(
@@ -205,19 +205,19 @@ class AreaMenu(MenuButton):
             ),
             (
                 (
-                    Way.ADD_POLYGON,
+                    AreaAction.ADD_POLYGON,
                     "=draw_polygon",
                     tr("Add anoth&er polygon"),
                     tr("Draw one more polygon; what it overlaps is joined with it"),
                 ),
                 (
-                    Way.ADD_HOLE,
+                    AreaAction.ADD_HOLE,
                     "/mActionAddRing.svg",
                     tr("Cut a &hole"),
                     tr("Draw a hole inside the area"),
                 ),
                 (
-                    Way.TO_BOX,
+                    AreaAction.TO_BOX,
                     "=draw_box",
                     tr("Make it a &box"),
                     tr("The box around the polygon or the points, instead of them"),

@@ -64,7 +64,7 @@ class Corner(NamedTuple):
     at: int
 
 
-class Outline:
+class AreaOutline:
     """An area on a canvas.
 
     Parameters
@@ -249,7 +249,7 @@ class Outline:
 
 
 def grip_at(
-    outline: Outline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
+    outline: AreaOutline, to_pixel: QgsMapToPixel, x_px: float, y_px: float, reach_px: float
 ) -> frozenset[str]:
     """Edges of a box that a pointer is at: two at a corner, one at a side, none elsewhere.
 
@@ -276,7 +276,7 @@ def grip_at(
     return frozenset((found[1],)) if found[0] <= reach else frozenset()
 
 
-def corner_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | None:
+def corner_at(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
     """Return the corner of polygons nearest to a point of the canvas and within reach, in its CRS's units."""
     if not outline.corners:
         return None
@@ -286,7 +286,7 @@ def corner_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | Non
     return list(outline.corners)[nearest] if distances[nearest] <= reach else None
 
 
-def edge_at(outline: Outline, point: QgsPointXY, reach: float) -> Corner | None:
+def edge_at(outline: AreaOutline, point: QgsPointXY, reach: float) -> Corner | None:
     """Return the edge of polygons nearest to a point of the canvas and within reach, by the corner before it."""
     found = [(corner, *segment) for corner, segments in outline.edges.items() for segment in segments]
     if not found:

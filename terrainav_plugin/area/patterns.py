@@ -27,7 +27,7 @@ from ..units import length_text
 from ..widgets import NumberBox, named, ok_and_cancel, row, spin, tick
 from .dialogs import DEGREES, LayerDialog, number_entry
 from .layers import Found, Reading, of_lines, of_outlines
-from .menu import Way
+from .menu import AreaAction
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 _RANDOM_COUNT, _RANDOM_LOW_M, _RANDOM_HIGH_M, _MOST_RANDOM = 500, 80.0, 150.0, 1_000_000
 
 #: Ways of the menu that ask for a pattern; an orbit also needs a click on the map first.
-PATTERNS = (Way.CORRIDOR, Way.FACADE, Way.STRUCTURE, Way.RANDOM)
+PATTERNS = (AreaAction.CORRIDOR, AreaAction.FACADE, AreaAction.STRUCTURE, AreaAction.RANDOM)
 
 
 def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
@@ -53,9 +53,13 @@ def pattern_dialog(way: str, iface: QgisInterface, state: FormState) -> Any:
         Where there is no area for random poses.
     """
     window = iface.mainWindow()
-    if way == Way.RANDOM:
+    if way == AreaAction.RANDOM:
         return RandomDialog(window, state)
-    kinds = {Way.CORRIDOR: CorridorDialog, Way.FACADE: FacadeDialog, Way.STRUCTURE: StructureDialog}
+    kinds = {
+        AreaAction.CORRIDOR: CorridorDialog,
+        AreaAction.FACADE: FacadeDialog,
+        AreaAction.STRUCTURE: StructureDialog,
+    }
     return kinds[way](window, iface.activeLayer(), state)
 
 

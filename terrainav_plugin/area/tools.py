@@ -32,8 +32,8 @@ from .corners import (
 )
 from .layers import rectangle_area
 from .outline import (
+    AreaOutline,
     Corner,
-    Outline,
     contains,
     corner_at,
     edge_at,
@@ -223,7 +223,7 @@ class AreaTool(TemporaryTool):
         self.length_unit = METRES
         self._area: Area | None = None
         self._dragged: Area | None = None
-        self._outline: Outline | None = None
+        self._outline: AreaOutline | None = None
         self._grip: frozenset[str] = frozenset()
         #: Corner that is held, and the area that it is moved from, which may have it newly.
         self._held: Corner | None = None
@@ -516,7 +516,7 @@ class AreaTool(TemporaryTool):
         canvas = self.canvas()
         crs = canvas.mapSettings().destinationCrs()
         near = canvas.extent().center().x() if crs.isGeographic() else 0.0
-        self._outline = Outline(area, crs, QgsProject.instance(), near)
+        self._outline = AreaOutline(area, crs, QgsProject.instance(), near)
         self._bands.show(self._outline, with_handles=not isinstance(area, Points), picked=self._picked)
 
     def _grip_at(self, at: QPoint) -> frozenset[str]:

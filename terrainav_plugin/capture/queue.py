@@ -21,7 +21,7 @@ from ..settings import Settings
 from ..sources import grid_finder, grid_of, key_of
 from .endings import Endings
 from .questions import Questions
-from .run import Run
+from .run import CaptureRun
 from .unfinished import FindTask, Left, PlanTask, Unfinished
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..form.state import FormState
     from ..map.mission_group import MissionGroup
     from ..messages import Messages
-    from ..planner import Planned
+    from ..planner import PlannedMission
     from .task import CaptureTask
 
 
@@ -87,7 +87,7 @@ class Runs(QObject):
         self.questions = Questions(
             messages, window, self.refused.emit, self.other_folder_wanted.emit, lambda: self.folders
         )
-        self.runs: list[Run] = []
+        self.runs: list[CaptureRun] = []
         self._endings = Endings(messages, open_project, group, self)
         self._endings.shown.connect(self.results_shown)
         self._endings.test_shot_shown.connect(self.test_shot_shown)
@@ -101,7 +101,7 @@ class Runs(QObject):
         self._closed = False
 
     @property
-    def waiting(self) -> list[Run]:
+    def waiting(self) -> list[CaptureRun]:
         """Those that are not over, in their order; the first of them is at work."""
         return [run for run in self.runs if not run.over]
 
@@ -124,7 +124,7 @@ class Runs(QObject):
         """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
         return self.questions.folder_is_given(state.folder) and self.questions.key_is_there(state.source_name)
 
-    def start(self, planned: Planned, folder: Path, only_failed: bool = False) -> None:
+    def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
         requests = self._requests(planned.plan)
         # What no folder can change is said before folders are asked about.
@@ -176,16 +176,16 @@ class Runs(QObject):
         elif not self.questions.belongs_to_another(task.plan, left.folder):
             self._enqueue(task.plan, left.folder, left.only_failed, self._requests(task.plan))
 
-    def capture_failed(self, run: Run) -> None:
+    def capture_failed(self, run: CaptureRun) -> None:
         """Capture the images again that have failed in a run that is over, and nothing else."""
         self._capture_again(run, run.task.failed, only_failed=True)
 
-    def treat_as_missing(self, run: Run, digest: str, images: int) -> None:
+    def treat_as_missing(self, run: CaptureRun, digest: str, images: int) -> None:
         """Have a tile count as missing from now on, and capture the images of a run again that show it."""
         Settings().treat_as_missing(digest)
         self._capture_again(run, run.task.failed + images, only_failed=False)
 
-    def _capture_again(self, run: Run, images: int, *, only_failed: bool) -> None:
+    def _capture_again(self, run: CaptureRun, images: int, *, only_failed: bool) -> None:
         share = min(images / max(len(run.plan) * len(run.mission.imagery.map_types), 1), 1.0)
         if not self.questions.key_is_there(run.mission.imagery.source):
             return
@@ -193,7 +193,7 @@ class Runs(QObject):
         if self._enqueue(run.plan, run.folder, only_failed, requests):
             self.dismiss(run)
 
-    def resume(self, run: Run) -> None:
+    def resume(self, run: CaptureRun) -> None:
         """Let a run that is paused go on, or put one that has ended early into the queue again."""
         if not run.over:
             run.pause(False)
@@ -220,9 +220,9 @@ class Runs(QObject):
         if questions.key_is_there(mission.imagery.source) and questions.terms_allow(mission, steps.requests):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
-            self._add(Run(steps, folder, key_of(mission.imagery.source), test_shot=True))
+            self._add(CaptureRun(steps, folder, key_of(mission.imagery.source), test_shot=True))
 
-    def dismiss(self, run: Run) -> None:
+    def dismiss(self, run: CaptureRun) -> None:
         """Take a run that is over off the list."""
         if run in self.runs and run.over:
             self.runs.remove(run)
@@ -257,14 +257,14 @@ class Runs(QObject):
             return False
         try:
             # A copy: what a plan keeps of its views belongs to whoever captures it.
-            run = Run(replace(plan), folder, key_of(mission.imagery.source), only_failed=only_failed)
+            run = CaptureRun(replace(plan), folder, key_of(mission.imagery.source), only_failed=only_failed)
         except TerrAInavError as wrong:
             self._messages.warning(tr("Nothing captured: {reason}").format(reason=translate(wrong)))
             return False
         self._add(run)
         return True
 
-    def _add(self, run: Run) -> None:
+    def _add(self, run: CaptureRun) -> None:
         if self._closed:
             # Unloaded while it was asked for the terms.
             run.close()
@@ -281,7 +281,7 @@ class Runs(QObject):
         self.listed.emit(run)
         self._move_on()
 
-    def _ended(self, run: Run) -> None:
+    def _ended(self, run: CaptureRun) -> None:
         self._unfinished.forget(run)
         self._endings.tell(run)
         if run.test_shot:

@@ -40,7 +40,7 @@ class Stage(enum.Enum):
 _UNDER_WAY = (Stage.RUNNING, Stage.PAUSED, Stage.STOPPING)
 
 
-class Run(QObject):
+class CaptureRun(QObject):
     """A capture of a plan as it was when it was asked for; what is entered later does not touch it.
 
     Parameters
@@ -200,7 +200,7 @@ class Run(QObject):
         self.changed.emit()
 
 
-def title_of(run: Run) -> str:
+def title_of(run: CaptureRun) -> str:
     """Name that a run goes by."""
     if run.test_shot:
         return tr("Test shot")
@@ -209,7 +209,7 @@ def title_of(run: Run) -> str:
     return run.name
 
 
-def row_text(run: Run, place: int = 0) -> str:
+def row_text(run: CaptureRun, place: int = 0) -> str:
     """How far a run is, in a line.
 
     Parameters
@@ -280,7 +280,7 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
     return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
 
 
-def _end_text(run: Run) -> str:
+def _end_text(run: CaptureRun) -> str:
     result = run.result
     if run.task.error:
         return with_kept(translate(run.task.error), result)

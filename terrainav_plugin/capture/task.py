@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...core.capture.progress import CaptureResult, Progress
     from ...core.mission.plan import Plan
     from ..dataset.layers import FailedImages, OpenedResults
-    from ..dataset.mosaic import Mosaic
+    from ..dataset.mosaic import MosaicRaster
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -63,7 +63,7 @@ class CaptureTask(Task):
     paused : bool
         Set on the main thread; while it is True nothing is asked for and no picture is begun.
     result : CaptureResult or None
-    mosaics : list of Mosaic
+    mosaics : list of MosaicRaster
     without_mosaic : str
         Why there is none, where the images are there.
     opened : OpenedResults or None
@@ -91,7 +91,7 @@ class CaptureTask(Task):
         self.folder = folder
         self.paused = False
         self.result: CaptureResult | None = None
-        self.mosaics: list[Mosaic] = []
+        self.mosaics: list[MosaicRaster] = []
         self.without_mosaic = ""
         self.opened: OpenedResults | None = None
         self.failed = 0

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from ...core.geodesy.mercator import PixelGrid
     from ...core.mission.plan import Plan
-    from .run import Run
+    from .run import CaptureRun
 
 _NOTE, _LOCK = ".json", ".lock"
 _DIGITS = 16
@@ -39,9 +39,9 @@ class Unfinished:
     """
 
     def __init__(self) -> None:
-        self._locks: dict[Run, QLockFile] = {}
+        self._locks: dict[CaptureRun, QLockFile] = {}
 
-    def note(self, run: Run) -> None:
+    def note(self, run: CaptureRun) -> None:
         """Note a run that has come into the queue; a profile that cannot be written is no reason not to capture."""
         if run.test_shot:
             return
@@ -61,7 +61,7 @@ class Unfinished:
         self._locks[run] = _lock_of(path)
         self._locks[run].tryLock(0)
 
-    def forget(self, run: Run) -> None:
+    def forget(self, run: CaptureRun) -> None:
         """Take away the note of a run that has ended, however it did."""
         lock = self._locks.pop(run, None)
         if lock is not None:

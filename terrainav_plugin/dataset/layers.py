@@ -32,7 +32,7 @@ from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
 from ..tasks import CRS_IDS, crs_named, held_crs
 from .footprints import feature_lines, feature_of
-from .mosaic import Mosaic
+from .mosaic import MosaicRaster
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -57,11 +57,11 @@ class OpenedResults(NamedTuple):
     folder: Path
     mission: Mission
     footprints: QgsVectorLayer
-    mosaics: list[tuple[Mosaic, QgsRasterLayer | None]]
+    mosaics: list[tuple[MosaicRaster, QgsRasterLayer | None]]
     has_paths: bool = True
 
 
-def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> OpenedResults:
+def open_results(folder: Path, mission: Mission, mosaics: list[MosaicRaster]) -> OpenedResults:
     """Open the footprints of a dataset and its mosaics, on any thread.
 
     Raises
@@ -78,7 +78,7 @@ def open_results(folder: Path, mission: Mission, mosaics: list[Mosaic]) -> Opene
     return OpenedResults(folder, mission, footprints, list(zip(mosaics, opened)))
 
 
-def _opened(mosaic: Mosaic) -> QgsRasterLayer | None:
+def _opened(mosaic: MosaicRaster) -> QgsRasterLayer | None:
     crs = mosaic.crs()
     return _for_main_thread(open_raster(mosaic.path, mosaic.title), crs) if held_crs(crs) else None
 

@@ -32,7 +32,7 @@ from ...core.mosaic.frames import CameraFrames
 from ...core.mosaic.orthomosaic import raster_of
 from ..i18n import tr
 from .rectify import OpenHeights, write_mosaic
-from .shown import Shown, how_shown, open_image, open_shown
+from .shown import ImageRendering, how_shown, open_image, open_shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -84,7 +84,7 @@ class Placed(NamedTuple):
     height_px: Numbers
 
 
-class Mosaic(NamedTuple):
+class MosaicRaster(NamedTuple):
     """A raster over a run's pictures: a virtual one and its overviews, or the orthomosaic of camera frames.
 
     It is made beside the one that is there and put in its place afterwards: no file is written while a layer may
@@ -118,7 +118,7 @@ class Mosaic(NamedTuple):
         wkt = html.unescape(found[1]) if found else WEB_MERCATOR_WKT
         return named_crs(read_reference(wkt))
 
-    def put_in_place(self) -> Mosaic:
+    def put_in_place(self) -> MosaicRaster:
         """Have what was made replace what was there; returns the mosaic that is there now.
 
         Raises
@@ -149,7 +149,7 @@ class Mosaic(NamedTuple):
 
 def build_any_mosaics(
     plan: Plan, folder: Path, open_heights: OpenHeights, progress: Progress
-) -> list[Mosaic]:
+) -> list[MosaicRaster]:
     """Write the mosaics that suit a run's pictures: virtual rasters or orthomosaics; none of too many pictures.
 
     Parameters and errors are those of `build_mosaics` and `build_orthomosaics`.
@@ -187,7 +187,7 @@ def _problem_of(plan: Plan, index: int) -> InvalidInput | None:
     return None
 
 
-def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
+def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[MosaicRaster]:
     """Write a virtual raster for every map type of a run, of the pictures that are there.
 
     Where there is one already, the new one lies beside it until it is put in its place. A mission across the
@@ -222,7 +222,7 @@ def build_mosaics(plan: Plan, folder: Path, progress: Progress) -> list[Mosaic]:
 
 def build_orthomosaics(
     folder: Path, mission: Mission, open_heights: OpenHeights, progress: Progress
-) -> list[Mosaic]:
+) -> list[MosaicRaster]:
     """Write an orthomosaic for every map type of a run's camera frames, as `build_mosaics` does.
 
     Parameters
@@ -236,7 +236,7 @@ def build_orthomosaics(
     """
     made, map_types = [], mission.imagery.map_types
     for number, map_type in enumerate(map_types):
-        mosaic = Mosaic(map_type, folder / f"{map_type}{_ORTHOPHOTO}", _title(map_type), is_made=True)
+        mosaic = MosaicRaster(map_type, folder / f"{map_type}{_ORTHOPHOTO}", _title(map_type), is_made=True)
         write_mosaic(
             folder,
             map_type,
@@ -277,9 +277,9 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         raise
 
 
-def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
+def mosaics_there(folder: Path, mission: Mission) -> list[MosaicRaster] | None:
     """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
-    found: list[Mosaic] = []
+    found: list[MosaicRaster] = []
     try:
         journal_s = (folder / JOURNAL_FILE).stat().st_mtime
         for map_type in mission.imagery.map_types:
@@ -290,7 +290,7 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
             if orthophoto.is_file():
                 if orthophoto.stat().st_mtime < newest_s:
                     return None
-                found.append(Mosaic(map_type, orthophoto, _title(map_type)))
+                found.append(MosaicRaster(map_type, orthophoto, _title(map_type)))
                 continue
             paths = [folder / f"{map_type}.vrt"]
             parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
@@ -301,7 +301,7 @@ def mosaics_there(folder: Path, mission: Mission) -> list[Mosaic] | None:
             if any(_made_s(path) < newest_s for path in paths):
                 return None
             numbers = (0,) if len(paths) == 1 else (1, 2)
-            found += [Mosaic(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
+            found += [MosaicRaster(map_type, path, _title(map_type, at)) for path, at in zip(paths, numbers)]
     except OSError:
         return None
     return found
@@ -361,7 +361,7 @@ def build_overviews(
         raise OutputError("mosaic {0}: cannot be written ({1})", target, wrong.strerror) from wrong
 
 
-def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
+def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[MosaicRaster, Placed]]:
     world = plan.grid.world_px(plan.zoom)
     left_px = np.asarray(plan.windows.left_px, np.float64)
     turn = np.floor(left_px / world) if plan.grid.own is None else np.zeros(len(plan))
@@ -379,7 +379,7 @@ def _mosaics(plan: Plan, folder: Path) -> Iterator[tuple[Mosaic, Placed]]:
             suffix = "" if len(turns) == 1 else f"_{number + 1}"
             title = _title(map_type, 0 if len(turns) == 1 else number + 1)
             yield (
-                Mosaic(map_type, folder / f"{map_type}{suffix}.vrt", title, is_made=True),
+                MosaicRaster(map_type, folder / f"{map_type}{suffix}.vrt", title, is_made=True),
                 _placed(plan, there, float(this) * world),
             )
 
@@ -416,7 +416,7 @@ def _virtual_raster(
     placed: Placed,
     origin: tuple[float, float],
     size: tuple[int, int],
-    shown: Shown,
+    shown: ImageRendering,
     folder: Path,
 ) -> Iterator[str]:
     """Text of the raster, after GDAL's VRT format (gdal.org/drivers/raster/vrt.html)."""

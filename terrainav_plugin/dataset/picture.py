@@ -38,7 +38,7 @@ _VIRIDIS = (
 _NO_GROUND = (128, 128, 128)
 
 
-class Picture(NamedTuple):
+class DisplayImage(NamedTuple):
     """A picture, no larger than it is shown.
 
     Parameters
@@ -142,7 +142,7 @@ def depth_colours(share: np.ndarray) -> np.ndarray:
     return np.rint(colours).astype(np.uint8)
 
 
-def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Picture:
+def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> DisplayImage:
     """Read a GeoTIFF, JPEG or PNG, made smaller where its longer side has more than ``longest_px``.
 
     Parameters
@@ -153,7 +153,7 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Pict
         Of the file, where it is not on this machine.
     """
     if data is None and not is_there(path):
-        return Picture(path, None, problem=tr("There is no image (yet)."))
+        return DisplayImage(path, None, problem=tr("There is no image (yet)."))
     try:
         with _openable(path, data) as name:
             file = open_shown(name)
@@ -165,11 +165,13 @@ def read_picture(path: Path, longest_px: int, data: bytes | None = None) -> Pict
             # Before what it reads is gone.
             del file
     except (RuntimeError, InvalidInput) as wrong:
-        return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
+        return DisplayImage(path, None, problem=tr("The image cannot be read: {reason}").format(reason=wrong))
     if bands is None:
         reason = gdal.GetLastErrorMsg()
-        return Picture(path, None, problem=tr("The image cannot be read: {reason}").format(reason=reason))
-    return Picture(path, _image(bands), width, height, metadata)
+        return DisplayImage(
+            path, None, problem=tr("The image cannot be read: {reason}").format(reason=reason)
+        )
+    return DisplayImage(path, _image(bands), width, height, metadata)
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from ..map.mission_group import CAPTURED, FAILED, MissionGroup, file_of
 from ..paths import place_of, style
 from ..plain import escaped_field, image_in_tip, path_inside
 from .layers import OpenedResults, hide_antimeridian, open_raster
-from .mosaic import Mosaic
+from .mosaic import MosaicRaster
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
@@ -108,14 +108,14 @@ def load_test_shot(group: MissionGroup, picture: Path, title: str) -> QgsRasterL
     return layer
 
 
-def place_mosaics(project: QgsProject, mosaics: Iterable[Mosaic]) -> None:
+def place_mosaics(project: QgsProject, mosaics: Iterable[MosaicRaster]) -> None:
     """Put those mosaics in their places that have been made beside them, as `show_results` does; raises OutputError."""
     for mosaic in mosaics:
         if mosaic.is_made:
             _place(project, mosaic)
 
 
-def _place(project: QgsProject, mosaic: Mosaic) -> None:
+def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
     """Put a mosaic that has been made in its place; layers that show it let go of it, and then read it anew.
 
     A model of Processing asks for it on a thread of its own, where no layer may be touched.
@@ -151,7 +151,7 @@ def _set_source(layer: QgsRasterLayer, source: str) -> None:
 
 
 def _show_mosaic(
-    group: MissionGroup, mosaic: Mosaic, opened: QgsRasterLayer | None, changed: bool
+    group: MissionGroup, mosaic: MosaicRaster, opened: QgsRasterLayer | None, changed: bool
 ) -> QgsMapLayer:
     role = f"mosaic/{mosaic.path.name}"
     layer = group.layer(role)

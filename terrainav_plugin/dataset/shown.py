@@ -17,7 +17,7 @@ _DARKEST, _BRIGHTEST = 0.0, 255.0
 _DRIVERS = ("GTiff", "JPEG", "PNG")
 
 
-class Shown(NamedTuple):
+class ImageRendering(NamedTuple):
     """How an image is shown.
 
     Parameters
@@ -47,7 +47,7 @@ class Shown(NamedTuple):
         return not self.ranges and self.bands == tuple(range(1, 1 + len(self.bands)))
 
 
-def how_shown(image: gdal.Dataset) -> Shown:
+def how_shown(image: gdal.Dataset) -> ImageRendering:
     """How an open image is shown."""
     bands = [image.GetRasterBand(1 + i) for i in range(image.RasterCount)]
     kinds = [band.GetColorInterpretation() for band in bands]
@@ -66,7 +66,7 @@ def how_shown(image: gdal.Dataset) -> Shown:
     is_8_bit = first.DataType == gdal.GDT_Byte
     ranges = () if is_8_bit else tuple(_range(bands[at - 1]) for at in shown)
     stated = tuple(_stated(bands[at - 1]) for at in shown) if is_8_bit else ()
-    return Shown(shown, ranges, gdal.GetDataTypeName(first.DataType), mask, stated)
+    return ImageRendering(shown, ranges, gdal.GetDataTypeName(first.DataType), mask, stated)
 
 
 def open_image(path: str | Path) -> gdal.Dataset | None:

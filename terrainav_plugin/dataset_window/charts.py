@@ -38,7 +38,7 @@ KEPT = QColor(42, 134, 220)
 REJECTED = QColor(230, 40, 150)
 
 
-class Frame(NamedTuple):
+class PlotArea(NamedTuple):
     """Where a chart's plot is, in px."""
 
     left: float
@@ -107,7 +107,7 @@ class Chart(QWidget):
         self.setAccessibleName(tr("Threshold {bits} bits").format(bits=f"{threshold:.{DECIMALS}f}"))
         self.update()
 
-    def place_of(self, bits: float, frame: Frame | None = None) -> float:
+    def place_of(self, bits: float, frame: PlotArea | None = None) -> float:
         """Where an entropy is along the axis of the threshold, in px; ``frame`` is that of now where it is known."""
         frame = frame or self.frame()
         share = (bits - LOWEST) / (HIGHEST - LOWEST)
@@ -125,14 +125,14 @@ class Chart(QWidget):
         )
         return round(min(max(LOWEST + share * (HIGHEST - LOWEST), LOWEST), HIGHEST), DECIMALS)
 
-    def frame(self) -> Frame:
+    def frame(self) -> PlotArea:
         """Where the plot is now."""
         metrics = self.fontMetrics()
         left = max(metrics.horizontalAdvance(text) for _, text in self.left_ticks()) + _TICK_PX + 2 * _GAP_PX
         below = 2 * metrics.height() + _TICK_PX + 2 * _GAP_PX
         above = metrics.height() + 2 * _GAP_PX + _HANDLE_PX
         right = self.width() - metrics.horizontalAdvance("00") - _GAP_PX
-        return Frame(
+        return PlotArea(
             left + metrics.height(), above, max(right, left + 1), max(self.height() - below, above + 1)
         )
 
@@ -165,7 +165,7 @@ class Chart(QWidget):
         """Ends of the horizontal and the vertical axis, which begin at 0."""
         raise NotImplementedError
 
-    def paint_data(self, painter: QPainter, frame: Frame) -> None:
+    def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
         """Draw the entropies."""
         raise NotImplementedError
 
@@ -243,7 +243,7 @@ class Chart(QWidget):
     def _text_colour(self) -> QColor:
         return self.look.palette().windowText().color()
 
-    def _paint_axes(self, painter: QPainter, frame: Frame) -> None:
+    def _paint_axes(self, painter: QPainter, frame: PlotArea) -> None:
         metrics, text = self.fontMetrics(), self._text_colour()
         faint = QColor(text)
         faint.setAlphaF(_FAINT)
@@ -278,7 +278,7 @@ class Chart(QWidget):
         painter.drawText(QPointF(0.0, 0.0), up)
         painter.restore()
 
-    def _paint_line(self, painter: QPainter, frame: Frame) -> None:
+    def _paint_line(self, painter: QPainter, frame: PlotArea) -> None:
         """Draw the threshold with its handle and its value, and what is suggested as a dotted line."""
         text = self._text_colour()
         if self.suggested is not None:
@@ -302,7 +302,7 @@ class Chart(QWidget):
             at = QPointF(frame.right - wide, max(start.y() - _HANDLE_PX - _GAP_PX, float(metrics.ascent())))
         painter.drawText(at, label)
 
-    def _ends(self, bits: float, frame: Frame) -> tuple[QPointF, QPointF]:
+    def _ends(self, bits: float, frame: PlotArea) -> tuple[QPointF, QPointF]:
         """Ends of the line at an entropy."""
         at = self.place_of(bits, frame)
         if self.ACROSS:
@@ -353,7 +353,7 @@ class Histogram(Chart):
         """Of the axes."""
         return HIGHEST, max(float(self.counts.max()), 1.0) * _ROOM
 
-    def paint_data(self, painter: QPainter, frame: Frame) -> None:
+    def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
         """Draw bins, in two colours on either side of the threshold."""
         line = self.place_of(self.threshold, frame)
         scale = (frame.bottom - frame.top) / self.ranges()[1]
@@ -393,7 +393,7 @@ class Bars(Chart):
         """Of the axes."""
         return float(max(len(self.bits), 1)), HIGHEST
 
-    def paint_data(self, painter: QPainter, frame: Frame) -> None:
+    def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
         """Draw a bar for each image, or each column of pixels."""
         count = len(self.bits)
         columns = min(count, max(int(frame.right - frame.left), 1))
@@ -411,7 +411,7 @@ class Bars(Chart):
                 self._bar(painter, frame, left, wide - between, low, rejected=True)
 
     def _bar(
-        self, painter: QPainter, frame: Frame, left: float, wide: float, bits: float, *, rejected: bool
+        self, painter: QPainter, frame: PlotArea, left: float, wide: float, bits: float, *, rejected: bool
     ) -> None:
         top = min(self.place_of(bits, frame), frame.bottom - _LEAST_BAR_PX)
         painter.fillRect(QRectF(left, top, wide, frame.bottom - top), REJECTED if rejected else KEPT)

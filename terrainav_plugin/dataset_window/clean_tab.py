@@ -23,7 +23,7 @@ from qgis.PyQt.QtWidgets import (
 )
 
 from ...core.dataset.folder import DEFAULT_ENTROPY
-from ..dataset.picture import Picture, read_picture
+from ..dataset.picture import DisplayImage, read_picture
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr
 from ..plain import shown_plain
@@ -368,14 +368,14 @@ class ExampleStrip(QWidget):
         """Show none."""
         self.show_examples([], [])
 
-    def show_examples(self, below: Sequence[Shown], above: Sequence[Shown]) -> None:
+    def show_examples(self, below: Sequence[ExampleImage], above: Sequence[ExampleImage]) -> None:
         """Show images, the nearest to the threshold first."""
         self._rows.clear()
         for buttons, shown in ((self.below, below), (self.above, above)):
             for button, one in zip(buttons, [*shown, *[None] * (len(buttons) - len(shown))]):
                 self._show(button, one)
 
-    def _show(self, button: QToolButton, shown: Shown | None) -> None:
+    def _show(self, button: QToolButton, shown: ExampleImage | None) -> None:
         button.setEnabled(shown is not None)
         if shown is None:
             button.setIcon(QIcon())
@@ -398,19 +398,21 @@ class ExampleStrip(QWidget):
             self.chosen.emit(self._rows[button])
 
 
-class Shown(NamedTuple):
+class ExampleImage(NamedTuple):
     """An example with its picture."""
 
     example: Example
-    picture: Picture
+    picture: DisplayImage
 
 
 def read_examples(
     examples: tuple[Sequence[Example], Sequence[Example]], ratio: float
-) -> tuple[list[Shown], list[Shown]]:
+) -> tuple[list[ExampleImage], list[ExampleImage]]:
     """Read pictures for a screen that has ``ratio`` pixels for each of Qt's; on any thread."""
     longest_px = round(max(_ICON_PX) * ratio)
-    below, above = ([Shown(one, read_picture(one.path, longest_px)) for one in side] for side in examples)
+    below, above = (
+        [ExampleImage(one, read_picture(one.path, longest_px)) for one in side] for side in examples
+    )
     return below, above
 
 
@@ -452,7 +454,7 @@ def _buttons(side: str) -> list[QToolButton]:
     return buttons
 
 
-def _icon(picture: Picture, ratio: float) -> QIcon:
+def _icon(picture: DisplayImage, ratio: float) -> QIcon:
     size = QSize(*_ICON_PX) * ratio
     if picture.image is None:
         pixmap = QPixmap(size)

@@ -26,7 +26,7 @@ from .tasks import CleanTask, PicturesTask
 
 if TYPE_CHECKING:
     from ..messages import Messages
-    from .clean_tab import Shown
+    from .clean_tab import ExampleImage
     from .entropies import Entropies
     from .tasks import Work
 
@@ -164,7 +164,7 @@ class Cleaning(QObject):
         else:
             self.marks.hide()
 
-    def _show_examples(self, found: Entropies, shown: tuple[list[Shown], list[Shown]]) -> None:
+    def _show_examples(self, found: Entropies, shown: tuple[list[ExampleImage], list[ExampleImage]]) -> None:
         if self.panel.entropies is found:
             self.panel.strip.show_examples(*shown)
 

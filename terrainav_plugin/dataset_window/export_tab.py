@@ -25,7 +25,7 @@ from ..paths import exists, folder_of, next_folder, open_in_system
 from ..plain import shown_plain
 from ..widgets import combo, folder_entry, growing_form, named, push_button, wrapped_label
 from .tab import Tab, no_folder
-from .tasks import ExportTask, Work
+from .tasks import DatasetExportTask, Work
 
 _COLUMNS = 2
 
@@ -175,13 +175,13 @@ class ExportTab(Tab):
     def _export(self) -> None:
         if self.folder is not None:
             text = self.target.filePath().strip()
-            task = ExportTask(
+            task = DatasetExportTask(
                 self.folder, folder_of(text) if text else None, self.kind, self.map_type.currentData()
             )
             self.show_result("")
             self._work.start(task, self._done, self.show_result)
 
-    def _done(self, task: ExportTask) -> None:
+    def _done(self, task: DatasetExportTask) -> None:
         if task.done is None:
             self.show_result(tr("Stopped: nothing of the export is left."))
             return

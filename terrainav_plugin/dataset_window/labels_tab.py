@@ -15,7 +15,7 @@ from ..dataset.splitting import parts
 from ..form.fields import map_type_title
 from ..i18n import number_text, tr, translate
 from ..widgets import combo, named, push_button, wrapped_label
-from .previews import ALL, REJECTED_ONES, Learned, Preview
+from .previews import ALL, REJECTED_ONES, ImagePreview, Learned
 from .tab import Tab, no_folder
 
 #: Images that are shown at a time.
@@ -126,7 +126,7 @@ class LabelsTab(Tab):
         )
         self.enable()
 
-    def _show_cards(self, learned: Learned, previews: list[Preview]) -> None:
+    def _show_cards(self, learned: Learned, previews: list[ImagePreview]) -> None:
         for at, card in enumerate(self.cards):
             card.setVisible(at < len(previews))
             if at < len(previews):
@@ -167,7 +167,10 @@ class Card(QFrame):
     def __init__(self, number: int) -> None:
         super().__init__()
         self.setObjectName(f"card_{number}")
-        self.image, self.depth_image = _Image(f"card_image_{number}"), _Image(f"card_depth_{number}")
+        self.image, self.depth_image = (
+            _ImageLabel(f"card_image_{number}"),
+            _ImageLabel(f"card_depth_{number}"),
+        )
         self.scale = DepthScale(f"card_scale_{number}")
         self.name, self.text = wrapped_label(f"card_name_{number}"), wrapped_label(f"card_text_{number}")
         beside = QVBoxLayout()
@@ -185,7 +188,7 @@ class Card(QFrame):
         layout.addWidget(self.name)
         layout.addLayout(line)
 
-    def show_preview(self, preview: Preview, is_split: bool) -> None:
+    def show_preview(self, preview: ImagePreview, is_split: bool) -> None:
         """Show an image of a dataset."""
         self.image.show_image(preview.picture.image)
         depth = preview.depth
@@ -200,7 +203,7 @@ class Card(QFrame):
         self.image.setAccessibleName(preview.name)
 
 
-def _lines(preview: Preview, is_split: bool) -> list[str]:
+def _lines(preview: ImagePreview, is_split: bool) -> list[str]:
     """What is known of an image, a line each."""
     lines = [preview.picture.problem] if preview.picture.problem else []
     if is_split:
@@ -219,7 +222,7 @@ def _lines(preview: Preview, is_split: bool) -> list[str]:
     return lines
 
 
-class _Image(QLabel):
+class _ImageLabel(QLabel):
     """An image in a room of a fixed size."""
 
     def __init__(self, name: str) -> None:

@@ -141,7 +141,7 @@ class Marks(QObject):
             self._clear()
             return
         folder, stems = self._wanted
-        view = View(
+        view = MapExtent(
             extent.xMinimum(),
             extent.yMinimum(),
             extent.xMaximum(),
@@ -167,7 +167,7 @@ class Marks(QObject):
         self._item.show_image(drawn.image, extent)
 
 
-class View(NamedTuple):
+class MapExtent(NamedTuple):
     """What the map shows: a rectangle in its CRS, north up, and the size of a pixel.
 
     Parameters
@@ -207,7 +207,7 @@ class Drawer:
         folder: Path,
         wkt: str,
         stems: Callable[[], Collection[str]],
-        view: View,
+        view: MapExtent,
         cancelled: Callable[[], bool],
     ) -> Drawn | None:
         """Draw a view of a dataset; None where it is wanted no more. Raises InvalidInput."""
@@ -243,7 +243,7 @@ class Drawn(NamedTuple):
 
 
 def draw(
-    outlines: Outlines, stems: Collection[str], view: View, cancelled: Callable[[], bool] = lambda: False
+    outlines: Outlines, stems: Collection[str], view: MapExtent, cancelled: Callable[[], bool] = lambda: False
 ) -> QImage:
     """Picture of a view with some of the outlines crossed out, clear elsewhere.
 

@@ -14,7 +14,7 @@ from ...core.dataset.labels import LABELS_FILE, Labels
 from ...core.dataset.table import GAP, REJECTED, SPLIT
 from ...core.errors import TerrAInavError
 from ...core.files import is_there
-from ..dataset.picture import Depth, Picture, read_depth, read_picture
+from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 
 if TYPE_CHECKING:
     from ...core.dataset.dataset import ImageSet
@@ -24,13 +24,13 @@ ALL, REJECTED_ONES = "all", "rejected"
 _DEPTH_FOLDER = "depth"
 
 
-class Preview(NamedTuple):
+class ImagePreview(NamedTuple):
     """An image with what is known of it.
 
     Parameters
     ----------
     name : str
-    picture : Picture
+    picture : DisplayImage
     depth : Depth or None
         None where the dataset has none.
     part : str
@@ -44,7 +44,7 @@ class Preview(NamedTuple):
     """
 
     name: str
-    picture: Picture
+    picture: DisplayImage
     depth: Depth | None
     part: str
     label: tuple[float, float] | None
@@ -82,13 +82,13 @@ class Learned:
         """Images of a map type: all, of each part, in none, and rejected; what there are none of is left out."""
         return {name: len(rows) for name, rows in self._rows[map_type].items() if len(rows)}
 
-    def previews(self, map_type: str, of: str, first: int, count: int, longest_px: int) -> list[Preview]:
+    def previews(self, map_type: str, of: str, first: int, count: int, longest_px: int) -> list[ImagePreview]:
         """Read images of a map type, from the one numbered ``first`` among those of a part on."""
         images = self._sets[map_type]
         rows = self._rows[map_type].get(of, np.zeros(0, np.int64))[first : first + count]
         return self._read(images, rows.tolist(), longest_px)
 
-    def _read(self, images: ImageSet, rows: Sequence[int], longest_px: int) -> list[Preview]:
+    def _read(self, images: ImageSet, rows: Sequence[int], longest_px: int) -> list[ImagePreview]:
         table = images.table
         parts, marks = (table.other.get(name, ("",) * len(table)) for name in (SPLIT, REJECTED))
         labels: list[tuple[float, float] | None] = [None] * len(rows)
@@ -97,7 +97,7 @@ class Learned:
             labels = [(east, north) for east, north in found.tolist()]
         depths = images.folder.parent / _DEPTH_FOLDER
         return [
-            Preview(
+            ImagePreview(
                 table.img_names[row],
                 read_picture(images.path(row), longest_px),
                 read_depth(depths / f"{Path(table.img_names[row]).stem}.tif", longest_px),

@@ -203,7 +203,7 @@ class SplitTask(Task):
         self.made = split(self.folder, self.shares, **self.options, progress=self.go_on)
 
 
-class ExportTask(Task):
+class DatasetExportTask(Task):
     """Writes a dataset or a benchmark in a format of other programs.
 
     Parameters

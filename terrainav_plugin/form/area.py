@@ -117,7 +117,7 @@ def edge_deg(name: str, text: str) -> float:
 
 
 @dataclass(frozen=True)
-class Shape:
+class EnteredShape:
     """A polygon or points, read.
 
     Parameters
@@ -152,7 +152,7 @@ def shape_text(area: Area, agl_m: float) -> str:
 
 
 @lru_cache(_KEPT)
-def shape_of(text: str) -> Shape:
+def shape_of(text: str) -> EnteredShape:
     """Shape of a text; raises InvalidInput where it holds none."""
     try:
         data = parse_json(text)
@@ -162,7 +162,7 @@ def shape_of(text: str) -> Shape:
     area = area_from_dict(data)
     if isinstance(area, Box):
         raise InvalidInput(tr("the area's shape is a box: must be a polygon or points"))
-    return Shape(area, area.bounds, agl_m)
+    return EnteredShape(area, area.bounds, agl_m)
 
 
 def no_fly_text(polygons: tuple[Polygon, ...]) -> str:

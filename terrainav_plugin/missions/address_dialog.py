@@ -9,7 +9,7 @@ from ...core.errors import InvalidInput
 from ..help import add_help_button
 from ..i18n import tr, translate
 from ..paths import exists, folder_of
-from ..remote.address import Address
+from ..remote.address import DatasetAddress
 from ..settings import Settings
 from ..widgets import STYLE_SHEET, FieldMarks, growing_form, line_edit, named, ok_and_cancel, show_row
 
@@ -21,7 +21,7 @@ class AddressDialog(QDialog):
 
     Attributes
     ----------
-    address : Address or None
+    address : DatasetAddress or None
         None where what was entered is a folder of this machine.
     """
 
@@ -30,7 +30,7 @@ class AddressDialog(QDialog):
         self.setObjectName("terrainav_address")
         self.setWindowTitle(tr("TerrAInav: open dataset at an address"))
         self.setStyleSheet(STYLE_SHEET)
-        self.address: Address | None = None
+        self.address: DatasetAddress | None = None
         self._settings, self._marks = Settings(), FieldMarks()
         self.entry = line_edit(
             "dataset_address",
@@ -63,7 +63,7 @@ class AddressDialog(QDialog):
             super().accept()
             return
         try:
-            self.address = Address.of(text)
+            self.address = DatasetAddress.of(text)
         except InvalidInput as wrong:
             self._marks.show({"address": translate(wrong)})
             return

@@ -19,7 +19,7 @@ from ...core.limits import MAX_LINE_CHARACTERS
 from ...core.text import one_line, shortened
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
-from ..dataset.mosaic import Mosaic, build_any_mosaics, mosaics_there
+from ..dataset.mosaic import MosaicRaster, build_any_mosaics, mosaics_there
 from ..dataset.placing import reread_footprints, show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
@@ -28,7 +28,7 @@ from ..i18n import tr, translate
 from ..map.mission_group import SavedMission, addresses, mission_layers, saved_missions
 from ..paths import exists, folder_of, is_folder, next_folder
 from ..plain import shown_plain
-from ..remote.address import Address
+from ..remote.address import DatasetAddress
 from ..remote.copies import address_of, copy_dataset, copy_of, has_images_elsewhere, why_unchangeable
 from ..remote.store import Store
 from ..remote.trust import agree, sources_of, strangers
@@ -108,7 +108,7 @@ class DatasetTask(Task):
             self.left_out = self.left_out or translate(wrong)
             return None
 
-    def _made_mosaics(self, folder: Path, mission: Mission) -> list[Mosaic]:
+    def _made_mosaics(self, folder: Path, mission: Mission) -> list[MosaicRaster]:
         from ..sources import heights_for, worked_out
 
         places = strangers(sources_of(mission))
@@ -131,12 +131,12 @@ class AddressTask(DatasetTask):
 
     Parameters
     ----------
-    address : Address
+    address : DatasetAddress
     again : bool
         Whether the project knows it already: the panel stays as it is.
     """
 
-    def __init__(self, address: Address, again: bool = False) -> None:
+    def __init__(self, address: DatasetAddress, again: bool = False) -> None:
         super().__init__(copy_of(address), None, {}, {})
         self.address, self.again = address, again
         self._store = Store(address)
@@ -335,12 +335,12 @@ class Missions(QObject):
                 self.open_address(dialog.address)
         dialog.deleteLater()
 
-    def open_address(self, address: Address, again: bool = False) -> None:
+    def open_address(self, address: DatasetAddress, again: bool = False) -> None:
         """Take the mission of a dataset at an address into the panel, and its footprints onto the map.
 
         Parameters
         ----------
-        address : Address
+        address : DatasetAddress
         again : bool
             Whether the project shows it already: the panel stays as it is.
         """
@@ -360,7 +360,7 @@ class Missions(QObject):
             if address_of(folder) is not None or (number, text) in self._sought:
                 continue
             try:
-                lost.append((text, Address.of(text)))
+                lost.append((text, DatasetAddress.of(text)))
             except InvalidInput as wrong:
                 self._sought.add((number, text))
                 self._tell_broken(folder.name, wrong)

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     from ...core.mission.export import Exported
     from ...core.mission.plan import Plan
     from ..messages import Messages
-    from ..planner import Planned
+    from ..planner import PlannedMission
 
 #: Ending of the files that a drone is chosen for.
 _FOR_DRONES = ".kmz"
 
 
-class ExportTask(Task):
+class PlanExportTask(Task):
     """Writes a plan.
 
     Attributes
@@ -94,7 +94,7 @@ class PlanExport(QObject):
         super().__init__()
         self._parent, self._messages = parent, messages
         self._mission_folder, self._drone_chosen = folder, drone_chosen
-        self._task: ExportTask | None = None
+        self._task: PlanExportTask | None = None
 
     @property
     def busy(self) -> bool:
@@ -156,7 +156,7 @@ class PlanExport(QObject):
         )
         return bool(answer == buttons.Yes)
 
-    def _write(self, planned: Planned, path: Path) -> None:
+    def _write(self, planned: PlannedMission, path: Path) -> None:
         from ...core.mission.export import check_plan_ending
 
         try:
@@ -164,13 +164,13 @@ class PlanExport(QObject):
         except TerrAInavError as wrong:
             self._messages.warning(translate(wrong))
             return
-        self._begin(ExportTask(planned.plan, path))
+        self._begin(PlanExportTask(planned.plan, path))
 
-    def _begin(self, task: ExportTask) -> None:
+    def _begin(self, task: PlanExportTask) -> None:
         self._task = task
         task.begin(self._ended)
 
-    def _ended(self, task: ExportTask) -> None:
+    def _ended(self, task: PlanExportTask) -> None:
         self._task = None
         if task.error:
             if task.refusal is not None:
@@ -179,7 +179,7 @@ class PlanExport(QObject):
             return
         if task.there:
             if self._may_replace(task.there):
-                self._begin(ExportTask(task.plan, task.path, replace_parts=True))
+                self._begin(PlanExportTask(task.plan, task.path, replace_parts=True))
             return
         if task.exported is None:
             return

@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QEventLoop
 from ...core.errors import Cancelled
 from ...core.imagery.http.transport import Response, Timeouts, TransportError, user_agent
 from ...core.limits import MAX_BODY_BYTES
-from .worker import Exchange, NetworkWorker, Terms, in_main_thread
+from .worker import NetworkWorker, PendingRequest, Terms, in_main_thread
 
 #: Seconds of one wait for an outcome.
 _LOOK_S = 0.1
@@ -61,7 +61,7 @@ class QgisTransport:
         self._worker = NetworkWorker(terms)
         self._lock = threading.Lock()
         self._closed = False
-        self._waiting: set[Exchange] = set()
+        self._waiting: set[PendingRequest] = set()
         # Also where nobody closes it.
         self._free = weakref.finalize(self, self._worker.closing.emit)
         # The application is gone by then, and the worker with it.
@@ -76,7 +76,7 @@ class QgisTransport:
     ) -> Response:
         """Answer of any status; see `Transport.get`."""
         try:
-            exchange = Exchange(url, headers or {}, origin)
+            exchange = PendingRequest(url, headers or {}, origin)
         except ValueError:
             raise TransportError("the URL is not valid", again=False) from None
         with self._lock:
@@ -107,7 +107,7 @@ class QgisTransport:
             self._free()
 
 
-def _await(exchange: Exchange) -> None:
+def _await(exchange: PendingRequest) -> None:
     """Wait for the outcome, of which the worker takes care within the limits of time, or `close`."""
     main = in_main_thread()
     while not exchange.done.is_set():

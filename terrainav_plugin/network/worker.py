@@ -74,7 +74,7 @@ class Terms(NamedTuple):
     private: Mapping[str, str] = {}
     home: tuple[str, str] = ("", "")
 
-    def are_for(self, exchange: Exchange) -> bool:
+    def are_for(self, exchange: PendingRequest) -> bool:
         """Whether configuration and private headers are for the server that an exchange asks now."""
         parts = urlsplit(exchange.url)
         scheme, host = self.home
@@ -86,7 +86,7 @@ class Terms(NamedTuple):
         return at_home and exchange.at_origin
 
 
-class Exchange:
+class PendingRequest:
     """A request on its way to an answer; handed from the thread that asks to the main one and back.
 
     Parameters
@@ -137,9 +137,9 @@ class NetworkWorker(QObject):
 
     Signals
     -------
-    asked(Exchange)
+    asked(PendingRequest)
         Start it.
-    dropped(Exchange)
+    dropped(PendingRequest)
         Nobody waits for it any more.
     closing()
         End every exchange, then the worker itself. Nothing may be emitted after it.
@@ -159,7 +159,7 @@ class NetworkWorker(QObject):
         self._busy: list[int] = []
         self._timer: QTimer | None = None
         # With the place of the manager in its list.
-        self._under_way: dict[QNetworkReply, tuple[Exchange, int]] = {}
+        self._under_way: dict[QNetworkReply, tuple[PendingRequest, int]] = {}
         self._over: list[QNetworkReply] = []
         self._tls: dict[str, QSslConfiguration] = {}
         #: Servers that have sent more header lines than are read: Qt takes time for them that grows with their square,
@@ -176,7 +176,7 @@ class NetworkWorker(QObject):
     # --- slots
 
     @pyqtSlot(object)
-    def _start(self, exchange: Exchange) -> None:
+    def _start(self, exchange: PendingRequest) -> None:
         if exchange.done.is_set():
             return
         try:
@@ -187,7 +187,7 @@ class NetworkWorker(QObject):
             exchange.end(failure)
 
     @pyqtSlot(object)
-    def _drop(self, exchange: Exchange) -> None:
+    def _drop(self, exchange: PendingRequest) -> None:
         for reply, (under_way, _) in list(self._under_way.items()):
             if under_way is exchange:
                 self._abandon(reply)
@@ -271,7 +271,7 @@ class NetworkWorker(QObject):
             self._timer.start(_LOOK_MS)
         self._looked_s = now_s
 
-    def _lateness(self, exchange: Exchange) -> TransportError | None:
+    def _lateness(self, exchange: PendingRequest) -> TransportError | None:
         """What there is to say of an exchange that has to end."""
         timeouts = self._terms.timeouts
         if exchange.received_bytes > self._terms.max_body_bytes:
@@ -299,7 +299,7 @@ class NetworkWorker(QObject):
         self._busy.append(0)
         return len(self._managers) - 1
 
-    def _send(self, exchange: Exchange) -> None:
+    def _send(self, exchange: PendingRequest) -> None:
         parts = urlsplit(exchange.url)
         url = QUrl(exchange.url)
         if parts.scheme not in ("http", "https") or not url.isValid() or not url.host():
@@ -386,7 +386,7 @@ class NetworkWorker(QObject):
         reply.abort()
         self._over.append(reply)
 
-    def _release(self, reply: QNetworkReply) -> Exchange:
+    def _release(self, reply: QNetworkReply) -> PendingRequest:
         """Free the place of a reply's connection."""
         exchange, place = self._under_way.pop(reply)
         self._busy[place] -= 1

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...core.mission.flight.alignment import Alignment
     from ..form.state import FormState
     from ..messages import Messages
-    from ..planner import Planned
+    from ..planner import PlannedMission
     from .form import DockForm
     from .planning import Planning
 
@@ -52,7 +52,7 @@ class RowAlignment(QObject):
         """Align the rows of what is entered, in one of `parts.ALIGNMENTS`."""
         self._planning.with_plan(partial(self._look, way), tr("The rows stay as they are."))
 
-    def _look(self, way: str, planned: Planned) -> None:
+    def _look(self, way: str, planned: PlannedMission) -> None:
         if self.task is not None:
             return
         self._form.flight.align.setEnabled(False)
@@ -90,7 +90,7 @@ class AlignTask(Task):
         Once it has ended; None where it was cancelled.
     """
 
-    def __init__(self, planned: Planned, way: str) -> None:
+    def __init__(self, planned: PlannedMission, way: str) -> None:
         super().__init__(tr("Aligning the rows"))
         self._planned, self._way = planned, way
         self.found: Alignment | None = None

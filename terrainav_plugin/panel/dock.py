@@ -151,7 +151,7 @@ class Dock(QgsDockWidget):
         inside_above.setContentsMargins(0, 0, 0, 0)
         inside_above.addWidget(self.hint)
         inside_above.addWidget(self.form, 1)
-        self.parts = Parts(FormScroll(above), below)
+        self.parts = PanelSplitter(FormScroll(above), below)
         contents = QWidget()
         contents.setStyleSheet(self.form.styleSheet())
         layout = QVBoxLayout(contents)
@@ -164,7 +164,7 @@ class Dock(QgsDockWidget):
         return contents
 
 
-class Parts(QSplitter):
+class PanelSplitter(QSplitter):
     """Entries above, figures and captures below: these as high as they are, until a person moves the border.
 
     A border that was moved stays where it is, also in the next session; a double click on it frees it again.

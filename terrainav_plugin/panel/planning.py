@@ -19,7 +19,7 @@ from .figures import readout
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ..messages import Messages
-    from ..planner import Planned, Planner
+    from ..planner import PlannedMission, Planner
     from .dock import Dock
 
 
@@ -37,11 +37,11 @@ class Planning(QObject):
     Signals
     -------
     planned(object)
-        `Planned`, of what is entered.
+        `PlannedMission`, of what is entered.
 
     Attributes
     ----------
-    latest : Planned or None
+    latest : PlannedMission or None
         Plan of what is entered; None while it makes none.
     """
 
@@ -51,10 +51,10 @@ class Planning(QObject):
         super().__init__()
         self._dock, self._form, self._planner = dock, dock.form, planner
         self._messages, self._may_time = messages, timed
-        self.latest: Planned | None = None
+        self.latest: PlannedMission | None = None
         self._asked: Mission | None = None
         self._timed: tuple[Mission, str] | None = None
-        self._when_planned: Callable[[Planned], None] | None = None
+        self._when_planned: Callable[[PlannedMission], None] | None = None
         self._refusal = ""
         self._closed = False
         self._form.changed.connect(self._form_changed)
@@ -67,7 +67,7 @@ class Planning(QObject):
         self._closed = True
         self._planner.close()
 
-    def with_plan(self, act: Callable[[Planned], None], refusal: str, *, anew: bool = False) -> None:
+    def with_plan(self, act: Callable[[PlannedMission], None], refusal: str, *, anew: bool = False) -> None:
         """Do something with the plan of what is entered now, as soon as there is one.
 
         Parameters
@@ -144,7 +144,7 @@ class Planning(QObject):
         self._when_planned = None
         self._messages.stop_waiting()
 
-    def _show_planned(self, planned: Planned) -> None:
+    def _show_planned(self, planned: PlannedMission) -> None:
         self.latest = planned
         self._show_figures(planned)
         self._form.pixels.show_zooms(planned.plan, self._form.state().agl_unit)
@@ -154,11 +154,11 @@ class Planning(QObject):
         if act is not None:
             act(planned)
 
-    def _show_cost(self, planned: Planned, cost: str) -> None:
+    def _show_cost(self, planned: PlannedMission, cost: str) -> None:
         self._timed = planned.mission, cost
         self._show_figures(planned)
 
-    def _show_figures(self, planned: Planned) -> None:
+    def _show_figures(self, planned: PlannedMission) -> None:
         cost = self._cost_of(planned.mission)
         if not cost and (not self._may_time() or self._when_planned is not None):
             cost = tr("not timed during a capture")

@@ -19,7 +19,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..capture.run import Run, Stage, row_text, title_of
+from ..capture.run import CaptureRun, Stage, row_text, title_of
 from ..i18n import tr
 from ..paths import icon
 from ..widgets import ElidedLabel, named, push_button, tool_button
@@ -47,14 +47,14 @@ class RunPanel(QObject):
         self,
         runs: Runs,
         shown: RunList,
-        zoom: Callable[[Run], None],
-        open_folder: Callable[[Run], None],
-        clean: Callable[[Run], None],
+        zoom: Callable[[CaptureRun], None],
+        open_folder: Callable[[CaptureRun], None],
+        clean: Callable[[CaptureRun], None],
     ) -> None:
         super().__init__()
         self._runs, self._list = runs, shown
-        self._rows: dict[Run, RunRow] = {}
-        self._actions: dict[str, Callable[[Run], None]] = {
+        self._rows: dict[CaptureRun, RunRow] = {}
+        self._actions: dict[str, Callable[[CaptureRun], None]] = {
             RunRow.PAUSE: lambda run: run.pause(True),
             RunRow.RESUME: runs.resume,
             RunRow.CANCEL: lambda run: run.cancel(),
@@ -69,18 +69,18 @@ class RunPanel(QObject):
         runs.moved.connect(self._show_all)
         shown.clear_clicked.connect(self._clear)
 
-    def row(self, run: Run) -> RunRow:
+    def row(self, run: CaptureRun) -> RunRow:
         """Row of a run."""
         return self._rows[run]
 
-    def _add(self, run: Run) -> None:
+    def _add(self, run: CaptureRun) -> None:
         row = self._rows[run] = RunRow(title_of(run))
         row.asked.connect(lambda action: self._actions[action](run))
         run.changed.connect(lambda: self._show(run))
         self._show(run)
         self._list.add(row)
 
-    def _remove(self, run: Run) -> None:
+    def _remove(self, run: CaptureRun) -> None:
         row = self._rows.pop(run, None)
         if row is not None:
             self._list.remove(row)
@@ -90,7 +90,7 @@ class RunPanel(QObject):
         for run in self._rows:
             self._show(run)
 
-    def _show(self, run: Run) -> None:
+    def _show(self, run: CaptureRun) -> None:
         row = self._rows.get(run)
         if row is None:
             return
@@ -327,7 +327,7 @@ class RunRow(QFrame):
         layout.addWidget(self.bar)
 
 
-def _actions_of(run: Run) -> set[str]:
+def _actions_of(run: CaptureRun) -> set[str]:
     """What can be done with a run now."""
     if run.stage is Stage.WAITING:
         return {RunRow.CANCEL}

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from qgis.core import QgsFeature, QgsGeometry
 
-from .view import MERCATOR, Rect, World
+from .view import MERCATOR, PreviewWorld, Rect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from .index import Boxes
+    from .index import Rects
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
@@ -34,7 +34,7 @@ _RECTANGLE = np.dtype(
 _LITTLE_ENDIAN, _POLYGON, _MULTI_POLYGON = 1, 3, 6
 
 
-class Cells(NamedTuple):
+class DensityCells(NamedTuple):
     """A part of the grid that cuts the world into 2**level cells a side, counted from its south-west corner.
 
     Cells keep their places when the map is moved. A last column beyond the world's end lies across the antimeridian.
@@ -45,10 +45,10 @@ class Cells(NamedTuple):
     row: int
     columns: int
     rows: int
-    world: World = MERCATOR
+    world: PreviewWorld = MERCATOR
 
     @classmethod
-    def over(cls, rect: Rect, px_per_m: float) -> Cells:
+    def over(cls, rect: Rect, px_per_m: float) -> DensityCells:
         """Cells over a part of the world, as fine as can be seen."""
         width = max(_CELL_PX / px_per_m, rect.longer_m / (_MOST_CELLS - 2))
         world = rect.world
@@ -65,7 +65,7 @@ class Cells(NamedTuple):
         return self.world.size / 2.0**self.level
 
 
-def mean_images(boxes: Boxes, cells: Cells) -> Floats:
+def mean_images(boxes: Rects, cells: DensityCells) -> Floats:
     """How many rectangles show a place of each cell on average, exactly; (rows, columns), southernmost row first.
 
     The mean and not the number at one place of the cell: that of a regular grid of images beats against the grid of
@@ -111,7 +111,7 @@ def levels(means: Floats) -> Numbers:
     return (np.rint(quarters / step) * step).astype(np.int64)
 
 
-def density_features(quarters: Numbers, cells: Cells) -> list[QgsFeature]:
+def density_features(quarters: Numbers, cells: DensityCells) -> list[QgsFeature]:
     """One feature for each of the `levels`: all cells of that level, neighbours as one rectangle."""
     padded = np.pad(quarters, ((0, 0), (1, 1)))
     change = padded[:, 1:] != padded[:, :-1]
@@ -145,7 +145,9 @@ def density_features(quarters: Numbers, cells: Cells) -> list[QgsFeature]:
     return features
 
 
-def _rectangles(cells: Cells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers) -> NDArray[np.void]:
+def _rectangles(
+    cells: DensityCells, low: Numbers, high: Numbers, first: Numbers, stop: Numbers
+) -> NDArray[np.void]:
     """Rectangles from rows and columns of cells up to others (excluded), in well-known binary."""
     size, around, world = cells.size_m, 1 << cells.level, cells.world
     turn = np.floor_divide(cells.column + first, around) * around if world.wraps else 0

@@ -17,7 +17,7 @@ from qgis.PyQt.QtCore import QDateTime, QTimeZone
 from ...core.geodesy.mercator import wrap_lon_deg
 from ...core.mission.area import Polygon, parts_of
 from ..map.outlines import flight_lines, footprint_shapes, metres, placed, ring_polygon
-from .index import Boxes
+from .index import Rects
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,7 +38,7 @@ _LEAST_SPACE_PX = 10.0
 MOST_CORNERS = 4000
 
 
-class Clock:
+class ExposureTimes:
     """When each capture is exposed, and the next one."""
 
     def __init__(self, plan: Plan) -> None:
@@ -153,17 +153,17 @@ def centre_features(picked: Picked) -> list[QgsFeature]:
     ]
 
 
-def flight_of(plan: Plan, index: CaptureIndex, clock: Clock) -> Flight | Route:
+def flight_of(plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> FlightLine | SortieLines:
     """What an aircraft flies: from capture to capture, or a path that has more than these."""
-    return Flight(plan, index, clock) if plan.path.is_captures else Route(plan, clock)
+    return FlightLine(plan, index, clock) if plan.path.is_captures else SortieLines(plan, clock)
 
 
-class Route:
+class SortieLines:
     """The path of a plan that has more than its captures, sortie by sortie; it is always drawn whole."""
 
     is_short = True
 
-    def __init__(self, plan: Plan, clock: Clock) -> None:
+    def __init__(self, plan: Plan, clock: ExposureTimes) -> None:
         self._plan, self._clock = plan, clock
         path, rows = plan.path, np.full(len(plan.path), -1)
         taken = path.capture >= 0
@@ -198,10 +198,10 @@ class Route:
         return feature(lines, path.distance_m, images, *place, begin, end, number + 1 if several else 0)
 
 
-class Flight:
+class FlightLine:
     """The way from the first capture of a plan to the last."""
 
-    def __init__(self, plan: Plan, index: CaptureIndex, clock: Clock) -> None:
+    def __init__(self, plan: Plan, index: CaptureIndex, clock: ExposureTimes) -> None:
         self._plan = plan
         lon = wrap_lon_deg(np.array([plan.lon_deg[0]]))
         self._attributes = (
@@ -224,7 +224,7 @@ class Flight:
         step = np.maximum(np.abs(np.diff(x)), np.abs(np.diff(y)))
         self._long = np.flatnonzero(step > np.minimum(index.longer_m[:-1], index.longer_m[1:]))
         x0, y0, x1, y1 = (values[self._long + shift] for shift in (0, 1) for values in (x, y))
-        self._long_boxes = Boxes.wrapped(
+        self._long_boxes = Rects.wrapped(
             np.minimum(x0, x1), np.minimum(y0, y1), np.maximum(x0, x1), np.maximum(y0, y1), index.boxes.world
         )
 

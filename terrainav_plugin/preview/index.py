@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .view import MERCATOR, Rect, World
+from .view import MERCATOR, PreviewWorld, Rect
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -18,19 +18,19 @@ if TYPE_CHECKING:
 _NARROWEST_BIN_M = 0.1
 
 
-class Boxes(NamedTuple):
+class Rects(NamedTuple):
     """Rectangles of a world in metres, (n,) each: west within it, east beyond its end across the antimeridian."""
 
     west: Floats
     south: Floats
     east: Floats
     north: Floats
-    world: World = MERCATOR
+    world: PreviewWorld = MERCATOR
 
     @classmethod
     def wrapped(
-        cls, west: Floats, south: Floats, east: Floats, north: Floats, world: World = MERCATOR
-    ) -> Boxes:
+        cls, west: Floats, south: Floats, east: Floats, north: Floats, world: PreviewWorld = MERCATOR
+    ) -> Rects:
         """Rectangles of continuous eastings, at most as wide as the world."""
         if world.wraps:
             east = np.minimum(east, west + world.size)
@@ -44,9 +44,9 @@ class Boxes(NamedTuple):
         """Longer side of each."""
         return np.maximum(self.east - self.west, self.north - self.south)
 
-    def take(self, which: Numbers) -> Boxes:
+    def take(self, which: Numbers) -> Rects:
         """Some of them."""
-        return Boxes(*(edge[which] for edge in self.edges), self.world)
+        return Rects(*(edge[which] for edge in self.edges), self.world)
 
     @property
     def edges(self) -> tuple[Floats, Floats, Floats, Floats]:
@@ -77,13 +77,13 @@ class CaptureIndex:
     A query reads the limits of the bins it needs from sorted arrays; it touches no capture outside of them.
     """
 
-    def __init__(self, boxes: Boxes) -> None:
+    def __init__(self, boxes: Rects) -> None:
         self.boxes = boxes
         self.longer_m = boxes.longer_m
         least = max(float(self.longer_m.min()), _NARROWEST_BIN_M / 2.0)
         size_class = np.floor(np.log2(np.maximum(self.longer_m, least) / least)).astype(np.int64)
         self._levels = [
-            _Level(boxes, np.flatnonzero(size_class == number), least * 2.0 ** (number + 1))
+            _SizeClass(boxes, np.flatnonzero(size_class == number), least * 2.0 ** (number + 1))
             for number in np.unique(size_class).tolist()
         ]
 
@@ -100,14 +100,14 @@ class CaptureIndex:
         ids = np.sort(np.concatenate([np.empty(0, np.int64), *found]))
         return ids[(self.longer_m[ids] >= from_m) & self.boxes.take(ids).meets(rect)]
 
-    def _slices(self, rect: Rect, from_m: float) -> list[tuple[_Level, Numbers, Numbers]]:
+    def _slices(self, rect: Rect, from_m: float) -> list[tuple[_SizeClass, Numbers, Numbers]]:
         return [(level, *level.slices(rect)) for level in self._levels if level.bin_m >= from_m]
 
 
-class _Level:
+class _SizeClass:
     """Captures of one class of sizes, sorted by bin."""
 
-    def __init__(self, boxes: Boxes, ids: Numbers, bin_m: float) -> None:
+    def __init__(self, boxes: Rects, ids: Numbers, bin_m: float) -> None:
         self.bin_m = bin_m
         world = self._world = boxes.world
         middle_x, middle_y = (boxes if len(ids) == len(boxes.west) else boxes.take(ids)).middles
@@ -155,7 +155,7 @@ def _ranges(start: Numbers, stop: Numbers) -> Numbers:
 _PAIRS = 1_000_000
 
 
-def shown_by(boxes: Boxes, x_m: Floats, y_m: Floats) -> Numbers:
+def shown_by(boxes: Rects, x_m: Floats, y_m: Floats) -> Numbers:
     """How many rectangles show each place, (m,); eastings within the world."""
     order = np.argsort(y_m)
     heights, eastings = y_m[order], x_m[order]

@@ -40,7 +40,7 @@ def field_names(role: str) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Kind:
+class PreviewLayer:
     """One of the preview's layers."""
 
     role: str
@@ -67,11 +67,11 @@ class Kind:
 
 #: From the top of the group to its bottom.
 KINDS = (
-    Kind("area", "MultiPolygon"),
-    Kind("centres", "Point"),
-    Kind("flight", "MultiLineString"),
-    Kind("footprints", "MultiPolygon"),
-    Kind("density", "MultiPolygon"),
+    PreviewLayer("area", "MultiPolygon"),
+    PreviewLayer("centres", "Point"),
+    PreviewLayer("flight", "MultiLineString"),
+    PreviewLayer("footprints", "MultiPolygon"),
+    PreviewLayer("density", "MultiPolygon"),
 )
 
 

@@ -13,12 +13,12 @@ from qgis.PyQt.QtCore import QObject, QTimer, pyqtSignal
 from ..map.mission_group import MissionGroup
 from ..tasks import LatestWorker, crs_named, single_shot
 from .layers import KINDS, field_names
-from .view import MERCATOR, View, view_of, world_of
+from .view import MERCATOR, MapView, view_of, world_of
 
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from .scene import Drawing, Scene
+    from .scene import Drawing, PreviewScene
 
 #: Pause in moving the map after which the preview follows.
 _PAUSE_MS = 60
@@ -69,7 +69,7 @@ class Preview(QObject):
         self._overdrawn: set[str] = set()
         self._pieces: Iterator[None] | None = None
         self._filling = False
-        self._scene: Scene | None = None
+        self._scene: PreviewScene | None = None
         self._visible = True
         self._worker = LatestWorker("preview", self)
         self._worker.failed.connect(self.failed)
@@ -181,9 +181,9 @@ class Preview(QObject):
         else:
             self._worker.ask(partial(self._work, self._plan, view), self._take)
 
-    def _work(self, plan: Plan, view: View | None, overtaken: Callable[[], bool]) -> Drawing:
+    def _work(self, plan: Plan, view: MapView | None, overtaken: Callable[[], bool]) -> Drawing:
         """Make features, ending early when overtaken. Runs on the preview's thread."""
-        from .scene import Scene
+        from .scene import PreviewScene
 
         def check() -> None:
             if overtaken():
@@ -196,7 +196,7 @@ class Preview(QObject):
         scene = self._scene
         if scene is None or scene.plan is not plan:
             # It serves all views of its plan, so that only another plan overtakes it.
-            scene = Scene(plan, check_plan)
+            scene = PreviewScene(plan, check_plan)
             check_plan()
             self._scene = scene
         return scene.draw(view, check)

@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..map.outlines import metres, placed
-from .density import Cells, density_features, levels, mean_images
-from .features import Clock, Picked, area_features, centre_features, flight_of, footprint_features, part_of
-from .index import Boxes, CaptureIndex, shown_by
+from .density import DensityCells, density_features, levels, mean_images
+from .features import (
+    ExposureTimes,
+    Picked,
+    area_features,
+    centre_features,
+    flight_of,
+    footprint_features,
+    part_of,
+)
+from .index import CaptureIndex, Rects, shown_by
 from .view import MERCATOR, Rect, world_of
 
 if TYPE_CHECKING:
@@ -19,7 +27,7 @@ if TYPE_CHECKING:
     from qgis.core import QgsFeature
 
     from ...core.mission.plan import Plan
-    from .view import View
+    from .view import MapView
 
     Floats = NDArray[np.float64]
     Numbers = NDArray[np.int64]
@@ -65,7 +73,7 @@ class Drawing(NamedTuple):
     times_ms: tuple[float, float] | None
     bounds: Rect
 
-    def is_right_for(self, view: View) -> bool:
+    def is_right_for(self, view: MapView) -> bool:
         """Whether another view needs nothing new."""
         if not self.covers.contains(view.rect) or (not self.all_drawn and self.times_ms != view.times_ms):
             return False
@@ -74,7 +82,7 @@ class Drawing(NamedTuple):
         return math.isclose(scale, self.px_per_m, rel_tol=1e-3) or (self.all_drawn and scale > self.px_per_m)
 
 
-class Scene:
+class PreviewScene:
     """A plan made ready to be looked at; one thread at a time.
 
     Parameters
@@ -86,18 +94,18 @@ class Scene:
 
     def __init__(self, plan: Plan, check: Callable[[], None] = lambda: None) -> None:
         self.plan = plan
-        self.windows = Boxes.wrapped(*plan.edges, world_of(plan))
+        self.windows = Rects.wrapped(*plan.edges, world_of(plan))
         check()
         self.index = CaptureIndex(self.windows if plan.size_px is None else _seen(plan, self.windows))
         check()
-        self._clock = Clock(plan)
+        self._clock = ExposureTimes(plan)
         self._flight = flight_of(plan, self.index, self._clock)
         self._area = area_features(plan)
         self._whole_flight, self._flight_ends = self._flight.whole(), self._flight.ends()
         self.bounds = _bounds(plan, self.index.boxes)
-        self._density: tuple[tuple[Cells, float], list[QgsFeature]] | None = None
+        self._density: tuple[tuple[DensityCells, float], list[QgsFeature]] | None = None
 
-    def draw(self, view: View | None, check: Callable[[], None] = lambda: None) -> Drawing:
+    def draw(self, view: MapView | None, check: Callable[[], None] = lambda: None) -> Drawing:
         """Features for a view; for the whole mission where there is none yet."""
         rect = self.bounds if view is None else view.rect
         scale = 1000.0 / rect.longer_m if view is None else view.px_per_m(*_middle(rect, self.bounds))
@@ -178,7 +186,7 @@ class Scene:
         return shown_by(self.windows.take(others), x, y)
 
     def _dense(self, rect: Rect, scale: float, below_m: float) -> list[QgsFeature]:
-        cells = Cells.over(rect, scale)
+        cells = DensityCells.over(rect, scale)
         if self._density is None or self._density[0] != (cells, below_m):
             windows = self.windows
             if math.isfinite(below_m):
@@ -189,7 +197,7 @@ class Scene:
         return self._density[1]
 
 
-def _crowd(boxes: Boxes) -> Numbers:
+def _crowd(boxes: Rects) -> Numbers:
     """How many of some rectangles lie over the middle of each."""
     return shown_by(boxes, *boxes.middles)
 
@@ -206,7 +214,7 @@ def _middle(rect: Rect, bounds: Rect) -> tuple[float, float]:
     return (middle - world.size if world.wraps and middle > world.east else middle), sum(y) / 2.0
 
 
-def _bounds(plan: Plan, boxes: Boxes) -> Rect:
+def _bounds(plan: Plan, boxes: Rects) -> Rect:
     """Rectangle of a whole mission; longitudes of its captures are continuous."""
     world, turn = boxes.world, 0.0
     if world.wraps:
@@ -216,7 +224,7 @@ def _bounds(plan: Plan, boxes: Boxes) -> Rect:
     return Rect.fitted(west, float(boxes.south.min()), east, float(boxes.north.max()), world)
 
 
-def _seen(plan: Plan, windows: Boxes) -> Boxes:
+def _seen(plan: Plan, windows: Rects) -> Rects:
     """Rectangles that hold what each camera frame shows; ample ones, where the horizon or a pole may be in sight."""
     if not windows.world.wraps:
         return _seen_in_own_crs(plan, windows)
@@ -240,10 +248,10 @@ def _seen(plan: Plan, windows: Boxes) -> Boxes:
         west[ample], east[ample] = at_lon - wide, at_lon + wide
     x0, y0 = metres(west, np.maximum(south, -90.0))
     x1, y1 = metres(east, np.minimum(north, 90.0))
-    return Boxes.wrapped(x0, np.maximum(y0, MERCATOR.south), x1, np.minimum(y1, MERCATOR.north))
+    return Rects.wrapped(x0, np.maximum(y0, MERCATOR.south), x1, np.minimum(y1, MERCATOR.north))
 
 
-def _seen_in_own_crs(plan: Plan, windows: Boxes) -> Boxes:
+def _seen_in_own_crs(plan: Plan, windows: Rects) -> Rects:
     """The same in a CRS that the imagery has of its own, which camera frames without a horizon alone are planned in."""
     x, y = placed(plan.grid.plane, plan.corners.lon_deg, plan.corners.lat_deg)
     # Corners that the projection does not reach count for nothing; the rectangle inside of each picture is there.
@@ -252,7 +260,7 @@ def _seen_in_own_crs(plan: Plan, windows: Boxes) -> Boxes:
     west, south = np.minimum(west, windows.west), np.minimum(south, windows.south)
     east, north = np.maximum(east, windows.east), np.maximum(north, windows.north)
     margin = _BULGE * np.maximum(east - west, north - south)
-    return Boxes(west - margin, south - margin, east + margin, north + margin, windows.world)
+    return Rects(west - margin, south - margin, east + margin, north + margin, windows.world)
 
 
 #: Least radius of the Earth, at the poles: its horizon is the nearest, so the share below makes up for that.

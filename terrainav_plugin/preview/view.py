@@ -38,7 +38,7 @@ _AROUND_DEG = 40.0
 
 
 @dataclass(frozen=True)
-class World:
+class PreviewWorld:
     """The square of a CRS's plane that a plan is looked at in: the whole map, or what lies about the plan.
 
     Parameters
@@ -78,10 +78,10 @@ class World:
         return Rect(self.west, self.south, self.east, self.north, self)
 
 
-MERCATOR = World()
+MERCATOR = PreviewWorld()
 
 
-def world_of(plan: Plan) -> World:
+def world_of(plan: Plan) -> PreviewWorld:
     """World that a plan is looked at in."""
     own = plan.grid.own
     if own is None:
@@ -98,7 +98,7 @@ def world_of(plan: Plan) -> World:
     # A power of two, so that the cells of a density have round sides.
     size = 2.0 ** math.ceil(math.log2(_ROOM * longest))
     middle_x, middle_y = (edges[0] + edges[2]) / 2.0, (edges[1] + edges[3]) / 2.0
-    return World(own.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
+    return PreviewWorld(own.crs, middle_x - size / 2.0, middle_y - size / 2.0, size, wraps=False)
 
 
 class Rect(NamedTuple):
@@ -108,10 +108,12 @@ class Rect(NamedTuple):
     south: float
     east: float
     north: float
-    world: World = MERCATOR
+    world: PreviewWorld = MERCATOR
 
     @classmethod
-    def fitted(cls, west: float, south: float, east: float, north: float, world: World = MERCATOR) -> Rect:
+    def fitted(
+        cls, west: float, south: float, east: float, north: float, world: PreviewWorld = MERCATOR
+    ) -> Rect:
         """Rectangle brought to where the world is; at most once around it."""
         south, north = max(south, world.south), min(north, world.north)
         if not world.wraps:
@@ -156,7 +158,7 @@ WORLD = MERCATOR.whole
 
 
 @dataclass(frozen=True)
-class View:
+class MapView:
     """A look at the map.
 
     Attributes
@@ -198,7 +200,7 @@ class View:
         return longest / step / self.units_per_px
 
 
-def view_of(canvas: QgsMapCanvas, world: World = MERCATOR) -> View | None:
+def view_of(canvas: QgsMapCanvas, world: PreviewWorld = MERCATOR) -> MapView | None:
     """What of a world a map canvas shows; None of a canvas that shows nothing yet. On the main thread."""
     settings = canvas.mapSettings()
     extent, crs = settings.visibleExtent(), settings.destinationCrs()
@@ -214,7 +216,7 @@ def view_of(canvas: QgsMapCanvas, world: World = MERCATOR) -> View | None:
         shown = settings.temporalRange()
         times = (_utc_ms(shown.begin(), -math.inf), _utc_ms(shown.end(), math.inf))
     rect = _in_web_metres(extent, crs, context) if world.wraps else _in_own_metres(extent, to_map, world)
-    return View(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
+    return MapView(rect, to_map, settings.mapUnitsPerPixel(), size.width(), times)
 
 
 def _in_web_metres(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, context: object) -> Rect:
@@ -242,7 +244,7 @@ def _in_web_metres(extent: QgsRectangle, crs: QgsCoordinateReferenceSystem, cont
     return _of_degrees(west - margin, south, west + 360.0 - gap + margin, north)
 
 
-def _in_own_metres(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: World) -> Rect:
+def _in_own_metres(extent: QgsRectangle, to_map: QgsCoordinateTransform, world: PreviewWorld) -> Rect:
     """What of a world that does not wrap is in view; all of it where the view holds places that it has not."""
     if not to_map.isValid() or to_map.isShortCircuited():
         edges = extent.xMinimum(), extent.yMinimum(), extent.xMaximum(), extent.yMaximum()

@@ -29,7 +29,7 @@ from ..i18n import tr, translate
 from ..packages import missing_packages
 from ..paths import RESOURCES, icon
 from ..tasks import PythonThread, hold_crs, on_python_thread
-from .choices import Choice
+from .choices import ChoiceParameter
 
 Result = TypeVar("Result")
 #: NUL, and halves of characters.
@@ -49,7 +49,7 @@ class Words(NamedTuple):
     help: tuple[str, ...]
 
 
-class Run(NamedTuple):
+class AlgorithmRun(NamedTuple):
     """What an algorithm runs with."""
 
     algorithm: Algorithm
@@ -127,7 +127,7 @@ class Algorithm(QgsProcessingAlgorithm):
         super().__init__()
         self._listed = listed
         #: Its choices, by name.
-        self.choices: dict[str, Choice] = {}
+        self.choices: dict[str, ChoiceParameter] = {}
 
     def createInstance(self) -> QgsProcessingAlgorithm:
         """Make the copy that runs."""
@@ -192,7 +192,7 @@ class Algorithm(QgsProcessingAlgorithm):
         parameter.setHelp(help_text)
         if advanced:
             parameter.setFlags(parameter.flags() | QgsProcessingParameterDefinition.Flag.FlagAdvanced)
-        if isinstance(parameter, Choice):
+        if isinstance(parameter, ChoiceParameter):
             self.choices[parameter.name()] = parameter
         self.addParameter(parameter)
 
@@ -216,7 +216,7 @@ class Algorithm(QgsProcessingAlgorithm):
         """Take what belongs to the main thread, where QGIS calls this."""
         hold_crs()
         _checked(lambda: self._check_texts(parameters))
-        _checked(lambda: self.prepared(Run(self, parameters, context, feedback)))
+        _checked(lambda: self.prepared(AlgorithmRun(self, parameters, context, feedback)))
         return True
 
     def processAlgorithm(
@@ -224,7 +224,7 @@ class Algorithm(QgsProcessingAlgorithm):
     ) -> dict[str, Any]:
         """Do the work."""
         try:
-            return _checked(lambda: self.processed(Run(self, parameters, context, feedback)))
+            return _checked(lambda: self.processed(AlgorithmRun(self, parameters, context, feedback)))
         finally:
             self.released()
 
@@ -246,10 +246,10 @@ class Algorithm(QgsProcessingAlgorithm):
         """Add its parameters and outputs."""
         raise NotImplementedError
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Take what belongs to the main thread, before it runs."""
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Do the work, on any thread; returns the outputs."""
         raise NotImplementedError
 
@@ -269,7 +269,7 @@ class Algorithm(QgsProcessingAlgorithm):
         """Let go of what was prepared; whatever became of the run."""
 
 
-class Watch:
+class WorkFeedback:
     """What work tells of itself, in the thread that it runs on, and whether it is to go on."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
@@ -293,7 +293,7 @@ class Watch:
         return self._feedback.isCanceled()
 
 
-def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeedback) -> Result:
+def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcessingFeedback) -> Result:
     """Do ``work`` while the main thread is free for its events; returns or raises what it does.
 
     Called in another thread, which is beside it already, that one waits.
@@ -301,7 +301,7 @@ def off_main_thread(work: Callable[[Watch], Result], feedback: QgsProcessingFeed
     from ..network.worker import in_main_thread
 
     if not in_main_thread():
-        return on_python_thread(lambda: work(Watch(feedback)))
+        return on_python_thread(lambda: work(WorkFeedback(feedback)))
     relay, loop, timer = _Relay(feedback), QEventLoop(), QTimer()
     thread = PythonThread(lambda: work(relay), "terrainav-algorithm")
 
@@ -349,7 +349,7 @@ def _checked(work: Callable[[], Result]) -> Result:
     raise QgsProcessingException(text)
 
 
-class _Relay(Watch):
+class _Relay(WorkFeedback):
     """A watch whose words go through the main thread, where the caller's feedback expects them."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
@@ -358,13 +358,13 @@ class _Relay(Watch):
         self._stop = threading.Event()
 
     def say(self, text: str) -> None:
-        self._told.put(lambda: Watch.say(self, text))
+        self._told.put(lambda: WorkFeedback.say(self, text))
 
     def warn(self, text: str) -> None:
-        self._told.put(lambda: Watch.warn(self, text))
+        self._told.put(lambda: WorkFeedback.warn(self, text))
 
     def progress(self, share: float) -> bool:
-        self._told.put(lambda: Watch.progress(self, share))
+        self._told.put(lambda: WorkFeedback.progress(self, share))
         return not self.cancelled()
 
     def cancelled(self) -> bool:

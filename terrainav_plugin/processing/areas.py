@@ -22,7 +22,7 @@ from ..i18n import number_text, tr, translate
 
 if TYPE_CHECKING:
     from ...core.mission.area import Area, Box, Polygon, Polygons
-    from .algorithm import Run
+    from .algorithm import AlgorithmRun
 
 
 #: What fields of points may say, as parameters of Processing: AGL_FIELD and so on.
@@ -33,7 +33,7 @@ _NUMBERS_OF_CRS = re.compile(r"(?:[^,\[\]]*,){1,3}[^,\[\]]*\[(.*)\]\s*", re.DOTA
 _GEOGRAPHIC = "EPSG:4326"
 
 
-def area_of_extent(run: Run) -> Box | Polygon:
+def area_of_extent(run: AlgorithmRun) -> Box | Polygon:
     """Ground under an extent, as that of a rectangle drawn on the map; raises InvalidInput."""
     from ..area.layers import rectangle_area
 
@@ -61,7 +61,7 @@ def area_of_extent(run: Run) -> Box | Polygon:
     return rectangle_area(extent, crs, run.context)
 
 
-def check_crs(run: Run, name: str, what: str) -> None:
+def check_crs(run: AlgorithmRun, name: str, what: str) -> None:
     """Refuse numbers of an unknown CRS or one of another planet, which QGIS takes for degrees; raises InvalidInput."""
     text = str(run.parameters.get(name))
     named = _NUMBERS_OF_CRS.fullmatch(text)
@@ -76,7 +76,7 @@ def check_crs(run: Run, name: str, what: str) -> None:
         )
 
 
-def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
+def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
     """Polygons or points of a layer, and the mission's height; raises InvalidInput."""
     source = run.algorithm.parameterAsSource(run.parameters, "AREA", run.context)
     if source is None:
@@ -116,7 +116,7 @@ def area_of_layer(run: Run, agl_m: float) -> tuple[Area, float]:
     return _together(polygons), agl_m
 
 
-def no_fly_of_layer(run: Run) -> tuple[Polygon, ...]:
+def no_fly_of_layer(run: AlgorithmRun) -> tuple[Polygon, ...]:
     """Polygons of a layer where no camera may stand; none where there is no layer, or it is empty."""
     if not run.is_given("NO_FLY"):
         return ()
@@ -153,7 +153,7 @@ def features_of(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
     return source.getFeatures(QgsFeatureRequest(), unchecked)
 
 
-def _features(run: Run, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
+def _features(run: AlgorithmRun, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
     """Features of a layer that have a geometry with something in it."""
     return [
         feature
@@ -163,7 +163,7 @@ def _features(run: Run, source: QgsProcessingFeatureSource) -> list[QgsFeature]:
 
 
 def _polygons(
-    run: Run, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
+    run: AlgorithmRun, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
 ) -> tuple[Polygon, ...]:
     """Polygons of features and of their parts, as the panel has them of a layer; raises InvalidInput."""
     from ...core.mission.area import parts_of

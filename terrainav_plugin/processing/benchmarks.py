@@ -30,9 +30,9 @@ from ...core.files import is_there
 from ...core.numbers import real_number
 from ..i18n import begun, number_text, tr, translate
 from ..packages import missing_packages
-from .algorithm import Algorithm, Run, Watch, Words, is_loadable, off_main_thread
+from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .capture import tell_result
-from .choices import Choice
+from .choices import ChoiceParameter
 from .datasets import add_gap, add_shares, shares_of
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
@@ -207,7 +207,7 @@ class MakeBenchmark(WithImagery):
 
     def _add_parts(self) -> None:
         self.add(
-            Choice("SPLIT", tr("Parts"), {split: split for split in SPLITS}, SPLITS[0]),
+            ChoiceParameter("SPLIT", tr("Parts"), {split: split for split in SPLITS}, SPLITS[0]),
             tr(
                 "cross-area: no ground is in two parts, training, validation and test; same-area: queries are shared "
                 "out over one reference; none: no parts."
@@ -220,20 +220,20 @@ class MakeBenchmark(WithImagery):
         add_shares(self)
         add_gap(self, tr("With cross-area only: minimum distance between the ground of two parts."))
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Take the imagery of queries and reference."""
         settings = self._settings = _settings_of(run)
         self._named = {str(one): one for one in (settings.reference, *settings.imageries)}
         self._known = _layers_of(run.context)
         self.take_imagery(run, *(settings.queries.over(one) for one in self._named.values()))
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Count, or capture."""
         from ...core.benchmark.planning import plan_benchmark
 
         folder, dry_run, accepted = Path(run.text("FOLDER")), run.flag("DRY_RUN"), run.flag("ACCEPT_TERMS")
 
-        def work(watch: Watch) -> tuple[BenchmarkPlan, BenchmarkResult | None]:
+        def work(watch: WorkFeedback) -> tuple[BenchmarkPlan, BenchmarkResult | None]:
             from ..sources import heights_for
 
             grids = {name: imagery.grid() for name, imagery in zip(self._named, self._taken)}
@@ -245,7 +245,7 @@ class MakeBenchmark(WithImagery):
         return self._results(run, folder, worked_out, made)
 
     def _made(
-        self, worked_out: BenchmarkPlan, folder: Path, watch: Watch, *, accepted: bool
+        self, worked_out: BenchmarkPlan, folder: Path, watch: WorkFeedback, *, accepted: bool
     ) -> BenchmarkResult:
         from ...core.benchmark.making import make_benchmark
         from ...core.imagery.catalogue import shared_requests
@@ -275,7 +275,7 @@ class MakeBenchmark(WithImagery):
         return made
 
     def _results(
-        self, run: Run, folder: Path, worked_out: BenchmarkPlan, made: BenchmarkResult | None
+        self, run: AlgorithmRun, folder: Path, worked_out: BenchmarkPlan, made: BenchmarkResult | None
     ) -> dict[str, Any]:
         plans = [plan for _, plan in worked_out.captures.values()]
         found: dict[str, Any] = {
@@ -346,7 +346,9 @@ class ScoreBenchmark(Algorithm):
             tr("As “Make a benchmark” leaves it."),
         )
         self.add(
-            Choice("METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))),
+            ChoiceParameter(
+                "METHOD", tr("Baseline"), {method: method for method in METHODS}, next(iter(METHODS))
+            ),
             tr("Its answers are judged where no file of predictions is given. sift and orb need OpenCV."),
         )
         self.add(
@@ -354,7 +356,7 @@ class ScoreBenchmark(Algorithm):
             tr("Judged instead of the baseline's answers."),
         )
         self.add(
-            Choice("PART", tr("Part"), {part: part for part in PARTS}),
+            ChoiceParameter("PART", tr("Part"), {part: part for part in PARTS}),
             tr("Only the queries of one part, found among its tiles. If empty, all."),
         )
         self.add(
@@ -392,11 +394,11 @@ class ScoreBenchmark(Algorithm):
             }
         )
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Note what the project shows."""
         self._known = _layers_of(run.context)
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Answer, and judge."""
         from ...core.benchmark.folder import Benchmark
         from ...core.benchmark.page import MAP_FILE, rows_of
@@ -406,7 +408,7 @@ class ScoreBenchmark(Algorithm):
         name = Path(predictions).stem if predictions else run.choice("METHOD")
         target = Path(run.text("FOLDER") or scores_folder(folder, name, part))
 
-        def work(watch: Watch) -> tuple[Benchmark, Scores, Path]:
+        def work(watch: WorkFeedback) -> tuple[Benchmark, Scores, Path]:
             benchmark = Benchmark.read(folder)
             return benchmark, *_judged(benchmark, name, predictions, part, target, watch)
 
@@ -428,7 +430,7 @@ class ScoreBenchmark(Algorithm):
         return results
 
 
-def _settings_of(run: Run) -> BenchmarkSettings:
+def _settings_of(run: AlgorithmRun) -> BenchmarkSettings:
     from ...core.benchmark.planning import BenchmarkSettings
 
     mission = mission_of(run)
@@ -448,7 +450,7 @@ def _settings_of(run: Run) -> BenchmarkSettings:
     )
 
 
-def _imageries(run: Run, mission: Mission) -> tuple[NamedImagery, ...]:
+def _imageries(run: AlgorithmRun, mission: Mission) -> tuple[NamedImagery, ...]:
     """What the queries are pictures of: rasters and imagery by name, or else the mission's own."""
     from ...core.mission.imageries import NamedImagery, named_imageries
 
@@ -462,7 +464,7 @@ def _imageries(run: Run, mission: Mission) -> tuple[NamedImagery, ...]:
     return named_imageries([*map(_text_of, layers), *lines])
 
 
-def _reference(run: Run) -> NamedImagery:
+def _reference(run: AlgorithmRun) -> NamedImagery:
     from ...core.mission.imageries import NamedImagery
 
     layer = run.algorithm.parameterAsRasterLayer(run.parameters, "REFERENCE_LAYER", run.context)
@@ -494,7 +496,7 @@ def _widths(text: str) -> tuple[float, ...]:
         ) from wrong
 
 
-def _tell_plan(worked_out: BenchmarkPlan, watch: Watch) -> None:
+def _tell_plan(worked_out: BenchmarkPlan, watch: WorkFeedback) -> None:
     """Say what is captured, folder by folder."""
     for folder, (imagery, plan) in worked_out.captures.items():
         watch.say(
@@ -512,7 +514,7 @@ def _tell_plan(worked_out: BenchmarkPlan, watch: Watch) -> None:
         watch.say(left_out.format(n=number_text(worked_out.left_out)))
 
 
-def _progress(worked_out: BenchmarkPlan, watch: Watch) -> Callable[[Progress], object]:
+def _progress(worked_out: BenchmarkPlan, watch: WorkFeedback) -> Callable[[Progress], object]:
     """Tell how far all captures together are, each weighing as many requests as it takes."""
     weights = {folder: max(plan.requests, 1) for folder, (_, plan) in worked_out.captures.items()}
     shares: dict[str, float] = {}
@@ -527,7 +529,7 @@ def _progress(worked_out: BenchmarkPlan, watch: Watch) -> Callable[[Progress], o
 
 
 def _judged(
-    benchmark: Benchmark, name: str, predictions: str, part: str, target: Path, watch: Watch
+    benchmark: Benchmark, name: str, predictions: str, part: str, target: Path, watch: WorkFeedback
 ) -> tuple[Scores, Path]:
     """Scores of a file of predictions, or of the baseline of a name, and their page."""
     from ...core.benchmark.answers import Predictions
@@ -599,7 +601,7 @@ def _error_layers(scores: Scores, path: Path, name: str) -> dict[str, tuple[Path
 
 
 def _load(
-    run: Run, benchmark: Benchmark, known: frozenset[str], layers: dict[str, tuple[Path, str, str]]
+    run: AlgorithmRun, benchmark: Benchmark, known: frozenset[str], layers: dict[str, tuple[Path, str, str]]
 ) -> None:
     """Have the reference and other layers, by their roles, added to the benchmark's group in the project, if any."""
     from ..dataset.scores import REFERENCE, into_group

@@ -19,7 +19,7 @@ from ...core.dataset.folder import FOOTPRINTS_FILE, MISSION_FILE
 from ...core.errors import InvalidInput, SourceError
 from ...core.files import is_there
 from ..i18n import number_text, tr, translate
-from .algorithm import Run, Watch, Words, is_loadable, off_main_thread
+from .algorithm import AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ...core.capture.progress import CaptureResult, Progress
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ..dataset.mosaic import Mosaic
+    from ..dataset.mosaic import MosaicRaster
 
 #: Share of the progress that capturing is; the mosaic takes the rest.
 _CAPTURE_SHARE = 0.9
@@ -72,17 +72,17 @@ class _Capturing(WithImagery):
             }
         )
 
-    def _take_run(self, mission: Mission, run: Run) -> None:
+    def _take_run(self, mission: Mission, run: AlgorithmRun) -> None:
         self.take_imagery(run, mission)
         self._accepted = run.flag("ACCEPT_TERMS")
         self._with_mosaic = run.flag("MAKE_MOSAIC")
-        self._made: list[Mosaic] = []
+        self._made: list[MosaicRaster] = []
 
-    def _captured(self, run: Run, folder: Path, **options: bool) -> dict[str, Any]:
+    def _captured(self, run: AlgorithmRun, folder: Path, **options: bool) -> dict[str, Any]:
         """Capture, make the mosaics, return the outputs."""
         from ...core.capture.runner import capture
 
-        def work(watch: Watch) -> tuple[CaptureResult, list[Mosaic]]:
+        def work(watch: WorkFeedback) -> tuple[CaptureResult, list[MosaicRaster]]:
             def report(progress: Progress) -> None:
                 finished = progress.done + progress.failed + progress.skipped
                 watch.progress(_CAPTURE_SHARE * finished / max(progress.total, 1))
@@ -126,7 +126,7 @@ class _Capturing(WithImagery):
 
         place_mosaics(QgsProject.instance(), self._made)
 
-    def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: Watch) -> list[Mosaic]:
+    def _mosaics(self, worked_out: Plan, result: CaptureResult, watch: WorkFeedback) -> list[MosaicRaster]:
         """Mosaics of all map types, as far as there are some."""
         from ..dataset.mosaic import build_any_mosaics
         from ..sources import heights_for
@@ -182,11 +182,11 @@ class Capture(_Capturing):
         )
         self._add_results()
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Take the mission's imagery."""
         self._take_run(mission_of(run), run)
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Capture."""
         return self._captured(run, Path(run.text("FOLDER")), resume=True)
 
@@ -217,7 +217,7 @@ class CaptureFailed(_Capturing):
         self.addOutput(QgsProcessingOutputFolder("FOLDER", tr("Dataset folder")))
         self._add_results()
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Take the imagery of the mission that was captured."""
         from ...core.mission.mission import Mission
 
@@ -231,7 +231,7 @@ class CaptureFailed(_Capturing):
             )
         self._take_run(Mission.load(str(mark)), run)
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Capture."""
         return self._captured(run, self._folder, only_failed=True)
 
@@ -243,7 +243,7 @@ def _load_when_done(context: QgsProcessingContext, path: Path, title: str) -> No
         context.addLayerToLoadOnCompletion(str(path), details)
 
 
-def tell_result(result: CaptureResult, watch: Watch) -> None:
+def tell_result(result: CaptureResult, watch: WorkFeedback) -> None:
     """Say what a capture has made, what has failed, and which tiles came for many places."""
     watch.say(
         tr("{written} images written, {skipped} already existed, {failed} failed, in {seconds} s.").format(

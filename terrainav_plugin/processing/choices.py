@@ -17,7 +17,7 @@ _LATER = (QgsProperty,)
 _MOST_DIGITS = 9
 
 
-class Choice(QgsProcessingParameterEnum):
+class ChoiceParameter(QgsProcessingParameterEnum):
     """A choice of words: each is taken by its value, its title, as it is listed or by its number, in any case.
 
     What is listed is the value itself; with ``titled``, the title with the value in square brackets.
@@ -71,9 +71,9 @@ class Choice(QgsProcessingParameterEnum):
             usesStaticStrings=True,
         )
 
-    def clone(self) -> Choice:
+    def clone(self) -> ChoiceParameter:
         """Return a copy that takes the same."""
-        made = Choice(*self._made_of, **self._how)
+        made = ChoiceParameter(*self._made_of, **self._how)
         made.setFlags(self.flags())
         made.setHelp(self.help())
         made.setMetadata(self.metadata())

@@ -23,12 +23,12 @@ from ...core.errors import InvalidInput
 from ...core.exports.kinds import BENCHMARKS, DATASETS, KINDS, VIEWS, export_as
 from ..dataset.splitting import HIGHEST_SEED, UTM, WIDEST_M, helps, outcome, titles, ways
 from ..i18n import number_text, tr
-from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
-from .choices import Choice
+from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, off_main_thread
+from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
-    from ...core.dataset.split import Split as Made
+    from ...core.dataset.split import SplitAlgorithm
     from ...core.mosaic.orthomosaic import Orthomosaic
 
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
@@ -91,7 +91,7 @@ class Clean(_OfDataset):
             tr("Images below it are rejected; 0 to 8."),
         )
         self.add(
-            Choice("ACTION", tr("Action"), {one: one for one in (_MARK, _MOVE, _UNDO)}, _MARK),
+            ChoiceParameter("ACTION", tr("Action"), {one: one for one in (_MARK, _MOVE, _UNDO)}, _MARK),
             tr("Mark rejected images in the table, move them as well, or put all back."),
         )
         self.add(
@@ -111,7 +111,7 @@ class Clean(_OfDataset):
             }
         )
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Clean."""
         from ...core.dataset.clean import clean, undo
 
@@ -120,7 +120,7 @@ class Clean(_OfDataset):
         if diagrams and action == _UNDO:
             run.feedback.pushWarning(tr("Undo has no threshold: no diagrams are drawn."))
 
-        def work(watch: Watch) -> tuple[Cleaned, ...]:
+        def work(watch: WorkFeedback) -> tuple[Cleaned, ...]:
             if action == _UNDO:
                 return undo(folder, dry_run=dry_run, progress=watch.progress)
             return clean(
@@ -200,7 +200,7 @@ def _tell_of_mosaics(folder: Path, feedback: QgsProcessingFeedback) -> None:
         )
 
 
-class Split(_OfDataset):
+class SplitAlgorithm(_OfDataset):
     """Images given to the training, the validation or the test part."""
 
     NAME = "split"
@@ -231,7 +231,7 @@ class Split(_OfDataset):
 
     def _define_own(self) -> None:
         number, title, text = QgsProcessingParameterNumber.Type, titles(), helps()
-        self.add(Choice("HOW", title["how"], ways(), AUTO), text["how"])
+        self.add(ChoiceParameter("HOW", title["how"], ways(), AUTO), text["how"])
         add_shares(self)
         self.add(
             QgsProcessingParameterNumber("SEED", title["seed"], number.Integer, SEED, False, 0, HIGHEST_SEED),
@@ -253,7 +253,7 @@ class Split(_OfDataset):
         )
         self.addOutput(QgsProcessingOutputString("LABELS", tr("Frame and scaler of the labels (JSON)")))
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Split."""
         from ...core.dataset.split import split
 
@@ -267,7 +267,7 @@ class Split(_OfDataset):
             "dry_run": run.flag("DRY_RUN"),
         }
 
-        def work(watch: Watch) -> Made:
+        def work(watch: WorkFeedback) -> SplitAlgorithm:
             return split(folder, shares, **options, progress=watch.progress)
 
         made = off_main_thread(work, run.feedback)
@@ -309,7 +309,7 @@ class Export(Algorithm):
         """Add its parameters and outputs."""
         self.add_dataset(tr("Of a capture, or of a benchmark."))
         self.add(
-            Choice("FORMAT", tr("Format"), KINDS, next(iter(KINDS))),
+            ChoiceParameter("FORMAT", tr("Format"), KINDS, next(iter(KINDS))),
             tr("Of camera frames: {views}. Of any dataset: {datasets}. Of a benchmark: {benchmarks}.").format(
                 **{
                     name: ", ".join(kinds)
@@ -331,7 +331,7 @@ class Export(Algorithm):
         )
         self.add_numbers({"COUNT": tr("Images, files or queries written")})
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Export."""
         folder, target, kind = run.text("DATASET"), run.text("FOLDER") or None, run.choice("FORMAT")
         map_type = run.text("MAP_TYPE").strip() or None
@@ -353,7 +353,7 @@ def add_shares(algorithm: Algorithm) -> None:
         )
 
 
-def shares_of(run: Run) -> tuple[float, float, float]:
+def shares_of(run: AlgorithmRun) -> tuple[float, float, float]:
     """Shares that parameters hold."""
     training, validation, test = (run.number(part.upper()) for part in PARTS)
     return training, validation, test
@@ -434,7 +434,7 @@ class MakeMosaic(Algorithm):
             }
         )
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Make it."""
         from ..dataset.rectify import write_mosaic
         from ..sources import heights_for
@@ -445,7 +445,7 @@ class MakeMosaic(Algorithm):
             raise InvalidInput(tr("mosaic {path}: must be a GeoTIFF (.tif)").format(path=target))
         gsd_m = run.number("GSD") if run.is_given("GSD") else None
 
-        def work(watch: Watch) -> Orthomosaic:
+        def work(watch: WorkFeedback) -> Orthomosaic:
             return write_mosaic(folder, map_type, target, heights_for, watch.progress, gsd_m)
 
         made = off_main_thread(work, run.feedback)

@@ -16,7 +16,7 @@ from qgis.PyQt.QtCore import QObject, Qt, pyqtSignal, pyqtSlot
 
 from ...core.errors import InvalidInput
 from ..i18n import tr
-from .algorithm import Algorithm, Run
+from .algorithm import Algorithm, AlgorithmRun
 
 if TYPE_CHECKING:
     from ...core.geodesy.mercator import PixelGrid
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ..qgis_source.snapshot import Snapshot
 
 
-class Imagery:
+class MissionSource:
     """A mission's source as it is when an algorithm is prepared; made on the main thread.
 
     Parameters
@@ -100,10 +100,10 @@ class _Keeper(QObject):
 
     def __init__(self) -> None:
         super().__init__()
-        self._kept: dict[int, Imagery] = {}
+        self._kept: dict[int, MissionSource] = {}
         self.over.connect(self._drop, Qt.ConnectionType.QueuedConnection)
 
-    def keep(self, imagery: Imagery) -> None:
+    def keep(self, imagery: MissionSource) -> None:
         """Hold it."""
         self._kept[id(imagery)] = imagery
 
@@ -129,10 +129,10 @@ def _keeper() -> _Keeper:
 class WithImagery(Algorithm):
     """An algorithm that fetches, and holds its imagery while it runs."""
 
-    _taken: tuple[Imagery, ...] = ()
+    _taken: tuple[MissionSource, ...] = ()
 
     @property
-    def _imagery(self) -> Imagery:
+    def _imagery(self) -> MissionSource:
         """That of a mission of one source."""
         return self._taken[0]
 
@@ -164,10 +164,10 @@ class WithImagery(Algorithm):
             advanced=True,
         )
 
-    def take_imagery(self, run: Run, *missions: Mission) -> None:
+    def take_imagery(self, run: AlgorithmRun, *missions: Mission) -> None:
         """Take the imagery of missions; on the main thread."""
         placeholders = tuple(run.text("PLACEHOLDERS").replace(",", " ").split())
-        self._taken = tuple(Imagery(mission, run.text("AUTHCFG"), placeholders) for mission in missions)
+        self._taken = tuple(MissionSource(mission, run.text("AUTHCFG"), placeholders) for mission in missions)
         for imagery in self._taken:
             _keeper().keep(imagery)
 

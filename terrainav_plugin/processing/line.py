@@ -25,7 +25,7 @@ from ...core.mission.parts import Flight, utc_time
 from ...core.poses.settings import LineFlight
 from ..form.fields import sentence_of, title_of
 from ..i18n import tr
-from .algorithm import Algorithm, Run, Words, off_main_thread
+from .algorithm import Algorithm, AlgorithmRun, Words, off_main_thread
 from .areas import crs_of, features_of
 from .mission_parameters import number_of
 from .plan import feature_of, fields_of, fill
@@ -81,7 +81,7 @@ class PosesAlongLine(Algorithm):
             QgsProcessingParameterFeatureSink("OUTPUT", tr("Poses"), QgsProcessing.SourceType.TypeVectorPoint)
         )
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Read the lines, and how they are flown."""
         from ..area.layers import lines_of
 
@@ -103,7 +103,7 @@ class PosesAlongLine(Algorithm):
             run.feedback.isCanceled,
         )
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Fly, and write the points."""
         from ...core.poses.line import fly
         from ..area.layers import flown_words

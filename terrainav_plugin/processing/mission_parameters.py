@@ -31,13 +31,13 @@ from ..form.fields import sentence_of, title_of
 from ..form.text import aspect_text, parse_aspect
 from ..i18n import tr, translate
 from .areas import area_of_extent, area_of_layer, check_crs, no_fly_of_layer
-from .choices import Choice
+from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
     from ...core.mission.area import Area
     from ...core.mission.mission import Mission
-    from .algorithm import Algorithm, Run
+    from .algorithm import Algorithm, AlgorithmRun
 
 _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
@@ -92,7 +92,7 @@ def leave_mission_to_file(algorithm: QgsProcessingAlgorithm) -> None:
         parameter.setFlags(parameter.flags() | flags.FlagHidden)
 
 
-def mission_of(run: Run) -> Mission:
+def mission_of(run: AlgorithmRun) -> Mission:
     """Mission that parameters ask for; raises InvalidInput.
 
     A mission file says all of it: parameters beside it are left aside.
@@ -130,7 +130,7 @@ def _id_of(field: Field) -> str:
     return _IDS.get(field.name, field.name_of_option.upper())
 
 
-def _value(run: Run, field: Field) -> Any:
+def _value(run: AlgorithmRun, field: Field) -> Any:
     """Value of a field's parameter; None where it is not given and need not be."""
     name = _id_of(field)
     if field.unit.times != 1.0:
@@ -159,7 +159,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
         usual = list(field.default) if several else field.default
         # What stands for nothing is no choice to be made.
         choices = {value: translate(words) for value, words in field.choices.items() if value}
-        return Choice(name, title, choices, usual or None, several=several)
+        return ChoiceParameter(name, title, choices, usual or None, several=several)
     if field.kind is bool:
         return QgsProcessingParameterBoolean(name, title, field.default)
     if field.name == "takeoff":
@@ -234,7 +234,7 @@ def _add_area(algorithm: Algorithm) -> None:
 
 def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     algorithm.add(
-        Choice("CAMERA", tr("Camera"), {name: name for name in _cameras(listed)}),
+        ChoiceParameter("CAMERA", tr("Camera"), {name: name for name in _cameras(listed)}),
         tr(
             "Sets the field of view, aspect ratio and pixels. If no camera is chosen, the values below apply."
         ),
@@ -255,7 +255,9 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
 def _add_source(algorithm: Algorithm, listed: bool) -> None:
     field = field_named(Imagery, "source")
     algorithm.add(
-        Choice("SOURCE", tr("Source of imagery"), _sources(listed), field.default, titled=True, more=listed),
+        ChoiceParameter(
+            "SOURCE", tr("Source of imagery"), _sources(listed), field.default, titled=True, more=listed
+        ),
         tr(
             "By title or name, as “Synthetic (offline)” or “world”, which is the embedded landscape and needs no "
             "network."
@@ -308,12 +310,12 @@ def _sources(listed: bool) -> dict[str, str]:
         return shipped
 
 
-def _share(run: Run, field: Field) -> float:
+def _share(run: AlgorithmRun, field: Field) -> float:
     """Share of a field in percent: of the decimal that was typed, and not of its binary fraction."""
     return float(Decimal(repr(run.number(_id_of(field)))) / int(field.unit.times))
 
 
-def _area(run: Run, agl_m: float) -> tuple[Area, float]:
+def _area(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
     given = [name for name in ("EXTENT", "AREA", "COORDS") if run.is_given(name)]
     if len(given) != 1:
         raise InvalidInput(
@@ -330,7 +332,7 @@ def _area(run: Run, agl_m: float) -> tuple[Area, float]:
     return parse_coords(run.text("COORDS").strip(), agl_m=agl_m)
 
 
-def _camera(run: Run) -> tuple[Camera, int]:
+def _camera(run: AlgorithmRun) -> tuple[Camera, int]:
     """Camera, and the pixels along the longer side of its image."""
     from ...core.geodesy.camera import Camera
     from ...core.mission.cameras import camera_named
@@ -347,12 +349,12 @@ def _camera(run: Run) -> tuple[Camera, int]:
     return Camera(run.number("FOV"), ratio), Pixels.image_px
 
 
-def _wind(run: Run, seed: int) -> Wind | None:
+def _wind(run: AlgorithmRun, seed: int) -> Wind | None:
     speed, origin, turbulence = map(run.number, _WIND)
     return Wind(speed, origin, turbulence, seed) if speed > 0.0 else None
 
 
-def _takeoff(run: Run) -> tuple[float, float] | None:
+def _takeoff(run: AlgorithmRun) -> tuple[float, float] | None:
     """Latitude and longitude of a point in any CRS; None where there is none."""
     if not run.is_given("TAKEOFF"):
         return None

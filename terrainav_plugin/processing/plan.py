@@ -25,14 +25,14 @@ from ...core.mission.parts import ALIGNMENTS
 from ..compat import field
 from ..i18n import tr, translate
 from ..tasks import crs_named, held_crs
-from .algorithm import Algorithm, Run, Watch, Words, off_main_thread
-from .choices import Choice
+from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, off_main_thread
+from .choices import ChoiceParameter
 from .mission_parameters import add_mission_parameters, mission_of
 
 if TYPE_CHECKING:
     from ...core.mission.estimate import Summary
     from ...core.mission.mission import Mission
-    from ...core.mission.plan import Plan as WorkedOut
+    from ...core.mission.plan import PlanAlgorithm
 
 #: Features written between two looks at whether the user has cancelled.
 _BATCH = 1000
@@ -60,7 +60,7 @@ _CAPTURE = (
 _FLIGHT = (("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer"))
 
 
-class Plan(Algorithm):
+class PlanAlgorithm(Algorithm):
     """Footprints, captures and flight line of a mission."""
 
     NAME = "plan"
@@ -91,7 +91,7 @@ class Plan(Algorithm):
 
         add_mission_parameters(self, listed=self._listed)
         self.add(
-            Choice("ALIGN", tr("Align rows"), {way: way for way in ALIGNMENTS}),
+            ChoiceParameter("ALIGN", tr("Align rows"), {way: way for way in ALIGNMENTS}),
             tr(
                 "Turns the rows along the longest side of the area, or so that the flight is shortest, instead of the "
                 "row azimuth; the mission file has the azimuth found."
@@ -116,7 +116,7 @@ class Plan(Algorithm):
             self.addParameter(file)
         self.add_numbers(_figures())
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Read the mission, and the grid of layers of the project."""
         from ..sources import grid_finder
 
@@ -129,14 +129,14 @@ class Plan(Algorithm):
 
             check_plan_ending(self._export)
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Plan, and write what is asked for."""
         from ...core.mission.estimate import estimate
         from ..settings import Settings
         from ..sources import costs_of
         from ..sources import worked_out as planned
 
-        def work(watch: Watch) -> tuple[WorkedOut, Summary]:
+        def work(watch: WorkFeedback) -> tuple[PlanAlgorithm, Summary]:
             if self._align is not None:
                 self._mission = self._aligned(watch)
             worked_out = planned(self._mission, self._grid)
@@ -167,7 +167,7 @@ class Plan(Algorithm):
         self._write_files(worked_out, run, results)
         return results
 
-    def _aligned(self, watch: Watch) -> Mission:
+    def _aligned(self, watch: WorkFeedback) -> Mission:
         """Mission with its rows aligned as asked for; says what that gains."""
         from ...core.mission.flight.alignment import aligned
         from ..sources import heights_for
@@ -178,7 +178,7 @@ class Plan(Algorithm):
         watch.say(translate(found.text()))
         return self._mission.with_(row_azimuth_deg=found.azimuth_deg)
 
-    def _write_files(self, worked_out: WorkedOut, run: Run, results: dict[str, Any]) -> None:
+    def _write_files(self, worked_out: PlanAlgorithm, run: AlgorithmRun, results: dict[str, Any]) -> None:
         from ...core.mission.export import write_plan
 
         path = self.parameterAsFileOutput(run.parameters, "MISSION_FILE", run.context)
@@ -205,7 +205,7 @@ def flight_fields() -> QgsFields:
     return fields_of(_FLIGHT)
 
 
-def footprints(plan: Plan) -> Iterator[QgsFeature]:
+def footprints(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
     """What each picture shows: the frame its file will state, or the ground the camera sees."""
     from ..map.outlines import footprint_shapes
 
@@ -214,7 +214,7 @@ def footprints(plan: Plan) -> Iterator[QgsFeature]:
         yield feature_of(shape, values)
 
 
-def captures(plan: Plan) -> Iterator[QgsFeature]:
+def captures(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
     """Points below the camera, in flight order."""
     from ...core.geodesy.mercator import wrap_lon_deg
     from ..map.outlines import placed
@@ -224,7 +224,7 @@ def captures(plan: Plan) -> Iterator[QgsFeature]:
         yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
 
 
-def flight_lines_of(plan: WorkedOut) -> Iterator[QgsFeature]:
+def flight_lines_of(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
     """Way from the first capture to the last, or the path of each sortie; in parts across the antimeridian."""
     from ..map.outlines import flight_lines
 
@@ -320,7 +320,7 @@ def feature_of(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
     return feature
 
 
-def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
+def _attributes(plan: PlanAlgorithm) -> Iterator[tuple[Any, ...]]:
     import numpy as np
 
     from ...core.geodesy.mercator import wrap_lon_deg

@@ -33,13 +33,22 @@ class Provider(QgsProcessingProvider):
         """Add the algorithms."""
         from .benchmarks import MakeBenchmark, ScoreBenchmark
         from .capture import Capture, CaptureFailed
-        from .datasets import Clean, Export, MakeMosaic, Split
+        from .datasets import Clean, Export, MakeMosaic, SplitAlgorithm
         from .line import PosesAlongLine
-        from .plan import Plan
+        from .plan import PlanAlgorithm
         from .report import AccuracyReport
 
         kinds = (
-            *(Plan, PosesAlongLine, Capture, CaptureFailed, Clean, Split, MakeMosaic, Export),
+            *(
+                PlanAlgorithm,
+                PosesAlongLine,
+                Capture,
+                CaptureFailed,
+                Clean,
+                SplitAlgorithm,
+                MakeMosaic,
+                Export,
+            ),
             *(MakeBenchmark, ScoreBenchmark, AccuracyReport),
         )
         for algorithm in kinds:

@@ -13,7 +13,7 @@ from qgis.core import (
 
 from ...core.errors import Cancelled
 from ..i18n import tr, translate
-from .algorithm import Run, Watch, Words, off_main_thread
+from .algorithm import AlgorithmRun, Words, WorkFeedback, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, mission_of
 
@@ -61,17 +61,17 @@ class AccuracyReport(WithImagery):
         )
         self.addOutput(QgsProcessingOutputHtml("HTML", tr("Report")))
 
-    def prepared(self, run: Run) -> None:
+    def prepared(self, run: AlgorithmRun) -> None:
         """Take the mission's imagery."""
         self.take_imagery(run, mission_of(run))
 
-    def processed(self, run: Run) -> dict[str, Any]:
+    def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Measure."""
         from ...core.report.page import write_report
 
         folder, accepted, quick = run.text("FOLDER"), run.flag("ACCEPT_TERMS"), run.flag("QUICK")
 
-        def work(watch: Watch) -> Path:
+        def work(watch: WorkFeedback) -> Path:
             def tell(what: str) -> None:
                 if watch.cancelled():
                     raise Cancelled(tr("the report is not finished"))

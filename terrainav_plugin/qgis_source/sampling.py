@@ -44,7 +44,7 @@ _Method = QgsRasterDataProvider.ResamplingMethod
 _EARLY_KERNELS = {_Method.Nearest: "nearest", _Method.Bilinear: "bilinear"}
 
 
-class Cells(NamedTuple):
+class SampledWindow(NamedTuple):
     """Pixels of a raster, put together where a picture is much coarser: columns and rows from its upper left."""
 
     factor: int
@@ -144,7 +144,7 @@ def averaged(
     bottom = min((top_px + height) * each, -(-layer.height() // picked))
     if left >= right or top >= bottom:
         return None
-    cells = Cells(picked, left, top, right - left, bottom - top)
+    cells = SampledWindow(picked, left, top, right - left, bottom - top)
     shown = pipes.block(_extent(layer, cells), (cells.width, cells.height), jobs)
     whole = np.zeros((height * each, width * each, 4), np.uint8)
     row, column = top - top_px * each, left - left_px * each
@@ -192,7 +192,7 @@ def _line_transformed(points: Floats, transform: QgsCoordinateTransform) -> Floa
     return np.frombuffer(bytes(line.asWkb()), "<f8", offset=_HEADER.size).reshape(-1, 2)
 
 
-def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> Cells:
+def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_]) -> SampledWindow:
     """Cells that hold all samples: single pixels, or so many together that a picture's pixel has two to four."""
     steps = [np.abs(np.diff(values, axis=axis)) for values in (x, y) for axis in (0, 1)]
     # Of the longer of the two ways along each axis of the picture; a raster may lie turned.
@@ -205,10 +205,10 @@ def _cells(layer: QgsRasterLayer, x: Floats, y: Floats, inside: NDArray[np.bool_
     left, top = (max(math.floor(values.min()) - _MARGIN_PX, 0) for values in (columns, rows))
     right = min(math.floor(columns.max()) + 1 + _MARGIN_PX, -(-layer.width() // factor))
     bottom = min(math.floor(rows.max()) + 1 + _MARGIN_PX, -(-layer.height() // factor))
-    return Cells(factor, left, top, right - left, bottom - top)
+    return SampledWindow(factor, left, top, right - left, bottom - top)
 
 
-def _extent(layer: QgsRasterLayer, cells: Cells) -> QgsRectangle:
+def _extent(layer: QgsRasterLayer, cells: SampledWindow) -> QgsRectangle:
     """Extent of cells in the raster's CRS."""
     extent = layer.extent()
     step_x = extent.width() / layer.width() * cells.factor

@@ -39,7 +39,7 @@ from ..tasks import crs_named
 from .connections import is_connection
 from .renderer import Pipes
 from .terms import policies
-from .tiles import Address, Tiles, address_of
+from .tiles import ServerTiles, TileAddress, address_of
 
 #: What names of sources begin with that QGIS itself draws.
 PREFIX = "qgis:"
@@ -61,7 +61,7 @@ _RESOLUTION_SLACK = 1e-3
 #: Zooms above a raster's own that are served by enlarging, where pictures have its own pixels.
 _ENLARGED_ZOOMS = 6
 #: Where layers have their tiles from, by the layers' ids; None for those without.
-Addresses = dict[str, Optional[Address]]
+Addresses = dict[str, Optional[TileAddress]]
 
 
 class LayerChoice(NamedTuple):
@@ -80,7 +80,7 @@ class Snapshot:
     name, title, attribution, date : str
         As a source has them.
     grid : PixelGrid
-    ground : tuple of Pipes or Tiles
+    ground : tuple of Pipes or ServerTiles
         Rasters that nothing but rasters lies below, the lowest first.
     policy : Policy
         The strictest of the providers of its tiles.
@@ -97,7 +97,7 @@ class Snapshot:
     attribution: str
     date: str
     grid: PixelGrid
-    ground: tuple[Pipes | Tiles, ...]
+    ground: tuple[Pipes | ServerTiles, ...]
     policy: Policy
     drawing: tuple[QgsMapLayer, ...]
     settings: QgsMapSettings
@@ -210,7 +210,7 @@ def _addresses(layers: Iterable[QgsMapLayer]) -> Addresses:
     return {layer.id(): address_of(layer) if isinstance(layer, QgsRasterLayer) else None for layer in layers}
 
 
-def _drawn(layer: QgsRasterLayer, address: Address | None, project: QgsProject) -> Pipes | Tiles:
+def _drawn(layer: QgsRasterLayer, address: TileAddress | None, project: QgsProject) -> Pipes | ServerTiles:
     copy = _copy(layer, project)
     return Pipes(copy) if address is None else address.tiles(copy)
 
@@ -340,7 +340,7 @@ def _own_grid(layer: QgsMapLayer) -> PixelGrid | None:
     return PixelGrid(max_zoom=highest, native_zoom=native, extent=place.own_extent(native), plane=plane)
 
 
-def _native_zoom(layer: QgsMapLayer, address: Address | None, project: QgsProject) -> int:
+def _native_zoom(layer: QgsMapLayer, address: TileAddress | None, project: QgsProject) -> int:
     """Highest zoom with detail of the layer's own; the highest of all where it has detail at every scale."""
     if not isinstance(layer, QgsRasterLayer):
         return _MAX_ZOOM

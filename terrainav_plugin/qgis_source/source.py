@@ -29,7 +29,7 @@ from ...core.imagery.source import Part, Window, tile_parts
 from .renderer import Jobs, Pipes, blank, to_array, to_image
 from .sampling import averaged, resamples_early, sampled
 from .snapshot import FILE_PROVIDER, Snapshot
-from .tiles import Tiles
+from .tiles import ServerTiles
 
 #: Tiles of ground kept for the next pictures that show them (64 MB).
 _KEPT_TILES = 256
@@ -111,7 +111,7 @@ class LayerSource:
     def close(self) -> None:
         """End what is being drawn; it raises `Cancelled`."""
         for layer in self._snapshot.ground:
-            if isinstance(layer, Tiles):
+            if isinstance(layer, ServerTiles):
                 layer.close()
         self._jobs.close()
 
@@ -168,7 +168,9 @@ class LayerSource:
         for drawn in self._snapshot.ground:
             if not _is_shown(drawn.layer, settings):
                 continue
-            pixels = drawn.pixels(tile) if isinstance(drawn, Tiles) else self._pixels(drawn, settings, tile)
+            pixels = (
+                drawn.pixels(tile) if isinstance(drawn, ServerTiles) else self._pixels(drawn, settings, tile)
+            )
             if pixels is not None:
                 _paint(image, pixels, _COVERING)
                 if blended is not None:

@@ -52,7 +52,7 @@ _PREMULTIPLIED = Qgis.DataType.ARGB32_Premultiplied
 _COPIES = 8
 
 
-class Tiles:
+class ServerTiles:
     """A layer whose tiles are asked of their server.
 
     Made on the main thread, which its connections and the stages of its style belong to.
@@ -165,7 +165,7 @@ class Tiles:
             self._colours.put(stages)
 
 
-class Address(NamedTuple):
+class TileAddress(NamedTuple):
     """Where a layer in Web Mercator has its tiles from, as its own address (URI) says.
 
     Parameters
@@ -189,15 +189,15 @@ class Address(NamedTuple):
             return None
         return self.connection.max_zoom + (self.connection.tile_px // 256).bit_length() - 1
 
-    def tiles(self, copy: QgsRasterLayer) -> Tiles:
+    def tiles(self, copy: QgsRasterLayer) -> ServerTiles:
         """The tiles, of a copy of the layer that is theirs to keep."""
         if self.entry is not None:
-            return Tiles(copy, lambda: self.entry, self.connection)
-        tiles = Tiles(copy, lambda: _of_service(self.service, tiles), self.connection)
+            return ServerTiles(copy, lambda: self.entry, self.connection)
+        tiles = ServerTiles(copy, lambda: _of_service(self.service, tiles), self.connection)
         return tiles
 
 
-def address_of(layer: QgsRasterLayer) -> Address | None:
+def address_of(layer: QgsRasterLayer) -> TileAddress | None:
     """Where a layer's tiles come from; None where it has none in Web Mercator, or ones that QGIS alone can read."""
     if layer.providerType() != _PROVIDER or layer.crs().authid() != _MERCATOR:
         return None
@@ -208,7 +208,7 @@ def address_of(layer: QgsRasterLayer) -> Address | None:
     try:
         known = connection_of(layer.name(), uri)
         if words.get("type") == "xyz":
-            return Address(known, known.entry())
+            return TileAddress(known, known.entry())
         if words.get("tileMatrixSet") and words.get("layers") and not words.get("tileDimensions"):
             address = urlsplit(known.url)._replace(fragment="").geturl()
             choices = {
@@ -218,14 +218,14 @@ def address_of(layer: QgsRasterLayer) -> Address | None:
                 "tilematrixset": "tileMatrixSet",
             }
             named = "&".join(f"{choice}={words[key]}" for choice, key in choices.items() if words.get(key))
-            return Address(known, None, f"wmts:{address}#{named}")
+            return TileAddress(known, None, f"wmts:{address}#{named}")
     except InvalidInput:
         # Of an address that only QGIS can make something of, QGIS draws the picture.
         return None
     return None
 
 
-def _of_service(name: str, tiles: Tiles) -> CatalogueEntry:
+def _of_service(name: str, tiles: ServerTiles) -> CatalogueEntry:
     from ...core.imagery.opening import SourceOptions, named_source
 
     connection, transport = tiles._connection, tiles._transport  # noqa: SLF001

@@ -32,7 +32,7 @@ _UNSIGNED = "AWS_NO_SIGN_REQUEST"
 _YES = ("yes", "true", "on", "1")
 
 
-class Address(NamedTuple):
+class DatasetAddress(NamedTuple):
     """Address of a dataset's folder.
 
     Parameters
@@ -44,7 +44,7 @@ class Address(NamedTuple):
     url: str
 
     @classmethod
-    def of(cls, text: str) -> Address:
+    def of(cls, text: str) -> DatasetAddress:
         """Address of a dataset, given as such or as that of a file in it.
 
         Raises
@@ -117,9 +117,9 @@ class Address(NamedTuple):
         """Address of a file in it, as it is shown; ``name`` may lead into folders."""
         return f"{self.url}/{name}"
 
-    def inside(self, name: str) -> Address:
+    def inside(self, name: str) -> DatasetAddress:
         """Address of a folder in it."""
-        return Address(self.file(name))
+        return DatasetAddress(self.file(name))
 
     def request_url(self, name: str) -> str:
         """URL at which a file is asked for now; that of a store is signed, and never to be shown.

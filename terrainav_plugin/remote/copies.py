@@ -25,7 +25,7 @@ from ...core.safe_json import parse_json
 from ..foreign import check_driver
 from ..i18n import tr
 from ..paths import COPIES, exists, is_folder
-from .address import Address
+from .address import DatasetAddress
 from .geoparquet import ITEMS_FILE, can_read, write_from_items
 from .store import Store
 
@@ -50,7 +50,7 @@ _ITEMS_SHARE = 0.5
 Progress = Callable[[float], bool]
 
 
-def copy_of(address: Address) -> Path:
+def copy_of(address: DatasetAddress) -> Path:
     """Folder of the copy of a dataset, which need not be there."""
     digest = hashlib.sha256(address.url.encode()).hexdigest()[:_DIGITS]
     return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
@@ -81,13 +81,13 @@ def _copies() -> Path:
     return Path(QgsApplication.qgisSettingsDirPath(), *COPIES.split("/"))
 
 
-def address_of(folder: Path) -> Address | None:
+def address_of(folder: Path) -> DatasetAddress | None:
     """Address that a folder is the copy of; None where it is no copy, whatever a file in it says."""
     if _copies() not in folder.parents or ".." in folder.parts:
         return None
     try:
         found = parse_json(read_limited(folder / ADDRESS_FILE, MAX_SETTINGS_BYTES))
-        return Address.of(str(found["address"]))
+        return DatasetAddress.of(str(found["address"]))
     except (OSError, ValueError, InvalidInput, KeyError, TypeError):
         return None
 

@@ -16,7 +16,7 @@ from ...core.imagery.http.client import NotThere
 from ...core.limits import MAX_FETCHED_IMAGE_BYTES
 from ...core.text import whole_number
 from ..i18n import tr
-from .address import Address
+from .address import DatasetAddress
 from .copies import ADDRESS_FILE, address_of
 from .store import Store
 
@@ -84,12 +84,12 @@ class _InShard(NamedTuple):
         return cls(shard, start, length)
 
 
-class Images:
+class ImageFetcher:
     """Fetches images and keeps the last few. For one thread; `interrupt` and `close` are called from any."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[tuple[object, ...], Fetched] = OrderedDict()
-        self._stores: dict[Address, Store] = {}
+        self._stores: dict[DatasetAddress, Store] = {}
 
     def interrupt(self) -> None:
         """End what is under way: it raises `Cancelled`."""
@@ -138,13 +138,13 @@ class Images:
             self._kept.popitem(last=False)
             del sizes[0]
 
-    def _store(self, address: Address) -> Store:
+    def _store(self, address: DatasetAddress) -> Store:
         store = self._stores.get(address)
         if store is None:
             store = self._stores[address] = Store(address)
         return store
 
-    def _file(self, address: Address, map_type: str, file: str, with_depth: bool) -> Fetched:
+    def _file(self, address: DatasetAddress, map_type: str, file: str, with_depth: bool) -> Fetched:
         store, name = self._store(address), f"{map_type}/{file}"
         try:
             data = _whole(store, name)
@@ -158,7 +158,7 @@ class Images:
         return Fetched(data, address.file(name), depth=depth)
 
     def _in_shard(
-        self, folder: Path, address: Address | None, map_type: str, file: str, part: _InShard
+        self, folder: Path, address: DatasetAddress | None, map_type: str, file: str, part: _InShard
     ) -> Fetched:
         name = f"{map_type}/{part.shard}"
         shard = address.file(name) if address is not None else str(folder / map_type / part.shard)

@@ -20,7 +20,7 @@ from ...core.redirects import led_elsewhere
 from ..i18n import tr
 from ..network.transport import QgisTransport
 from ..settings import Settings, credential_home
-from .address import Address
+from .address import DatasetAddress
 
 #: Bytes of one request: a moment's work for a slow line, and few requests for long files.
 _PIECE_BYTES = 4 << 20
@@ -65,7 +65,7 @@ class Store:
     `close` ends what is under way from any thread; what is asked then raises `Cancelled`.
     """
 
-    def __init__(self, address: Address) -> None:
+    def __init__(self, address: DatasetAddress) -> None:
         self.address = address
         self._sends_parts: bool | None = None
         web = "" if address.is_s3 else address.url

@@ -17,16 +17,16 @@ from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
 from ...core.text import one_line
 from ..dataset.footprints import FootprintFile, rings_of, stamp_of
-from ..dataset.picture import Depth, Picture, read_depth, read_picture
+from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 from ..i18n import tr, translate
 from ..map.mission_group import dataset_of
-from ..remote.images import DEPTH, Fetched, Images
+from ..remote.images import DEPTH, Fetched, ImageFetcher
 
 #: Most images under one click that are offered.
 _MOST = 200
 
 
-class Footprints(NamedTuple):
+class FootprintLayer(NamedTuple):
     """The captured footprints of a mission.
 
     Parameters
@@ -41,17 +41,17 @@ class Footprints(NamedTuple):
     folder: Path
 
     @classmethod
-    def of(cls, layer: QgsVectorLayer) -> Footprints:
+    def of(cls, layer: QgsVectorLayer) -> FootprintLayer:
         """Footprints of a layer; on the main thread."""
         return cls(layer.id(), dataset_of(layer))
 
 
-class Shot(NamedTuple):
+class CapturedImage(NamedTuple):
     """One captured image.
 
     Parameters
     ----------
-    footprints : Footprints
+    footprints : FootprintLayer
         That it is one of.
     number, count : int
         Its place in the plan, from 0, and how many there are.
@@ -62,7 +62,7 @@ class Shot(NamedTuple):
         EPSG:4326.
     """
 
-    footprints: Footprints
+    footprints: FootprintLayer
     number: int
     count: int
     name: str
@@ -75,12 +75,12 @@ class Seen(NamedTuple):
 
     Parameters
     ----------
-    shot : Shot
+    shot : CapturedImage
     map_types : tuple of str
         There are of it.
     map_type : str
         That is shown.
-    picture : Picture
+    picture : DisplayImage
     row : dict of str to str
         Its row of the dataset's table; empty where there is none yet.
     rejected : bool
@@ -91,10 +91,10 @@ class Seen(NamedTuple):
         The image's file, where it is none of the dataset's folder.
     """
 
-    shot: Shot
+    shot: CapturedImage
     map_types: tuple[str, ...]
     map_type: str
-    picture: Picture
+    picture: DisplayImage
     row: dict[str, str]
     rejected: bool
     depth: Depth | None = None
@@ -114,7 +114,9 @@ class Finder:
         self._cancelled = cancelled
         self._files: dict[Path, FootprintFile] = {}
 
-    def shots_at(self, footprints: Sequence[Footprints], lat_deg: float, lon_deg: float) -> list[Shot]:
+    def shots_at(
+        self, footprints: Sequence[FootprintLayer], lat_deg: float, lon_deg: float
+    ) -> list[CapturedImage]:
         """Images whose footprints hold a place, in the order of their missions' plans."""
         point = QgsGeometry.fromPointXY(QgsPointXY(lon_deg, lat_deg))
         found = []
@@ -128,25 +130,25 @@ class Finder:
                         return found
         return found
 
-    def first(self, footprints: Sequence[Footprints]) -> list[Shot]:
+    def first(self, footprints: Sequence[FootprintLayer]) -> list[CapturedImage]:
         """The first image of the first mission that has one; none where none has."""
         for these in footprints:
             if len(self._file(these)):
                 return [self._shot(these, 0)]
         return []
 
-    def neighbour(self, shot: Shot, step: int) -> Shot | None:
+    def neighbour(self, shot: CapturedImage, step: int) -> CapturedImage | None:
         """Image that comes ``step`` after another in its plan; None at the end."""
         number = shot.number + step
         return self._shot(shot.footprints, number) if 0 <= number < shot.count else None
 
-    def _file(self, footprints: Footprints) -> FootprintFile:
+    def _file(self, footprints: FootprintLayer) -> FootprintFile:
         known = self._files.get(footprints.folder)
         if known is None or known.stamp != stamp_of(known.path):
             known = self._files[footprints.folder] = FootprintFile(footprints.folder, self._cancelled)
         return known
 
-    def _shot(self, footprints: Footprints, number: int) -> Shot:
+    def _shot(self, footprints: FootprintLayer, number: int) -> CapturedImage:
         file = self._file(footprints)
         feature = file.read(number)
         try:
@@ -164,18 +166,20 @@ class Finder:
                     path=file.path, name=one_line(repr(name))
                 )
             )
-        return Shot(footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons))
+        return CapturedImage(
+            footprints, number, len(file), name, pose, QgsGeometry.fromMultiPolygonXY(polygons)
+        )
 
 
-def see(shot: Shot, map_type: str, longest_px: int, images: Images) -> Seen:
+def see(shot: CapturedImage, map_type: str, longest_px: int, images: ImageFetcher) -> Seen:
     """Read what is to be shown of an image: picture and depth, no larger than shown, and its row of the table.
 
     Parameters
     ----------
-    shot : Shot
+    shot : CapturedImage
     map_type : str
     longest_px : int
-    images : Images
+    images : ImageFetcher
         Fetch what is at an address or in a shard; why that cannot be had is the picture's problem.
 
     Raises
@@ -202,7 +206,7 @@ def see(shot: Shot, map_type: str, longest_px: int, images: Images) -> Seen:
             shot,
             mission.imagery.map_types,
             map_type,
-            Picture(path, None, problem=translate(wrong)),
+            DisplayImage(path, None, problem=translate(wrong)),
             row,
             False,
         )

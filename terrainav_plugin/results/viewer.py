@@ -28,7 +28,7 @@ from ..i18n import number_text, tr, translate
 from ..plain import plain_label
 from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
-from .shots import Seen, Shot
+from .shots import CapturedImage, Seen
 
 #: Of picture and details, at first and as the window grows.
 _HEIGHTS_PX = (300, 220)
@@ -119,7 +119,7 @@ class Viewer(QgsDockWidget):
         self.open.setEnabled(False)
         self.on_map.setEnabled(False)
 
-    def offer(self, shots: Sequence[Shot], index: int) -> None:
+    def offer(self, shots: Sequence[CapturedImage], index: int) -> None:
         """Offer the images under a click."""
         self.under_click.clear()
         count = len(shots)

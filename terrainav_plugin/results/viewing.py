@@ -34,8 +34,8 @@ from ..widgets import add_docked
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.relief import Heights
-    from ..remote.images import Images
-    from .shots import Finder, Footprints, Seen, Shot
+    from ..remote.images import ImageFetcher
+    from .shots import CapturedImage, Finder, FootprintLayer, Seen
     from .viewer import Viewer
 
 #: Longest side of a picture as it is read: sharp on any screen, and quickly read.
@@ -74,9 +74,9 @@ class Viewing(QObject):
         self.tool.refused.connect(messages.warning)
         self.viewer: Viewer | None = None
         self.seen: Seen | None = None
-        self._shots: list[Shot] = []
+        self._shots: list[CapturedImage] = []
         self._finder: Finder | None = None
-        self._images: Images | None = None
+        self._images: ImageFetcher | None = None
         self._band: QgsRubberBand | None = None
         self._worker = LatestWorker("viewer")
         self._worker.failed.connect(self._refused)
@@ -139,16 +139,16 @@ class Viewing(QObject):
     def _clicked(self, lat_deg: float, lon_deg: float) -> None:
         self._look_for(lambda finder, footprints: finder.shots_at(footprints, lat_deg, lon_deg))
 
-    def _look_for(self, find: Callable[[Finder, list[Footprints]], list[Shot]]) -> None:
-        from .shots import Finder, Footprints
+    def _look_for(self, find: Callable[[Finder, list[FootprintLayer]], list[CapturedImage]]) -> None:
+        from .shots import Finder, FootprintLayer
 
-        footprints = [Footprints.of(layer) for layer in self._layers()]
+        footprints = [FootprintLayer.of(layer) for layer in self._layers()]
         finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
         if self.seen is None:
             self._shown_viewer().show_hint(tr("Looking for images…"))
         self._ask(lambda _: find(finder, footprints), self._found)
 
-    def _found(self, shots: list[Shot]) -> None:
+    def _found(self, shots: list[CapturedImage]) -> None:
         viewer = self._shown_viewer()
         if not shots:
             self._messages.refused(tr("No image shows this place"), _what_to_click())
@@ -163,16 +163,16 @@ class Viewing(QObject):
         viewer.offer(shots, 0)
         self._look_at(shots[0])
 
-    def _look_at(self, shot: Shot | None, map_type: str = "") -> None:
+    def _look_at(self, shot: CapturedImage | None, map_type: str = "") -> None:
         from ..remote.copies import has_images_elsewhere
-        from ..remote.images import Images
+        from ..remote.images import ImageFetcher
         from .shots import see
 
         if shot is None:
             return
         wanted = map_type or (self.seen.map_type if self.seen is not None else "")
         self._outline(shot)
-        images = self._images = self._images or Images()
+        images = self._images = self._images or ImageFetcher()
         if has_images_elsewhere(shot.footprints.folder):
             self._shown_viewer().show_fetching(shot.name)
         self._ask(lambda _: see(shot, wanted, _LONGEST_PX, images), self._show)
@@ -304,7 +304,7 @@ class Viewing(QObject):
         if self._band is not None:
             self._band.setVisible(visible)
 
-    def _outline(self, shot: Shot) -> None:
+    def _outline(self, shot: CapturedImage) -> None:
         if self._band is None:
             self._band = QgsRubberBand(self._canvas, LINE)
             self._band.setStrokeColor(_BAND_COLOUR)

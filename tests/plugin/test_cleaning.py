@@ -433,7 +433,7 @@ def test_rejected_images_are_crossed_out_on_the_map_while_the_window_is_open(
 
 def test_crosses_follow_outlines_of_any_shape_and_projection():
     from terrainav.terrainav_plugin.dataset.footprints import Outlines
-    from terrainav.terrainav_plugin.dataset_window.marks import View, draw
+    from terrainav.terrainav_plugin.dataset_window.marks import MapExtent, draw
 
     ring_x = [-89.9, -89.8, -89.8, -89.9, -89.9, 10.0, 10.1, 10.1, 10.0, 10.0]
     ring_y = [35.2, 35.2, 35.1, 35.1, 35.2, 50.1, 50.1, 50.0, 50.0, 50.1]
@@ -452,7 +452,7 @@ def test_crosses_follow_outlines_of_any_shape_and_projection():
         assert (there.x[index], there.y[index]) == pytest.approx((place.x(), place.y()), abs=1e-3)
     west, south, east, north = there.bounds_of("a")
     assert there.bounds_of("c") is None
-    view = View(west, south, east, north, (east - west) / 200.0, 2.0)
+    view = MapExtent(west, south, east, north, (east - west) / 200.0, 2.0)
     image = draw(there, ["a"], view)
     assert image.width() == 400
     assert image.pixelColor(200, image.height() // 2).alpha() == 255

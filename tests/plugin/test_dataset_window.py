@@ -214,10 +214,10 @@ def test_croissant_goes_beside_the_tables(desk, window, dataset):
 
 
 def test_a_stopped_export_leaves_nothing(desk, window, dataset, tmp_path, monkeypatch):
-    from terrainav.terrainav_plugin.dataset_window.tasks import ExportTask
+    from terrainav.terrainav_plugin.dataset_window.tasks import DatasetExportTask
 
     tab = go_to(desk, window, dataset, "export")
-    monkeypatch.setattr(ExportTask, "go_on", lambda task, share: share < 0.5)
+    monkeypatch.setattr(DatasetExportTask, "go_on", lambda task, share: share < 0.5)
     choose(tab.kinds["huggingface"])
     desk.type_text(tab.target.lineEdit(), str(tmp_path / "hf"))
     press(desk, window, tab.export)

@@ -29,12 +29,12 @@ from terrainav.core.imagery.source import Window
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.area.outline import Outline, moved
+from terrainav.terrainav_plugin.area.outline import AreaOutline, moved
 from terrainav.terrainav_plugin.dataset.rectify import lay_on_map
 from terrainav.terrainav_plugin.map.outlines import seen_edges
 from terrainav.terrainav_plugin.qgis_source.snapshot import source_name, take_snapshot
 from terrainav.terrainav_plugin.qgis_source.source import LayerSource
-from terrainav.terrainav_plugin.results.shots import Finder, Footprints
+from terrainav.terrainav_plugin.results.shots import Finder, FootprintLayer
 
 from tests.core.imagery.raster.test_own_pixels import about, noise
 from tests.plugin.test_capture import capture, drawn, images
@@ -345,7 +345,7 @@ def test_area_about_the_pole_is_drawn_without_a_way_to_the_pole(desk, tmp_path):
     noise(tmp_path / "ortho.tif", *POLE)
     set_source(desk, str(tmp_path / "ortho.tif"))
     area = draw(desk, POLE, 200.0).mission.area
-    outline = Outline(area, QgsCoordinateReferenceSystem("EPSG:3031"), QgsProject.instance(), 0.0).shape
+    outline = AreaOutline(area, QgsCoordinateReferenceSystem("EPSG:3031"), QgsProject.instance(), 0.0).shape
     assert outline.isGeosValid()
     assert outline.area() == pytest.approx(160_000.0, rel=0.03)
     assert outline.length() < 1_700.0
@@ -491,5 +491,5 @@ def test_viewer_finds_and_outlines_the_image_that_holds_the_pole(desk, tmp_path)
     assert edges.length() == pytest.approx(2.0 * (east - west + north - south), rel=0.02)
     assert min(west**2, south**2, east**2, north**2) > 100.0
 
-    shots = Finder(lambda: False).shots_at([Footprints.of(footprints)], -90.0, 12.0)
+    shots = Finder(lambda: False).shots_at([FootprintLayer.of(footprints)], -90.0, 12.0)
     assert held in {shot.name for shot in shots}

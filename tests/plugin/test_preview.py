@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QCoreApplication
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
-from terrainav.terrainav_plugin.preview.scene import Scene
+from terrainav.terrainav_plugin.preview.scene import PreviewScene
 from terrainav.terrainav_plugin.sources import grid_of
 
 LAYERS = ["Area", "Capture centres", "Flight line", "Planned images", "Images per place"]
@@ -209,7 +209,7 @@ def test_first_layer_gives_an_empty_project_the_crs_of_web_maps(previewed, clean
 def features_of(area, **changes):
     mission = Mission(area=area, agl_m=changes.pop("agl_m", 120.0), **changes)
     planned = plan(mission, grid_of(mission))
-    return planned, Scene(planned).draw(None).layers
+    return planned, PreviewScene(planned).draw(None).layers
 
 
 def test_images_across_the_antimeridian_stay_on_the_map():

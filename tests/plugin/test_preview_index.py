@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from qgis.core import QgsPointXY
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
-from terrainav.terrainav_plugin.preview.density import Cells, density_features, levels, mean_images
-from terrainav.terrainav_plugin.preview.index import Boxes, CaptureIndex, shown_by
+from terrainav.terrainav_plugin.preview.density import DensityCells, density_features, levels, mean_images
+from terrainav.terrainav_plugin.preview.index import CaptureIndex, Rects, shown_by
 from terrainav.terrainav_plugin.preview.view import WORLD, WORLD_M, Rect
 
 # Of edges in metres, 4 nm, in cells of a centimetre, for dozens of images.
@@ -31,7 +31,7 @@ def boxes():
     height = width * rng.uniform(0.3, 3.0, count)
     x = rng.uniform(-3.0, 3.0, count) * HALF_WORLD_M
     y = rng.uniform(-0.9, 0.9, count) * HALF_WORLD_M
-    return Boxes.wrapped(x, y - height / 2.0, x + width, y + height / 2.0)
+    return Rects.wrapped(x, y - height / 2.0, x + width, y + height / 2.0)
 
 
 def turned(boxes):
@@ -57,7 +57,7 @@ def test_query_touches_few_captures_outside_of_the_view():
     """Of a million captures a view of a thousand touches few more: a ring of bins around it."""
     side = 1000
     west, south = (values.ravel() * 100.0 for values in np.meshgrid(np.arange(side), np.arange(side)))
-    index = CaptureIndex(Boxes.wrapped(west, south, west + 101.0, south + 99.0))
+    index = CaptureIndex(Rects.wrapped(west, south, west + 101.0, south + 99.0))
     view = Rect(50_000.0, 40_000.0, 53_000.0, 43_000.0)
     # The last that starts before the view reaches a metre into it; upwards each ends a metre short.
     assert len(index.within(view)) == 32 * 31
@@ -66,7 +66,7 @@ def test_query_touches_few_captures_outside_of_the_view():
 
 @pytest.mark.parametrize("rect", RECTS)
 def test_density_is_the_mean_number_of_images_over_each_cell(boxes, rect):
-    cells = Cells.over(rect, 100.0 / rect.longer_m)
+    cells = DensityCells.over(rect, 100.0 / rect.longer_m)
     x = -HALF_WORLD_M + cells.size_m * (cells.column + np.arange(cells.columns + 1))
     y = -HALF_WORLD_M + cells.size_m * (cells.row + np.arange(cells.rows + 1))
     assert x[0] <= rect.west
@@ -85,8 +85,8 @@ def test_a_regular_mission_has_no_pattern_from_afar():
     """Images with 60 and 30 % overlap, smaller than a cell: the same everywhere but at the mission's border."""
     side = 400
     west, south = (at.ravel() for at in np.meshgrid(np.arange(side) * 40.0, np.arange(side) * 52.5))
-    boxes = Boxes.wrapped(west, south, west + 100.0, south + 75.0)
-    cells = Cells.over(Rect(1000.0, 1000.0, 15_000.0, 19_000.0), 0.04)
+    boxes = Rects.wrapped(west, south, west + 100.0, south + 75.0)
+    cells = DensityCells.over(Rect(1000.0, 1000.0, 15_000.0, 19_000.0), 0.04)
     inner = levels(mean_images(boxes, cells))[2:-2, 2:-2] / 4.0
     assert cells.size_m > 100.0
     # One step of the levels about the mean that every place has: all of one colour.
@@ -103,7 +103,7 @@ def test_levels_are_few_and_near():
 
 def test_density_features_hold_the_cells_of_their_level():
     rect = Rect(HALF_WORLD_M - 300.0, 0.0, HALF_WORLD_M + 300.0, 300.0)
-    cells = Cells.over(rect, 0.4)
+    cells = DensityCells.over(rect, 0.4)
     rng = np.random.default_rng(6)
     quarters = rng.integers(0, 4, (cells.rows, cells.columns))
     features = density_features(quarters, cells)
@@ -122,8 +122,8 @@ def test_density_features_hold_the_cells_of_their_level():
 
 
 def test_cells_keep_their_places_when_the_map_moves():
-    before = Cells.over(Rect(1000.0, 1000.0, 9000.0, 7000.0), 0.1)
-    after = Cells.over(Rect(1033.0, 1011.0, 9033.0, 7011.0), 0.1)
+    before = DensityCells.over(Rect(1000.0, 1000.0, 9000.0, 7000.0), 0.1)
+    after = DensityCells.over(Rect(1033.0, 1011.0, 9033.0, 7011.0), 0.1)
     assert before.level == after.level
     assert 8.0 <= before.size_m * 0.1 < 16.0
 

@@ -47,7 +47,7 @@ from terrainav.core.poses.line import fly
 from terrainav.core.poses.settings import LineFlight
 from terrainav.terrainav_plugin import packages
 from terrainav.terrainav_plugin.processing import imagery
-from terrainav.terrainav_plugin.processing.choices import Choice
+from terrainav.terrainav_plugin.processing.choices import ChoiceParameter
 from terrainav.terrainav_plugin.processing.provider import Provider
 
 from tests.plugin.steps import PATIENCE_MS
@@ -1022,7 +1022,7 @@ def test_a_folder_that_no_system_takes_is_refused_in_a_line(name, folder):
 
 
 def test_a_number_of_thousands_of_digits_names_no_choice():
-    choice = Choice("X", "X", {"a": "A", "b": "B"}, "a")
+    choice = ChoiceParameter("X", "X", {"a": "A", "b": "B"}, "a")
     assert not choice.checkValueIsAcceptable("9" * 5000)
     assert choice.checkValueIsAcceptable("1")
     with pytest.raises(InvalidInput, match="must be one of a, b"):

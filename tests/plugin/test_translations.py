@@ -345,9 +345,9 @@ def test_advice_that_the_panel_has_no_entry_for_is_left_out(spanish):
 
 
 def test_processing_fails_in_spanish(spanish):
-    from terrainav.terrainav_plugin.processing.plan import Plan
+    from terrainav.terrainav_plugin.processing.plan import PlanAlgorithm
 
-    algorithm = Plan().create()
+    algorithm = PlanAlgorithm().create()
     assert algorithm.displayName() == "Planificar una misión"
     assert "sin pedir imágenes" in algorithm.shortHelpString()
     parameters = {"COORDS": "35.16_-89.90_35.155_-89.89_120", "FRONT_OVERLAP": 0.0, "MAX_IMAGES": 3}

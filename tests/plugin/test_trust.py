@@ -14,7 +14,7 @@ from terrainav.core.mission.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
-from terrainav.terrainav_plugin.remote.address import Address
+from terrainav.terrainav_plugin.remote.address import DatasetAddress
 from terrainav.terrainav_plugin.remote.copies import copy_of
 from terrainav.terrainav_plugin.remote.trust import agree, sources_of, strangers
 from terrainav.terrainav_plugin.settings import Settings, recent
@@ -151,8 +151,8 @@ def test_what_the_user_has_entered_here_is_agreed_to(desk, server, tmp_path):
 def test_the_address_of_a_dataset_in_a_project_is_not_asked_unasked(desk, server, captured, tmp_path):
     address = serve(server, captured)
     mission = (captured / "mission.json").read_text("utf-8")
-    shutil.rmtree(copy_of(Address.of(address)), ignore_errors=True)
-    saved_project(desk, tmp_path / "theirs.qgz", mission, str(copy_of(Address.of(address))), address)
+    shutil.rmtree(copy_of(DatasetAddress.of(address)), ignore_errors=True)
+    saved_project(desk, tmp_path / "theirs.qgz", mission, str(copy_of(DatasetAddress.of(address))), address)
     open_project(desk, tmp_path / "theirs.qgz")
     assert server.asked == []
     (question,) = questions(desk)

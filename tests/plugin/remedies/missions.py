@@ -12,7 +12,7 @@ from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.dataset import mosaic
 from terrainav.terrainav_plugin.dataset_window.tasks import CleanTask
 from terrainav.terrainav_plugin.foreign import check_vector
-from terrainav.terrainav_plugin.missions.plan_export import ExportTask
+from terrainav.terrainav_plugin.missions.plan_export import PlanExportTask
 
 from tests.plugin.remedies.panel import captured, single
 from tests.plugin.test_processing import Feedback, run
@@ -67,7 +67,7 @@ def _still_being_written(case: Case) -> None:
     exporting = desk.session.missions.plan_export
     single(desk)
     case.monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
-    exporting._task = ExportTask(desk.wait_planned().plan, path)
+    exporting._task = PlanExportTask(desk.wait_planned().plan, path)
     exporting._task.ended.connect(exporting._ended)
     choose_in_menu(desk, "Export plan…")
     case.says("\n".join(desk.messages()))
