@@ -28,7 +28,7 @@ from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
     from ...core.dataset.clean import Cleaned
-    from ...core.dataset.split import SplitAlgorithm
+    from ...core.dataset.split import Split
     from ...core.mosaic.orthomosaic import Orthomosaic
 
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
@@ -267,7 +267,7 @@ class SplitAlgorithm(_OfDataset):
             "dry_run": run.flag("DRY_RUN"),
         }
 
-        def work(watch: WorkFeedback) -> SplitAlgorithm:
+        def work(watch: WorkFeedback) -> Split:
             return split(folder, shares, **options, progress=watch.progress)
 
         made = off_main_thread(work, run.feedback)

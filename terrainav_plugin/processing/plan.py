@@ -32,7 +32,7 @@ from .mission_parameters import add_mission_parameters, mission_of
 if TYPE_CHECKING:
     from ...core.mission.estimate import Summary
     from ...core.mission.mission import Mission
-    from ...core.mission.plan import PlanAlgorithm
+    from ...core.mission.plan import Plan
 
 #: Features written between two looks at whether the user has cancelled.
 _BATCH = 1000
@@ -205,7 +205,7 @@ def flight_fields() -> QgsFields:
     return fields_of(_FLIGHT)
 
 
-def footprints(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
+def footprints(plan: Plan) -> Iterator[QgsFeature]:
     """What each picture shows: the frame its file will state, or the ground the camera sees."""
     from ..map.outlines import footprint_shapes
 
@@ -214,7 +214,7 @@ def footprints(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
         yield feature_of(shape, values)
 
 
-def captures(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
+def captures(plan: Plan) -> Iterator[QgsFeature]:
     """Points below the camera, in flight order."""
     from ...core.geodesy.mercator import wrap_lon_deg
     from ..map.outlines import placed
@@ -224,7 +224,7 @@ def captures(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
         yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
 
 
-def flight_lines_of(plan: PlanAlgorithm) -> Iterator[QgsFeature]:
+def flight_lines_of(plan: Plan) -> Iterator[QgsFeature]:
     """Way from the first capture to the last, or the path of each sortie; in parts across the antimeridian."""
     from ..map.outlines import flight_lines
 
@@ -320,7 +320,7 @@ def feature_of(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
     return feature
 
 
-def _attributes(plan: PlanAlgorithm) -> Iterator[tuple[Any, ...]]:
+def _attributes(plan: Plan) -> Iterator[tuple[Any, ...]]:
     import numpy as np
 
     from ...core.geodesy.mercator import wrap_lon_deg
