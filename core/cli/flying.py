@@ -157,10 +157,10 @@ def _aligned(
     """Mission whose rows are aligned as asked for; says what that gains."""
     if arguments.align is None:
         return mission
-    from ..mission.flight.alignment import aligned
+    from ..mission.flight.alignment import align_rows
 
     one = next(iter(mission.by_imagery.values()), mission)
-    found = aligned(one, grid, _heights(one, values), arguments.align)
+    found = align_rows(one, grid, _heights(one, values), arguments.align)
     print(printable(found.text()), file=sys.stderr)
     return mission.with_(row_azimuth_deg=found.azimuth_deg)
 

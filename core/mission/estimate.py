@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import Message, OptionName
 from ..geodesy.relief_view import MOST_CELLS
 from .area import Polygon, Polygons
-from .flight.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
+from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
 from .layout.framing import sampled_zooms
 from .methods import Accuracy
 from .plan import Plan
@@ -337,7 +337,7 @@ def estimate(plan: Plan, costs: Costs = ONLINE, connections: int = 8, cores: int
         no_fly_areas=len(mission.no_fly),
         images_over_no_fly=plan.left_out,
         no_fly_m2=None if coverage is None else coverage.no_fly_m2,
-        warnings=(*beyond_imagery(plan), *upsampling(plan), *too_fast(plan)),
+        warnings=(*beyond_imagery(plan), *upsampling(plan), *interval_warnings(plan)),
         **relief,
         **_flown(plan),
     )
@@ -356,7 +356,7 @@ def _trace_s(plan: Plan, costs: Costs) -> float:
 
 def _flown(plan: Plan) -> dict[str, Any]:
     path, attitude = plan.path, plan.mission.attitude
-    figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": sun_of(plan)}
+    figures: dict[str, Any] = {"interval_s": interval_s(plan), "sun": area_sun(plan)}
     if attitude.tilt_deg == 0.0 and attitude.roll_deg == 0.0:
         figures["fov_deg"] = plan.mission.camera.fov_deg
     if not path.is_captures:

@@ -112,7 +112,7 @@ class Mission:
         """Take parts that are right one by one, if they go together."""
         check_ground(parts["area"])
         if parts["wind"] is not None:
-            parts["wind"].flown_at(parts["flight"].airspeed_m_per_s)
+            parts["wind"].checked(parts["flight"].airspeed_m_per_s)
         # One polygon given more than once forbids no more, and a list is as good as a tuple.
         parts["no_fly"] = tuple(dict.fromkeys(parts["no_fly"]))
         for name, part in parts.items():

@@ -249,7 +249,7 @@ def _wind(state: FormState, checks: _Checks) -> Any:
     for field, (name, value) in entries.items():
         # Each on top of those that are right already; speed and turbulence are judged by the airspeed.
         better = checks(
-            field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}).flown_at(airspeed)
+            field, lambda wind=wind, name=name, value=value: replace(wind, **{name: value}).checked(airspeed)
         )
         wind = wind if better is None else better
     return wind

@@ -97,8 +97,8 @@ class AlignTask(Task):
 
     def work(self) -> None:
         """Look for it."""
-        from ...core.mission.flight.alignment import aligned
+        from ...core.mission.flight.alignment import align_rows
         from ..sources import heights_for
 
         mission = self._planned.mission
-        self.found = aligned(mission, self._planned.plan.grid, heights_for(mission), self._way, self.go_on)
+        self.found = align_rows(mission, self._planned.plan.grid, heights_for(mission), self._way, self.go_on)

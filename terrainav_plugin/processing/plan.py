@@ -169,10 +169,10 @@ class PlanAlgorithm(Algorithm):
 
     def _aligned(self, watch: WorkFeedback) -> Mission:
         """Mission with its rows aligned as asked for; says what that gains."""
-        from ...core.mission.flight.alignment import aligned
+        from ...core.mission.flight.alignment import align_rows
         from ..sources import heights_for
 
-        found = aligned(
+        found = align_rows(
             self._mission, self._grid(), heights_for(self._mission), self._align or "", watch.progress
         )
         watch.say(translate(found.text()))

@@ -78,7 +78,7 @@ def test_alignment_shows_how_far_it_is_and_can_be_cancelled(desk, monkeypatch, s
             time.sleep(0.01)
         raise Cancelled("alignment: stopped")
 
-    monkeypatch.setattr(alignment, "aligned", search)
+    monkeypatch.setattr(alignment, "align_rows", search)
     align.menu().findChild(QAction, SHORTEST).trigger()
     desk.wait(lambda: desk.session.alignment.task is not None)
     task = desk.session.alignment.task

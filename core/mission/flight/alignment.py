@@ -1,4 +1,4 @@
-"""Rows that suit their area: along its longest side, or so that the flight is shortest."""
+"""Row azimuths that suit an area: along its longest side, or for the shortest flight."""
 
 from __future__ import annotations
 
@@ -23,25 +23,14 @@ from ..plan import Plan, plan
 from ..relief import Heights
 from .motion import legs
 
-_HALF_TURN_DEG = 180.0
-#: Azimuths are found to this, degrees: a thousandth of a row's length to its side.
-_DIGITS = 2
-#: Sides of an area that bend by less than this are one, degrees.
-_STRAIGHT_DEG = 1.0
-#: Steps in which azimuths are tried, degrees, each about the best ones of the one before; how many of them.
-_STEPS_DEG, _BEST = (5.0, 1.25, 0.4, 0.1), 2
-#: Steps to either side of an azimuth that are tried.
-_BESIDE = 3
-#: Longest sides of the area whose azimuths are tried in any case.
-_SIDES = 6
-#: Share by which a flight has to be shorter than the one that is there to be worth another azimuth.
-_WORTH = 1e-3
-#: How far along the way a search is, 0 to 1; an answer of False ends it.
+#: Steps of the search for an azimuth, degrees; each refines the two best azimuths of the step before.
+_STEPS_DEG = (5.0, 1.25, 0.4, 0.1)
+#: Called with the progress of a search, 0 to 1; returning False ends it.
 GoOn = Callable[[float], bool]
 
 
 class Alignment(NamedTuple):
-    """An azimuth of rows, and the flight with it beside the one before; both in still air."""
+    """Flight at a new row azimuth, and the flight before; both in still air."""
 
     mission: Mission
     made: Plan
@@ -49,17 +38,17 @@ class Alignment(NamedTuple):
 
     @property
     def azimuth_deg(self) -> float:
-        """Azimuth of the rows that was found."""
+        """New azimuth of the rows."""
         return self.made.mission.flight.row_azimuth_deg
 
     @property
     def gain(self) -> float:
-        """Share of the flight before that is saved; negative where the flight is longer."""
+        """Share by which the flight is shorter than before; negative where it is longer."""
         before = flown_m(self.before)
         return 1.0 - flown_m(self.made) / before if before > 0.0 else 0.0
 
     def text(self, length: Callable[[float], str] = length_text) -> Message:
-        """What was found, and what it gains, in words; ``length`` puts metres into words."""
+        """Azimuth, rows, length and gain in words; ``length`` formats metres."""
         azimuth, before = self.azimuth_deg, self.before.mission.flight.row_azimuth_deg
         count = self.made.rows
         rows = Message("{0} row", count) if count == 1 else Message("{0} rows", count)
@@ -80,27 +69,27 @@ class Alignment(NamedTuple):
 
 
 def flown_m(made: Plan) -> float:
-    """Metres that are flown: with turns and the ways there and back where the mission has such, as estimates say it."""
+    """Length of the flight in metres as in estimates: with turns and transit where the mission has them."""
     return made.flight_distance_m if made.path.is_captures else made.path.distance_m
 
 
-def aligned(
+def align_rows(
     mission: Mission,
     grid: PixelGrid,
     heights: Heights | None = None,
     way: str = SHORTEST,
     go_on: GoOn = lambda _share: True,
 ) -> Alignment:
-    """Mission whose rows run along the longest side of its area, or so that its flight is shortest.
+    """Align the rows of a mission with the longest side of its area, or for the shortest flight.
 
-    Compared is what is flown without wind: from the first capture to the last, and with a route all of its sorties,
-    turns and ways around no-fly areas. The shortest is looked for in ever finer steps about the best azimuths, those of
-    the area's sides among them.
+    Flights are compared without wind: from the first capture to the last, and with a route including all sorties, turns
+    and ways around no-fly areas. The search refines the best azimuths in ever finer steps, beginning with regular ones
+    and those of the area's sides. The flight before is kept unless another is shorter by a thousandth.
 
     Parameters
     ----------
     heights : Heights or None
-        As `plan` takes them.
+        As for `plan`.
     way : str
         One of `parts.ALIGNMENTS`.
     go_on : callable
@@ -108,9 +97,10 @@ def aligned(
     Raises
     ------
     InvalidInput
-        Points, which have no rows; the layout ``paper``, whose rows run east; a mission that cannot be planned.
+        The area is points, which have no rows; the layout is ``paper``, whose rows run east; or the mission cannot be
+        planned.
     Cancelled
-        When ``go_on`` said so.
+        ``go_on`` returned False.
     """
     area = mission.area
     if isinstance(area, Points):
@@ -123,7 +113,7 @@ def aligned(
             remedy=Message("use {0} {1}", OptionName("layout"), "cover"),
         )
     if isinstance(area, Polygons):
-        # Of several polygons the one with the most ground.
+        # The largest of several polygons.
         area = max(area.parts, key=Polygon.area_m2)
     flights = _Flights(mission, grid, heights, area)
     before = flights.plan(mission.flight.row_azimuth_deg)
@@ -132,7 +122,7 @@ def aligned(
 
 
 def longest_side_deg(area: Box | Polygon) -> float:
-    """Azimuth of the longest side of an area, in [0, 180) degrees; of a box as long as wide 90."""
+    """Azimuth of the longest side of an area, in [0, 180) degrees; 90 for a square box."""
     return float(_sides_deg(area)[0])
 
 
@@ -141,7 +131,7 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
     box = area.bounds
     plane = LocalPlane((box.north_deg + box.south_deg) / 2.0, box.west_deg + box.span_deg / 2.0)
     if isinstance(area, Box):
-        # A box's sides are the map's own.
+        # The sides of a box are parallels and meridians.
         x, y = plane.forward(
             np.array([box.north_deg, box.south_deg, box.south_deg]),
             np.array([plane.lon_deg, plane.lon_deg, plane.lon_deg]),
@@ -158,7 +148,8 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
     if not len(side):
         return [EASTWARD_DEG]
     heading = np.degrees(arctan2(side[:, 0], side[:, 1]))
-    bends = np.abs(np.mod(heading - np.roll(heading, 1) + 180.0, 360.0) - 180.0) > _STRAIGHT_DEG
+    # Consecutive sides that bend by less than a degree count as one.
+    bends = np.abs(np.mod(heading - np.roll(heading, 1) + 180.0, 360.0) - 180.0) > 1.0
     first = int(np.argmax(bends))
     whole = np.cumsum(np.roll(bends, -first)) - 1
     summed = np.zeros((max(int(whole[-1]), 0) + 1, 2))
@@ -169,12 +160,12 @@ def _sides_deg(area: Box | Polygon) -> list[float]:
 
 
 def _rounded(azimuth_deg: float) -> float:
-    """Azimuth in [0, 180) to the digits that are looked for."""
-    return round(azimuth_deg % _HALF_TURN_DEG, _DIGITS) % _HALF_TURN_DEG
+    """Azimuth in [0, 180), rounded to 0.01 degrees: 2 cm to the side for each 100 m of a row."""
+    return round(azimuth_deg % 180.0, 2) % 180.0
 
 
 class _Flights:
-    """Flights of a mission at different azimuths, each planned once."""
+    """Lengths of a mission's flight at different azimuths, each planned once."""
 
     def __init__(
         self, mission: Mission, grid: PixelGrid, heights: Heights | None, area: Box | Polygon
@@ -182,51 +173,47 @@ class _Flights:
         self._mission, self._grid, self._heights = mission.with_(wind=None), grid, heights
         self._area = area
         self._lengths_m: dict[float, float] = {}
-        self._by_places = False
+        self._from_positions = False
 
     def plan(self, azimuth_deg: float) -> Plan:
-        """Flight at an azimuth."""
+        """Plan the flight at an azimuth."""
         made = plan(self._mission.with_(row_azimuth_deg=azimuth_deg), self._grid, self._heights)
         self._lengths_m[azimuth_deg] = flown_m(made)
         return made
 
     def shortest(self, before: Plan, go_on: GoOn) -> Plan:
-        """The shortest flight; the one before where none is shorter."""
-        # Where images are all that is flown, and none are left out, their places tell the length.
-        self._by_places = before.path.is_captures and not self._mission.no_fly
+        """Shortest flight; the flight before where none is shorter."""
+        # Without a route and no-fly areas, the positions of the captures give the length.
+        self._from_positions = before.path.is_captures and not self._mission.no_fly
         tried = [
-            *np.arange(0.0, _HALF_TURN_DEG, _STEPS_DEG[0]).tolist(),
-            *_sides_deg(self._area)[:_SIDES],
+            *np.arange(0.0, 180.0, _STEPS_DEG[0]).tolist(),
+            *_sides_deg(self._area)[:6],
         ]
         for number, step in enumerate((*_STEPS_DEG[1:], 0.0)):
             for at, azimuth in enumerate(tried):
                 if not go_on((number + at / len(tried)) / len(_STEPS_DEG)):
                     raise Cancelled("alignment: stopped")
                 self._length_m(azimuth)
-            best = sorted(self._lengths_m, key=lambda one: (self._lengths_m[one], one))[:_BEST]
-            tried = [
-                _rounded(azimuth + beside * step)
-                for azimuth in best
-                for beside in range(-_BESIDE, _BESIDE + 1)
-            ]
+            best = sorted(self._lengths_m, key=lambda one: (self._lengths_m[one], one))[:2]
+            tried = [_rounded(azimuth + steps * step) for azimuth in best for steps in range(-3, 4)]
         azimuth = min(self._lengths_m, key=lambda one: (self._lengths_m[one], one))
-        if self._lengths_m[azimuth] > (1.0 - _WORTH) * flown_m(before):
+        if self._lengths_m[azimuth] > (1.0 - 1e-3) * flown_m(before):
             return before
         return self.plan(azimuth)
 
     def _laid_out_m(self, azimuth_deg: float) -> float:
-        """Length of the flight at an azimuth; of turned rows over level ground by their places where they tell it."""
+        """Length of the flight at an azimuth, from positions of captures where these suffice, else from a plan."""
         mission = self._mission.with_(row_azimuth_deg=azimuth_deg)
-        # Map frames of rows along the map's axes leave room for their rounding.
+        # Map frames of rows along the map's axes shift captures by their rounding.
         along_axes = azimuth_deg % EASTWARD_DEG == 0.0
-        by_places = self._by_places and self._heights is None and self._grid.own is None
-        if along_axes or not by_places or not is_rotated(mission):
+        from_positions = self._from_positions and self._heights is None and self._grid.own is None
+        if along_axes or not from_positions or not is_rotated(mission):
             return flown_m(self.plan(azimuth_deg))
         layout, _ = lay_out_rotated(mission, ground_of(mission))
         return float(np.sum(legs(layout.lat_deg, layout.lon_deg).distance_m))
 
     def _length_m(self, azimuth_deg: float) -> float:
-        """Length of the flight at an azimuth; infinite where it cannot be flown."""
+        """Length of the flight at an azimuth, cached; infinite where it cannot be planned."""
         found = self._lengths_m.get(azimuth_deg)
         if found is None:
             try:

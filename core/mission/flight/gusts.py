@@ -1,19 +1,19 @@
-"""Gusts and the aircraft that holds its place and attitude in them, as one linear stochastic system.
+"""Gusts, and the aircraft that holds its position and attitude in them, as one linear stochastic system.
 
-Gusts are Dryden's, with the spectra and the scale lengths of MIL-F-8785C (1980); MIL-HDBK-1797 writes the same spectra
-with scale lengths of half the size across and upwards. Gust rotation rates are left out: a small aircraft is much
-shorter than any of the scale lengths.
+Gusts follow Dryden's model, with the spectra and scale lengths of MIL-F-8785C (1980); MIL-HDBK-1797 writes the same
+spectra with scale lengths of half the size across and upwards. Gust rotation rates are neglected: a small aircraft is
+much shorter than any of the scale lengths.
 
-The aircraft is a small multirotor, linear about its steady flight: air drags it along, it leans to hold its place,
-and its rotors turn it to the lean that is asked for. Place is held with an integral term, so that no steady wind
-leaves an offset, and the steady lean and crab are trimmed out by the camera's mount: every error has mean zero.
+The aircraft is a small multirotor, linearised about its steady flight: air drags it along, it tilts to hold its
+position, and its rotors turn it to the tilt demanded. The position hold has an integral term, so that steady wind
+leaves no offset, and the camera's mount trims out the steady tilt and crab: every error has mean zero.
 
 A linear system, dx = A x dt + dw with ``w`` a Wiener process of covariance rate N, is discretised exactly for any
 step: over one x(t + dt) = (I + E) x(t) + v, where E = exp(A dt) - I and v is normal with covariance
 Q = ∫ exp(A s) N exp(A s)ᵀ ds from 0 to dt (Van Loan 1978, "Computing integrals involving the matrix exponential", IEEE
-Trans. Automatic Control 23(3)). Van Loan's block exponential taken in one go fails where dt is long beside the fastest
-time constant, and taking Q from the stationary P, as P - exp(A dt) P exp(A dt)ᵀ, cancels where it is short. Here the
-series of both are summed at dt / 2^k, where they converge at once, and doubled k times.
+Trans. Automatic Control 23(3)). Van Loan's block exponential in a single step fails where dt is long compared with the
+fastest time constant, and Q from the stationary P, as P - exp(A dt) P exp(A dt)ᵀ, cancels where dt is short. Here the
+series of both are summed at dt / 2^k, where they converge quickly, and doubled k times.
 """
 
 from __future__ import annotations
@@ -28,71 +28,69 @@ from ...errors import InvalidInput
 from ...units import M_PER_FT
 
 GRAVITY_M_PER_S2 = 9.80665
-#: Heights in feet between which the low-altitude model holds, and from which the scale is the same at every height.
-LOW_FT = 10.0
-MIDDLE_FT = 1000.0
-HIGH_FT = 2000.0
-HIGH_SCALE_FT = 1750.0
-#: Drag takes a multirotor at some 15 m/s to the speed of the air in about this long, along and across; its rotors
-#: resist the vertical more.
-DRAG_S = 4.0
-HEAVE_S = 1.5
-#: Rate loop and its actuators: two equal lags of 5 ms.
-RATE_LAG_S = 0.005
-#: Attitude loop: lean follows what is asked for.
-ATTITUDE_S = 0.16
-#: Heading loop, and the lag of yaw, which only rotor drag turns.
-HEADING_S = 0.5
-YAW_LAG_S = 0.15
-#: Thrust lag of the rotors.
-THRUST_S = 0.05
-#: Position hold: acceleration asked for a metre of error and for a metre a second, along and across, and upwards.
-HOLD_PER_S2, HOLD_DAMPING_PER_S = 0.25, 0.75
-HEIGHT_PER_S2, HEIGHT_DAMPING_PER_S = 1.0, 1.5
-#: Integral term of the position hold.
-INTEGRAL_S = 20.0
-#: Rates at which a gust of 1 m/s turns the aircraft: the lean it is blown into, and the nose into the wind.
-LEAN_RAD_PER_M = 0.03
-WEATHERCOCK_RAD_PER_M = 0.05
+#: Heights in feet: of the ground layer, whose values hold below, and of the top of the low-altitude model; from
+#: `HIGH_FT` on the scale length is the same at every height.
+LOW_FT, MIDDLE_FT, HIGH_FT = 10.0, 1000.0, 2000.0
 STATES = tuple(
     "along_gust along_speed along_lean along_m along_rate along_rate_slope along_integral "
     "across_gust across_gust_lagged across_speed across_lean yaw yaw_rate across_m across_rate across_rate_slope "
     "across_integral up_gust up_gust_lagged up_speed thrust up_m up_integral".split()
 )
-#: What `outputs` picks: metres along the flight through the air, to its right and up; radians of nose up, right side
+#: Rows of `output_matrix`: metres along the track through the air, to its right and up; radians of nose up, right side
 #: down and nose to the right.
 OUTPUTS = ("along_m", "across_m", "up_m", "pitch", "roll", "yaw")
-#: Largest ‖A‖ dt that the series are summed at: every term is then at most half the one before it.
-SERIES_NORM = 0.5
-#: Terms of the series. The variance of a state that noise reaches through m integrations starts only at term 2m + 1
-#: (m is 4 for the integral of a position), and 16 more bring it to rounding; that leaves room for m = 5.
-SERIES_TERMS = 28
-#: 2^64 steps of the series outlast the slowest time constant of any system that float64 can hold beside its fastest.
-MOST_DOUBLINGS = 64
-#: Largest entry of exp(A dt) from which on doubling no longer changes the covariance: it enters squared, and leaves
-#: room for states whose sigmas are up to 1e6 apart.
-FORGOTTEN = 1e-14
-#: Largest entry of exp(A dt) that no stable system reaches on its way to rest.
-RUNAWAY = 1e12
-#: Rounding of a pivot of a correlation matrix, in units of the matrix's size: what lies below is noise of the
-#: arithmetic, not noise of the process.
-PIVOT_ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
-#: Share of the largest pivot that one must have to be taken. Gusts have pivots of exactly a half of it, which rounding
-#: would take on one processor and leave on another: none is that near to a little more.
-PIVOT_SHARE = 0.5001
+
+
+@dataclass(frozen=True)
+class Multirotor:
+    """Time constants and gains of a small multirotor at some 15 m/s, and of the autopilot that holds its position.
+
+    Parameters
+    ----------
+    drag_s, heave_s : float
+        Time in which drag takes the aircraft to the speed of the air, horizontally and vertically, where its rotors
+        resist more.
+    rate_lag_s : float
+        Each of two equal lags of the rate loop and its actuators.
+    attitude_s, heading_s : float
+        Time constants of the attitude and the heading loop.
+    yaw_lag_s, thrust_s : float
+        Lags of yaw, which only rotor drag turns, and of thrust.
+    hold_per_s2, hold_damping_per_s, height_per_s2, height_damping_per_s : float
+        Acceleration demanded for each metre and each metre per second of error, horizontally and vertically.
+    integral_s : float
+        Time constant of the integral term of the position hold.
+    lean_rad_per_m, weathercock_rad_per_m : float
+        Rates at which a gust of 1 m/s tilts the aircraft, and turns its nose into the wind.
+    """
+
+    drag_s: float = 4.0
+    heave_s: float = 1.5
+    rate_lag_s: float = 0.005
+    attitude_s: float = 0.16
+    heading_s: float = 0.5
+    yaw_lag_s: float = 0.15
+    thrust_s: float = 0.05
+    hold_per_s2: float = 0.25
+    hold_damping_per_s: float = 0.75
+    height_per_s2: float = 1.0
+    height_damping_per_s: float = 1.5
+    integral_s: float = 20.0
+    lean_rad_per_m: float = 0.03
+    weathercock_rad_per_m: float = 0.05
 
 
 def scale_lengths_m(agl_m: float) -> tuple[float, float]:
     """Horizontal (along, across) and vertical scale lengths of turbulence, in metres.
 
-    MIL-F-8785C: h / (0.177 + 0.000823 h)^1.2 and h up to h = 1000 ft, both 1750 ft from 2000 ft on, and between them
-    the line that joins the two. Below 10 ft as at 10 ft.
+    MIL-F-8785C: h / (0.177 + 0.000823 h)^1.2 and h from 10 ft to 1000 ft, both 1750 ft from 2000 ft on, linear between
+    these, constant below 10 ft.
     """
     height_ft = max(agl_m / M_PER_FT, LOW_FT)
     if height_ft <= MIDDLE_FT:
         return height_ft / (0.177 + 0.000823 * height_ft) ** 1.2 * M_PER_FT, height_ft * M_PER_FT
     share = min((height_ft - MIDDLE_FT) / (HIGH_FT - MIDDLE_FT), 1.0)
-    scale_m = (MIDDLE_FT + share * (HIGH_SCALE_FT - MIDDLE_FT)) * M_PER_FT
+    scale_m = (MIDDLE_FT + share * (1750.0 - MIDDLE_FT)) * M_PER_FT
     return scale_m, scale_m
 
 
@@ -105,23 +103,24 @@ def vertical_share(agl_m: float) -> float:
 class _Equations:
     """Rows of A and N, addressed by the names of the states."""
 
-    def __init__(self) -> None:
+    def __init__(self, craft: Multirotor) -> None:
+        self.craft = craft
         self.drift = np.zeros((len(STATES), len(STATES)))
         self.noise = np.zeros((len(STATES), len(STATES)))
 
     def rate(self, state: str, **coefficients: float) -> None:
-        """State's rate of change as a sum of other states times coefficients."""
+        """Add other states times coefficients to the rate of change of a state."""
         for other, coefficient in coefficients.items():
             self.drift[STATES.index(state), STATES.index(other)] += coefficient
 
     def first_order_gust(self, state: str, sigma_m_per_s: float, scale_s: float) -> None:
-        """Dryden's longitudinal spectrum."""
+        """Set a gust of Dryden's longitudinal spectrum."""
         row = STATES.index(state)
         self.drift[row, row] = -1.0 / scale_s
         self.noise[row, row] = 2.0 * sigma_m_per_s**2 / scale_s
 
     def second_order_gust(self, state: str, sigma_m_per_s: float, scale_s: float) -> dict[str, float]:
-        """Dryden's transverse spectrum; returns the gust as a sum of states."""
+        """Set a gust of Dryden's transverse spectrum; returns it as coefficients of states."""
         row = STATES.index(state)
         self.drift[row, row] = -1.0 / scale_s
         self.noise[row, row] = sigma_m_per_s**2 / scale_s
@@ -129,46 +128,57 @@ class _Equations:
         return {state: math.sqrt(3.0), f"{state}_lagged": 1.0 - math.sqrt(3.0)}
 
     def horizontal_hold(self, axis: str, gust: dict[str, float]) -> None:
-        """Drag, lean and position hold along or across."""
+        """Set drag, tilt and position hold along or across the track."""
         speed, lean, place = f"{axis}_speed", f"{axis}_lean", f"{axis}_m"
         rate, slope, integral = f"{axis}_rate", f"{axis}_rate_slope", f"{axis}_integral"
-        self.rate(speed, **{speed: -1.0 / DRAG_S, lean: GRAVITY_M_PER_S2})
-        self.rate(speed, **{name: share / DRAG_S for name, share in gust.items()})
+        self.rate(speed, **{speed: -1.0 / self.craft.drag_s, lean: GRAVITY_M_PER_S2})
+        self.rate(speed, **{name: share / self.craft.drag_s for name, share in gust.items()})
         self.rate(place, **{speed: 1.0})
-        self.rate(integral, **{place: 1.0 / INTEGRAL_S})
-        # The rate of lean is counted in units of the attitude loop's: the norm of A stays that of its fastest lag.
-        self.rate(lean, **{rate: 1.0 / ATTITUDE_S})
-        self.rate(lean, **{name: share * LEAN_RAD_PER_M for name, share in gust.items()})
-        self.rate(rate, **{slope: 1.0 / RATE_LAG_S})
-        hold = HOLD_PER_S2 / GRAVITY_M_PER_S2
-        wanted = {place: -hold, integral: -hold, speed: -HOLD_DAMPING_PER_S / GRAVITY_M_PER_S2}
-        self.rate(slope, **{name: share / RATE_LAG_S for name, share in wanted.items()})
-        self.rate(slope, **{lean: -1.0 / RATE_LAG_S, rate: -1.0 / RATE_LAG_S, slope: -2.0 / RATE_LAG_S})
+        self.rate(integral, **{place: 1.0 / self.craft.integral_s})
+        # Tilt rate in units of the attitude loop's time constant: the norm of A stays that of the fastest lag.
+        self.rate(lean, **{rate: 1.0 / self.craft.attitude_s})
+        self.rate(lean, **{name: share * self.craft.lean_rad_per_m for name, share in gust.items()})
+        self.rate(rate, **{slope: 1.0 / self.craft.rate_lag_s})
+        hold = self.craft.hold_per_s2 / GRAVITY_M_PER_S2
+        wanted = {place: -hold, integral: -hold, speed: -self.craft.hold_damping_per_s / GRAVITY_M_PER_S2}
+        self.rate(slope, **{name: share / self.craft.rate_lag_s for name, share in wanted.items()})
+        self.rate(
+            slope,
+            **{
+                lean: -1.0 / self.craft.rate_lag_s,
+                rate: -1.0 / self.craft.rate_lag_s,
+                slope: -2.0 / self.craft.rate_lag_s,
+            },
+        )
 
     def heading_hold(self, gust: dict[str, float]) -> None:
-        """The nose, which gusts from the side turn into the wind."""
-        self.rate("yaw", yaw_rate=1.0 / HEADING_S)
-        self.rate("yaw", **{name: -share * WEATHERCOCK_RAD_PER_M for name, share in gust.items()})
-        self.rate("yaw_rate", yaw=-1.0 / YAW_LAG_S, yaw_rate=-1.0 / YAW_LAG_S)
+        """Set the heading, which gusts from the side turn into the wind."""
+        self.rate("yaw", yaw_rate=1.0 / self.craft.heading_s)
+        self.rate("yaw", **{name: -share * self.craft.weathercock_rad_per_m for name, share in gust.items()})
+        self.rate("yaw_rate", yaw=-1.0 / self.craft.yaw_lag_s, yaw_rate=-1.0 / self.craft.yaw_lag_s)
 
     def height_hold(self, gust: dict[str, float]) -> None:
-        """Heave, thrust and the hold of height."""
-        self.rate("up_speed", up_speed=-1.0 / HEAVE_S, thrust=1.0)
-        self.rate("up_speed", **{name: share / HEAVE_S for name, share in gust.items()})
+        """Set heave, thrust and height hold."""
+        self.rate("up_speed", up_speed=-1.0 / self.craft.heave_s, thrust=1.0)
+        self.rate("up_speed", **{name: share / self.craft.heave_s for name, share in gust.items()})
         self.rate("up_m", up_speed=1.0)
-        self.rate("up_integral", up_m=1.0 / INTEGRAL_S)
-        wanted = {"up_m": -HEIGHT_PER_S2, "up_integral": -HEIGHT_PER_S2, "up_speed": -HEIGHT_DAMPING_PER_S}
-        self.rate("thrust", thrust=-1.0 / THRUST_S)
-        self.rate("thrust", **{name: share / THRUST_S for name, share in wanted.items()})
+        self.rate("up_integral", up_m=1.0 / self.craft.integral_s)
+        wanted = {
+            "up_m": -self.craft.height_per_s2,
+            "up_integral": -self.craft.height_per_s2,
+            "up_speed": -self.craft.height_damping_per_s,
+        }
+        self.rate("thrust", thrust=-1.0 / self.craft.thrust_s)
+        self.rate("thrust", **{name: share / self.craft.thrust_s for name, share in wanted.items()})
 
 
 def flight_system(sigma_m_per_s: float, airspeed_m_per_s: float, agl_m: float) -> LinearSystem:
-    """Return the system of gusts and aircraft at one height.
+    """System of gusts and aircraft at one height.
 
     Parameters
     ----------
     sigma_m_per_s : float
-        Of the horizontal gusts; the vertical ones are `vertical_share` of it.
+        Standard deviation of the horizontal gusts; that of the vertical ones is `vertical_share` of it.
     airspeed_m_per_s : float
         Speed through the (frozen) turbulence, > 0.
     agl_m : float
@@ -177,10 +187,10 @@ def flight_system(sigma_m_per_s: float, airspeed_m_per_s: float, agl_m: float) -
     Returns
     -------
     LinearSystem
-        Of the states `STATES`: metres, metres a second and radians.
+        Its states are `STATES`, in metres, metres per second and radians.
     """
     horizontal_m, vertical_m = scale_lengths_m(agl_m)
-    equations = _Equations()
+    equations = _Equations(Multirotor())
     equations.first_order_gust("along_gust", sigma_m_per_s, horizontal_m / airspeed_m_per_s)
     equations.horizontal_hold("along", {"along_gust": 1.0})
     across = equations.second_order_gust("across_gust", sigma_m_per_s, horizontal_m / airspeed_m_per_s)
@@ -191,14 +201,18 @@ def flight_system(sigma_m_per_s: float, airspeed_m_per_s: float, agl_m: float) -
     return LinearSystem(equations.drift, equations.noise)
 
 
-def outputs() -> Floats:
-    """Return the matrix (6, d) from the states to `OUTPUTS`; leaning forwards is pitching down."""
+def output_matrix() -> Floats:
+    """Matrix (6, d) from the states to `OUTPUTS`; tilting forwards is pitching down."""
     picked = np.zeros((len(OUTPUTS), len(STATES)))
     for row, (state, sign) in enumerate(
         (("along_m", 1), ("across_m", 1), ("up_m", 1), ("along_lean", -1), ("across_lean", 1), ("yaw", 1))
     ):
         picked[row, STATES.index(state)] = sign
     return picked
+
+
+#: Largest ‖A‖ dt at which series are summed: every term is at most half the one before.
+_SERIES_NORM = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,14 +224,14 @@ class LinearSystem:
     drift_per_s : array (d, d)
         A.
     noise_per_s : array (d, d)
-        Covariance rate N of the driving Wiener process, in squared units of the states a second.
+        Covariance rate N of the driving Wiener process, in squared units of the states per second.
     """
 
     drift_per_s: Floats
     noise_per_s: Floats
 
     def discretise(self, step_s: Floats) -> tuple[Floats, Floats]:
-        """Exact discretisation for each of many steps.
+        """Discretise exactly, for each of many steps.
 
         Parameters
         ----------
@@ -227,7 +241,7 @@ class LinearSystem:
         Returns
         -------
         tuple of array (k, d, d)
-            E = exp(A dt) - I, whose small entries keep their digits where dt is short, and Q, symmetric.
+            E = exp(A dt) - I, whose small entries keep their digits where dt is short; and Q, symmetric.
         """
         step_s = np.asarray(step_s, np.float64)
         if not bool(np.all(np.isfinite(step_s) & (step_s >= 0.0))):
@@ -242,22 +256,25 @@ class LinearSystem:
         return change, covariance
 
     def stationary_covariance(self) -> Floats:
-        """Covariance (d, d) that the system tends to from anywhere: the solution of A P + P Aᵀ + N = 0.
+        """Stationary covariance (d, d): the solution of A P + P Aᵀ + N = 0.
 
         Raises
         ------
         InvalidInput
-            When A is not stable, so that there is none.
+            A is not stable.
         """
         fastest = float(np.abs(self.drift_per_s).sum(axis=1).max())
-        change, covariance = self._series(np.array([SERIES_NORM / fastest]))
+        change, covariance = self._series(np.array([_SERIES_NORM / fastest]))
         unit = np.eye(len(self.drift_per_s))
-        for _ in range(MOST_DOUBLINGS):
-            remembered = float(np.abs(change + unit).max())
-            if remembered < FORGOTTEN:
+        # 64 doublings outlast the slowest time constant that float64 can hold beside the fastest.
+        for _ in range(64):
+            transition = float(np.abs(change + unit).max())
+            # It enters the covariance squared, with room for states whose sigmas are up to 1e6 apart.
+            if transition < 1e-14:
                 settled: Floats = covariance[0]
                 return settled
-            if remembered > RUNAWAY:
+            # No stable system reaches this on its way to rest.
+            if transition > 1e12:
                 break
             change, covariance = _doubled(change, covariance)
         raise InvalidInput("system without a stationary covariance: it must be stable")
@@ -267,15 +284,19 @@ class LinearSystem:
         if step_s == 0.0 or norm_per_s == 0.0:
             return 0
         # Logarithms are added because the product may overflow.
-        return max(0, math.ceil(math.log2(norm_per_s) + math.log2(step_s) - math.log2(SERIES_NORM)))
+        return max(0, math.ceil(math.log2(norm_per_s) + math.log2(step_s) - math.log2(_SERIES_NORM)))
 
     def _series(self, step_s: Floats) -> tuple[Floats, Floats]:
-        """E and Q of short steps from their Taylor series: dQ/dt = A Q + Q Aᵀ + N, term by term."""
+        """E and Q of short steps from their Taylor series, dQ/dt = A Q + Q Aᵀ + N, term by term.
+
+        The variance of a state that noise reaches through m integrations begins at term 2m + 1 (m is 4 for the integral
+        of a position), and 16 more terms bring it to rounding; 28 terms leave room for m = 5.
+        """
         drift = self.drift_per_s * step_s[:, np.newaxis, np.newaxis]
         term_of_change = drift
         term_of_covariance = self.noise_per_s * step_s[:, np.newaxis, np.newaxis]
         change, covariance = term_of_change.copy(), term_of_covariance.copy()
-        for order in range(2, SERIES_TERMS + 1):
+        for order in range(2, 29):
             term_of_change = drift @ term_of_change / order
             half = drift @ term_of_covariance / order
             term_of_covariance = half + half.swapaxes(-1, -2)
@@ -285,7 +306,7 @@ class LinearSystem:
 
 
 def _doubled(change: Floats, covariance: Floats) -> tuple[Floats, Floats]:
-    """E and Q of twice the step, without ever adding I to E: slow states would lose digits at every squaring."""
+    """E and Q of twice the step. I is never added to E, as slow states would lose digits at every squaring."""
     carried = change @ covariance
     later = carried @ change.swapaxes(-1, -2)
     # carried @ changeᵀ is symmetric but for rounding, which would grow with the doublings.
@@ -294,13 +315,13 @@ def _doubled(change: Floats, covariance: Floats) -> tuple[Floats, Floats]:
 
 
 def factor(covariance: Floats) -> Floats:
-    """Matrices L with L Lᵀ = Q, for positive semidefinite Q of any scale and rank.
+    """Factor positive semidefinite Q of any scale and rank into L Lᵀ.
 
-    Cholesky's method on the correlation matrix (states whose variances are many orders apart weigh the same), large
-    pivots first, and pivots that are nothing but rounding taken as zero. It is written out rather than left to
-    LAPACK because that gives up on a semidefinite matrix, and because eigenvectors, the usual way out, come with
-    signs that change from one machine to the next. For the same reason the pivot is not the largest one but the
-    first of more than half its size: every first pivot is 1, and rounding must not choose among equals.
+    Cholesky's method with pivoting on the correlation matrix, so that states whose variances are many orders apart
+    weigh the same; pivots within rounding are taken as zero. LAPACK's Cholesky rejects semidefinite matrices, and the
+    signs of eigenvectors, the usual alternative, differ between machines. For the same reason the pivot is not the
+    largest one but the first of more than half its size: all first pivots are 1, and rounding must not choose among
+    equals. Gusts have pivots of exactly a half, so the limit is a little more.
 
     Parameters
     ----------
@@ -313,6 +334,7 @@ def factor(covariance: Floats) -> Floats:
     """
     count, size, _ = covariance.shape
     every = np.arange(count)
+    rounding = 4.0 * size * float(np.finfo(np.float64).eps)
     sigma = np.sqrt(np.maximum(np.diagonal(covariance, axis1=1, axis2=2), 0.0))
     scale = np.where(sigma > 0.0, sigma, 1.0)
     left = covariance / scale[:, :, np.newaxis] / scale[:, np.newaxis, :]
@@ -320,16 +342,16 @@ def factor(covariance: Floats) -> Floats:
     for step in range(size):
         pivots = np.diagonal(left, axis1=1, axis2=2)
         largest = pivots.max(axis=1)
-        chosen = np.argmax(pivots >= PIVOT_SHARE * largest[:, np.newaxis], axis=1)
+        chosen = np.argmax(pivots >= 0.5001 * largest[:, np.newaxis], axis=1)
         pivot = left[every, chosen, chosen]
-        sound = pivot > size * PIVOT_ROUNDING
+        sound = pivot > rounding
         if not bool(sound.any()):
             break
         root = np.sqrt(np.where(sound, pivot, 1.0))
         column = np.where(sound[:, np.newaxis], left[every, :, chosen] / root[:, np.newaxis], 0.0)
         columns[:, :, step] = column
         left = left - column[:, :, np.newaxis] * column[:, np.newaxis, :]
-        # What is explained is exactly so: rounding must not bring it back as a pivot.
+        # An explained state has no variance left: rounding must not bring it back as a pivot.
         left[every, chosen, :] = 0.0
         left[every, :, chosen] = 0.0
     factored: Floats = columns * scale[:, :, np.newaxis]

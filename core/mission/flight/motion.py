@@ -1,4 +1,4 @@
-"""Flight from capture to capture: its legs and its clock, and how gusts move and turn the camera at each exposure."""
+"""Flight from capture to capture: legs, exposure times, and the pose errors that gusts cause."""
 
 from __future__ import annotations
 
@@ -13,31 +13,27 @@ from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import geodesics
 from ...units import M_PER_FT
-from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, outputs
+from .gusts import HIGH_FT, LOW_FT, STATES, factor, flight_system, output_matrix
 from .wind import Wind
 
 Ints = NDArray[np.intp]
-#: Intervals shorter than this are as good as none: the fastest time constant is 5 ms.
-SHORTEST_S = 1e-9
-#: Longer ones are cut to this: even the slowest gusts, of 533 m at 0.1 m/s, are forgotten by then to 1e-80.
-LONGEST_S = 1e6
 #: Discretisations for one flight, of 8 KB and half a millisecond each.
 MOST_STEPS = 2048
-#: Shares of an interval or a height within which two are the same, and how many different pairs are met before the next
-#: one counts. The first is what distances along parallels agree to, and more; the last has few pairs left.
-ROUNDED = ((1e-6, 480), (4e-3, 800), (0.016, 200), (0.064, 200), (0.256, 100), (1.0, MOST_STEPS))
+#: Relative resolutions of intervals and heights, and the number of different pairs after which the next one applies.
+#: The first is coarser than the differences along parallels; few pairs are left for the last.
+RESOLUTIONS = ((1e-6, 480), (4e-3, 800), (0.016, 200), (0.064, 200), (0.256, 100), (1.0, MOST_STEPS))
 #: Exposures sampled at a time: 1.5 MB of states and noise, which stay in the processor's cache.
 CHUNK = 4096
 
 
 class Legs(NamedTuple):
-    """Geodesics from each capture to the next, arrays (n - 1,): azimuth at their beginning in degrees, and metres."""
+    """Geodesics from each capture to the next, arrays (n - 1,): azimuth at the start, degrees, and length, metres."""
 
     azimuth_deg: Floats
     distance_m: Floats
 
     def headings_deg(self) -> Floats:
-        """Track over ground at each exposure, (n,): that of the leg ahead, at the last one that of the leg behind."""
+        """Track over ground at each exposure, (n,): azimuth of the leg ahead, at the last one of the leg behind."""
         if not len(self.azimuth_deg):
             return np.zeros(1)
         return np.append(self.azimuth_deg, self.azimuth_deg[-1:])
@@ -53,14 +49,14 @@ def legs(lat_deg: Floats, lon_deg: Floats) -> Legs:
 def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | None) -> Floats:
     """Seconds from each exposure to the next, (n - 1,).
 
-    A leg over ground is flown at the ground speed that its heading has in the wind, and a climb or descent at the
-    airspeed; along a slanting leg both go together, as the sides of a right triangle. Turns, and the way there and
-    back, are not counted.
+    Legs are flown at the ground speed of their heading in the wind, climbs and descents at the airspeed; along a
+    slanting leg the two times combine as the sides of a right triangle. Turns and the ways from and to the take-off are
+    not included.
 
     Parameters
     ----------
     agl_m : array (n,)
-        Heights above ground of the captures.
+        Heights of the captures above ground.
     wind : Wind or None
         None for still air.
     """
@@ -76,14 +72,14 @@ def intervals_s(way: Legs, agl_m: Floats, airspeed_m_per_s: float, wind: Wind | 
 
 @dataclass(frozen=True, eq=False)
 class Disturbance:
-    """Error of the real pose relative to the nominal one at each exposure.
+    """Difference of the real pose from the nominal one at each exposure.
 
     Parameters
     ----------
     east_m, north_m, up_m : array (n,)
         Offset of the camera, in metres.
     yaw_deg, tilt_deg, roll_deg : array (n,)
-        To be added to the nominal angles, in degrees.
+        Angles to add to the nominal ones, in degrees.
     """
 
     east_m: Floats
@@ -104,12 +100,12 @@ def fly(
 ) -> Disturbance:
     """Pose errors of a flight: one sample path of the stationary process, exact at every exposure.
 
-    `gusts.flight_system` is the process. Its state lives in the directions of flight through the air and goes along
-    through turns: what was ahead of the aircraft stays ahead. Between two exposures the height is that of the second.
-    Steady wind turns those directions by the crab angle and nothing else: the hold takes out a steady offset, and the
-    camera's mount a steady lean and crab. The aircraft's remaining pitch and roll become the camera's tilt and
-    roll through the angle from the top of the image to the direction of flight, to first order in them and with the
-    camera looking down; of an oblique camera they are taken as the errors of its mount's own angles.
+    The process is `gusts.flight_system`. Its axes follow the direction of flight through the air, also through turns:
+    an error ahead of the aircraft stays ahead. Between two exposures the height is that of the second. Steady wind
+    turns the axes by the crab angle and has no other effect: the position hold removes a steady offset, and the
+    camera's mount a steady tilt and crab. The aircraft's remaining pitch and roll become the camera's tilt and roll
+    through the angle from the top of the image to the direction of flight, to first order, for a camera that looks
+    down; for an oblique camera they are taken as errors of the angles of its mount.
 
     Parameters
     ----------
@@ -127,16 +123,15 @@ def fly(
     Returns
     -------
     Disturbance
-        The same on every platform and with every numpy, to a millionth of its sigma (the rounding of processors,
-        through nearly singular covariances), and the same for the exposures that two flights have in common at their
-        beginning.
+        Equal on every platform and with every numpy to a millionth of its sigma, which is how far the rounding of
+        processors is amplified by nearly singular covariances; equal for the first exposures that two flights share.
 
     Raises
     ------
     InvalidInput
-        On shapes that do not match, on values outside the domain, and as `Wind.flown_at` does.
+        Shapes do not match, values lie outside the domain, or `Wind.checked` raises it.
     """
-    wind.flown_at(airspeed_m_per_s)
+    wind.checked(airspeed_m_per_s)
     heading_deg, agl_m = np.asarray(heading_deg, np.float64), np.asarray(agl_m, np.float64)
     interval_s, yaw_deg = np.asarray(interval_s, np.float64), np.asarray(yaw_deg, np.float64)
     _check(interval_s, heading_deg, agl_m, yaw_deg)
@@ -183,13 +178,13 @@ def _check(interval_s: Floats, heading_deg: Floats, agl_m: Floats, yaw_deg: Floa
 
 
 def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats) -> Floats:
-    """`gusts.OUTPUTS` at each exposure (6, n).
+    """Sample `gusts.OUTPUTS` at each exposure, (6, n).
 
-    Each exposure is one product of a matrix with the state before it and fresh normal deviates beside each other.
+    Each exposure is the product of one matrix with the previous state followed by fresh normal deviates.
     """
     steps, which = _steps(wind.sigma_m_per_s, airspeed_m_per_s, interval_s, agl_m)
     size = len(STATES)
-    picked = outputs()
+    picked = output_matrix()
     bits = np.random.PCG64(np.random.SeedSequence(int(wind.seed)))
     sampled = np.empty((len(picked), which.size))
     states = np.zeros((min(CHUNK, which.size) + 1, 2 * size))
@@ -207,20 +202,22 @@ def _sampled(wind: Wind, airspeed_m_per_s: float, interval_s: Floats, agl_m: Flo
 def _steps(
     sigma_m_per_s: float, airspeed_m_per_s: float, interval_s: Floats, agl_m: Floats
 ) -> tuple[Floats, Ints]:
-    """Return the matrices (m, d, 2 d) that step the state, one for each kind of step, and each exposure's kind (n,).
+    """Matrices (m, d, 2 d) that step the state, one for each kind of step, and each exposure's kind (n,).
 
-    The first starts the flight: it forgets the state and draws from the stationary distribution. Rounding an interval
-    or a height, where there are too many, leaves the distribution at each exposure exact; only the correlation
-    between neighbours is then that of the rounded interval.
+    The first matrix starts the flight: it ignores the state and draws from the stationary distribution. Rounding
+    intervals and heights, where there are too many, leaves the distribution at each exposure exact; only the
+    correlation between neighbours is that of the rounded interval.
     """
     heights_m = np.clip(agl_m, LOW_FT * M_PER_FT, HIGH_FT * M_PER_FT)
-    kinds, which = _kinds(heights_m[1:], np.minimum(interval_s, LONGEST_S))
+    # By then even the slowest gusts, of 533 m at 0.1 m/s, have decayed to 1e-80.
+    interval_s = np.minimum(interval_s, 1e6)
+    kinds, which = _kinds(heights_m[1:], interval_s)
     size = len(STATES)
     steps = np.zeros((len(kinds) + 1, size, 2 * size))
     covariances = np.empty((len(kinds) + 1, size, size))
     start = flight_system(sigma_m_per_s, airspeed_m_per_s, float(heights_m[0]))
     covariances[0] = start.stationary_covariance()
-    height_of, interval_of = heights_m[1:][kinds], np.minimum(interval_s, LONGEST_S)[kinds]
+    height_of, interval_of = heights_m[1:][kinds], interval_s[kinds]
     for height_m in np.unique(height_of).tolist():
         due = np.flatnonzero(height_of == height_m)
         system = flight_system(sigma_m_per_s, airspeed_m_per_s, height_m)
@@ -231,22 +228,23 @@ def _steps(
 
 
 def _kinds(height_m: Floats, interval_s: Floats) -> tuple[Ints, Ints]:
-    """Different pairs of heights and intervals, (n,) each, as far as they are told apart.
+    """Distinct pairs of heights and intervals, (n,) each, at the resolutions of `RESOLUTIONS`.
 
-    How far depends on how many there have been: what an exposure counts as does not depend on any that follow.
+    The resolution depends on the number of pairs so far, so the kind of an exposure does not depend on later ones.
 
     Returns
     -------
     kinds : array (k,)
-        Indices of the pairs that stand for those like them: the first of each.
+        Index of the first pair of each kind.
     which : array (n,)
-        The kind of each pair.
+        Kind of each pair.
     """
-    places = np.log(np.stack([height_m, np.maximum(interval_s, SHORTEST_S)]))
+    # Shorter intervals differ from 0 in nothing: the fastest time constant is 5 ms.
+    places = np.log(np.stack([height_m, np.maximum(interval_s, 1e-9)]))
     kinds: list[Ints] = []
     which = np.empty(len(height_m), np.intp)
     start = count = 0
-    for resolution, most in ROUNDED:
+    for resolution, most in RESOLUTIONS:
         height, interval = np.floor(places[:, start:] / resolution).astype(np.int64)
         _, first, cell = np.unique((height << 32) + interval, return_index=True, return_inverse=True)
         order = np.argsort(first)
@@ -263,19 +261,19 @@ def _kinds(height_m: Floats, interval_s: Floats) -> tuple[Ints, Ints]:
 def normal(bits: np.random.PCG64, count: int, size: int) -> Floats:
     """Independent standard normal deviates (count, size), by Box and Muller's method.
 
-    From the generator's raw words, which numpy keeps the same for ever, and not from its own normal deviates, which
-    it does not. Every row takes the same number of words, so that a flight does not depend on how it is cut up.
+    They are made from the generator's raw words, which never change between numpy's versions as its normal deviates
+    may. Every row takes the same number of words, so that a flight does not depend on how it is divided.
     """
     pairs = (size + 1) // 2
     even = uniform(bits, 2 * count * pairs).reshape(count, 2, pairs)
-    radius = np.sqrt(-2.0 * np.log(1.0 - even[:, 0]))  # of 2^-53 to 1, without rounding
+    radius = np.sqrt(-2.0 * np.log(1.0 - even[:, 0]))  # of 2^-53 to 1, exactly
     angle = (2.0 * np.pi) * even[:, 1]
     normal: Floats = np.concatenate([radius * np.cos(angle), radius * np.sin(angle)], axis=1)[:, :size]
     return normal
 
 
 def uniform(bits: np.random.PCG64, count: int) -> Floats:
-    """Numbers (count,) evenly from 0 to below 1, of 53 bits of a raw word each."""
+    """Uniform numbers (count,) in [0, 1), of 53 bits of a raw word each."""
     words = np.asarray(bits.random_raw(count), np.uint64)
     numbers: Floats = (words >> np.uint64(11)) * 2.0**-53
     return numbers

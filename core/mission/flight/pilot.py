@@ -1,4 +1,4 @@
-"""What a pilot asks of a plan: its sorties, whether the camera keeps up, and where the sun stands."""
+"""Figures of a plan for its pilot: sorties, time between images, and the position of the sun."""
 
 from __future__ import annotations
 
@@ -14,10 +14,6 @@ from ..parts import HOVER, Flight, utc_time
 from ..plan import Plan
 from .path import HOVER_S
 
-#: Below this the sun casts shadows longer than 1.7 times what stands there, degrees.
-_LOW_SUN_DEG = 30.0
-#: Sorties that are told one by one.
-_TOLD = 6
 _DIRECTIONS = (
     *(Message("north"), Message("north-east"), Message("east"), Message("south-east")),
     *(Message("south"), Message("south-west"), Message("west"), Message("north-west")),
@@ -25,7 +21,7 @@ _DIRECTIONS = (
 
 
 class Sun(NamedTuple):
-    """The sun over the area's middle: its height and azimuth, clockwise from north, at the flight's start and end."""
+    """Sun over the middle of the area: height and azimuth, clockwise from north, at the start and end of the flight."""
 
     height_deg: float
     azimuth_deg: float
@@ -33,16 +29,23 @@ class Sun(NamedTuple):
     end_azimuth_deg: float
 
     def text(self, fov_deg: float) -> Message:
-        """Where it stands, in words, and what that does to images that look straight down; 0 for others."""
+        """Position in words, and its effect on images.
+
+        Parameters
+        ----------
+        fov_deg : float
+            Diagonal field of view of a camera that looks straight down; 0 for other cameras.
+        """
         start = _stands(self.height_deg, self.azimuth_deg)
         end = _stands(self.end_height_deg, self.end_azimuth_deg)
         text = start if start == end else Message("{0}, at the end {1}", start, end)
         heights = self.height_deg, self.end_height_deg
         if min(heights) < 0.0:
             return Message("{0}: night", text)
-        if min(heights) < _LOW_SUN_DEG:
+        # Shadows are longer than 1.7 times the height of what casts them.
+        if min(heights) < 30.0:
             return Message("{0}: long shadows", text)
-        # What lies opposite the sun shows no shadows, and water at the same angle mirrors it.
+        # No shadows are visible opposite the sun, and water reflects it at the same angle.
         if 90.0 - max(heights) < fov_deg / 2.0:
             return Message("{0}: a bright spot, and glint on water, lie in the images", text)
         return text
@@ -55,9 +58,9 @@ def _stands(height_deg: float, azimuth_deg: float) -> Message:
     return Message("{0:.0f}° high in the {1}", height_deg, where)
 
 
-def sun_of(plan: Plan) -> Sun | None:
-    """Where the sun stands; None where the mission does not say when it is flown."""
-    # Lines are flown from the start that is entered: their times say no more than it does.
+def area_sun(plan: Plan) -> Sun | None:
+    """Position of the sun during the flight; None where the mission has no start time."""
+    # The times of a line count from the start that is entered, so they add no date of their own.
     if plan.mission.flight.start == Flight.start and (
         not plan.has_times or utc_time(plan.start) == utc_time(Flight.start)
     ):
@@ -69,9 +72,9 @@ def sun_of(plan: Plan) -> Sun | None:
 
 
 def sorties_text(sorties_s: tuple[float, ...], battery_min: float) -> Message:
-    """How many sorties there are, and how long they take of a battery."""
+    """Number of sorties, and the share of a battery that each takes."""
     minutes = [seconds / 60.0 for seconds in sorties_s]
-    if len(minutes) > _TOLD:
+    if len(minutes) > 6:
         each = Message("{0:.1f} to {1:.1f}", min(minutes), max(minutes))
     else:
         each = Message.joined(", ", [Message("{0:.1f}", one) for one in minutes])
@@ -79,11 +82,11 @@ def sorties_text(sorties_s: tuple[float, ...], battery_min: float) -> Message:
 
 
 class _Shots(NamedTuple):
-    """Legs between images of one row: their lengths, and the wind along and across them towards the aircraft."""
+    """Legs between images of one row: length, headwind and crosswind."""
 
     length_m: Floats
-    against_m_per_s: Floats
-    across_m_per_s: Floats
+    headwind_m_per_s: Floats
+    crosswind_m_per_s: Floats
 
 
 def _shots(plan: Plan) -> _Shots:
@@ -97,25 +100,25 @@ def _shots(plan: Plan) -> _Shots:
 
 
 def interval_s(plan: Plan) -> float | None:
-    """Least time between two images of a row; None where no row has two."""
+    """Shortest time between two images of a row; None where no row has two."""
     shots, airspeed = _shots(plan), plan.mission.flight.airspeed_m_per_s
     if not len(shots.length_m):
         return None
-    ground = np.sqrt(airspeed**2 - shots.across_m_per_s**2) - shots.against_m_per_s
+    ground = np.sqrt(airspeed**2 - shots.crosswind_m_per_s**2) - shots.headwind_m_per_s
     return float((shots.length_m / ground).min()) + _stop_s(plan)
 
 
-def too_fast(plan: Plan) -> tuple[str, ...]:
-    """Return what there is to say of images that follow each other faster than the camera takes them."""
+def interval_warnings(plan: Plan) -> tuple[str, ...]:
+    """Warnings where images follow each other faster than the camera can take them."""
     least_s, found_s = plan.mission.route.photo_interval_s, interval_s(plan)
     if least_s is None or found_s is None or found_s >= least_s:
         return ()
     said = Message("images every {0:.2g} s: the camera takes one every {1:g} s", found_s, least_s)
     shots, moving_s = _shots(plan), least_s - _stop_s(plan)
-    air = shots.length_m / moving_s + shots.against_m_per_s
+    air = shots.length_m / moving_s + shots.headwind_m_per_s
     slowest = 0.0 if plan.mission.wind is None else plan.mission.wind.speed_m_per_s
-    speed = float(np.where(air > 0.0, np.hypot(air, shots.across_m_per_s), 0.0).min())
-    # Rounded down, so that it does.
+    speed = float(np.where(air > 0.0, np.hypot(air, shots.crosswind_m_per_s), 0.0).min())
+    # Rounded down, so that the camera keeps up.
     speed = math.floor(speed * 10.0) / 10.0
     if speed <= slowest:
         return (Message("{0}; overlap less or fly higher", said),)

@@ -1,4 +1,4 @@
-"""Wind: what a mission is flown in."""
+"""Wind and gusts of a mission."""
 
 from __future__ import annotations
 
@@ -10,15 +10,12 @@ from ...fields import Part, declared, field_named
 from ..parts import Flight, Imagery
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
+    from ...arrays import Floats
 
 
 @dataclass(frozen=True)
 class Wind(Part):
-    """Wind at flight height; a seed gives the same flight each time."""
+    """Wind at flight height; the seed makes flights reproducible."""
 
     speed_m_per_s: float = declared(
         0.0,
@@ -45,14 +42,15 @@ class Wind(Part):
     )
     seed: int = declared(Imagery.seed, title="seed of the wind", help="of the gusts", least=0)
 
-    def flown_at(self, airspeed_m_per_s: float) -> Wind:
-        """Return this wind, where an aircraft of that airspeed can fly in it.
+    def checked(self, airspeed_m_per_s: float) -> Wind:
+        """Return this wind if an aircraft of that airspeed can fly in it.
 
         Raises
         ------
         InvalidInput
-            A mean wind or a sigma of the gusts that is not below the airspeed: the one cannot be flown against, and
-            the other is not frozen while the aircraft flies through; an airspeed that no flight has.
+            The mean wind, or the standard deviation of the gusts, is not below the airspeed: against the one no
+            aircraft advances, and the other does not stay frozen while the aircraft flies through it; or the airspeed
+            is invalid.
         """
         field_named(Flight, "airspeed_m_per_s").settled(airspeed_m_per_s)
         if self.speed_m_per_s >= airspeed_m_per_s:
@@ -72,11 +70,11 @@ class Wind(Part):
 
     @property
     def sigma_m_per_s(self) -> float:
-        """Sigma of the horizontal gusts in metres a second."""
+        """Standard deviation of the horizontal gusts in metres per second."""
         return self.turbulence * self.speed_m_per_s
 
     def crab_deg(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
-        """Angle into the wind, clockwise positive, by which flight through the air leads the track over ground.
+        """Crab angle from the track over ground to the heading through the air, clockwise positive.
 
         Parameters
         ----------
@@ -92,7 +90,7 @@ class Wind(Part):
         return crab
 
     def ground_speed_m_per_s(self, heading_deg: Floats | float, airspeed_m_per_s: float) -> Floats:
-        """Speed over ground along a track, in metres a second: above 0 where the airspeed is above the mean wind."""
+        """Speed over ground along a track, in m/s: above 0 where the airspeed exceeds the mean wind."""
         import numpy as np
 
         against = self._against_rad(heading_deg)
@@ -101,7 +99,7 @@ class Wind(Part):
         return speed
 
     def _against_rad(self, heading_deg: Floats | float) -> Floats:
-        """Angle from a track to where the wind comes from; a direction in a mission file may be any number."""
+        """Angle from a track to the direction the wind comes from, which may be any number."""
         import numpy as np
 
         against: Floats = np.radians(float(self.from_deg) - np.asarray(heading_deg, np.float64))

@@ -10,7 +10,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate, length_text
-from terrainav.core.mission.flight.alignment import aligned, longest_side_deg
+from terrainav.core.mission.flight.alignment import align_rows, longest_side_deg
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import LONGEST_SIDE
@@ -58,7 +58,7 @@ def test_the_longest_side_of_a_box_is_the_longer_one_on_the_ground(box, azimuth)
 def test_no_flight_is_shorter_than_the_shortest():
     field = Polygon((((-89.866, 35.1385), (-89.8585, 35.1425), (-89.8597, 35.1440), (-89.868, 35.1405)),))
     mission = Mission(field, 220.0, WIDE, overlap_across=0.3)
-    found = aligned(mission, GRID)
+    found = align_rows(mission, GRID)
     others = [
         plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).flight_distance_m
         for azimuth in range(0, 180, 15)
@@ -72,16 +72,16 @@ def test_no_flight_is_shorter_than_the_shortest():
 
 def test_what_is_gained_is_said():
     mission = Mission(strip(57.0), 120.0, WIDE, overlap_across=0.3)
-    found = aligned(mission, GRID, way=LONGEST_SIDE)
+    found = align_rows(mission, GRID, way=LONGEST_SIDE)
     gain = round(100.0 * (1.0 - found.made.flight_distance_m / found.before.flight_distance_m))
     km = found.made.flight_distance_m / 1000.0
     assert found.text() == f"row azimuth 57°: {found.made.rows} rows, {km:.4g} km, {gain} % shorter than 90°"
     assert found.text(lambda metres: f"{metres:.0f} steps").split(", ")[1] == f"{1000.0 * km:.0f} steps"
-    back = aligned(found.mission.with_(area=strip(90.0)), GRID, way=LONGEST_SIDE)
+    back = align_rows(found.mission.with_(area=strip(90.0)), GRID, way=LONGEST_SIDE)
     assert back.azimuth_deg == pytest.approx(90.0, abs=0.02)
-    same = aligned(found.mission, GRID, way=LONGEST_SIDE)
+    same = align_rows(found.mission, GRID, way=LONGEST_SIDE)
     assert same.text().endswith("km, as before")
-    across = aligned(mission.with_(row_azimuth_deg=147.0, overlap_across=0.8), GRID, way=LONGEST_SIDE)
+    across = align_rows(mission.with_(row_azimuth_deg=147.0, overlap_across=0.8), GRID, way=LONGEST_SIDE)
     assert ("longer" in across.text()) == (across.gain < 0.0)
 
 
@@ -92,13 +92,13 @@ def test_what_is_flown_counts_with_its_turns_and_ways_around():
         Polygon((((-89.864, 35.1405), (-89.8635, 35.1405), (-89.8635, 35.141), (-89.864, 35.141)),)),
     )
     mission = Mission(field, 150.0, WIDE, takeoff=(35.1375, -89.8675), turnaround_m=400.0, no_fly=forbidden)
-    found = aligned(mission, GRID)
+    found = align_rows(mission, GRID)
     others = [
         plan(mission.with_(row_azimuth_deg=float(azimuth)), GRID).path.distance_m
         for azimuth in range(0, 180, 30)
     ]
     assert found.made.path.distance_m <= min(others)
-    captures_alone = aligned(mission.with_(takeoff=None, turnaround_m=0.0, no_fly=()), GRID)
+    captures_alone = align_rows(mission.with_(takeoff=None, turnaround_m=0.0, no_fly=()), GRID)
     there = plan(mission.with_(row_azimuth_deg=captures_alone.azimuth_deg), GRID).path.distance_m
     assert found.made.path.distance_m < there
     before = plan(mission, GRID).path.distance_m
@@ -109,13 +109,13 @@ def test_what_is_flown_counts_with_its_turns_and_ways_around():
 
 
 def test_a_flight_that_is_hardly_longer_is_kept():
-    found = aligned(Mission(strip(57.0), 220.0, WIDE), GRID)
-    assert aligned(found.mission, GRID).mission == found.mission
+    found = align_rows(Mission(strip(57.0), 220.0, WIDE), GRID)
+    assert align_rows(found.mission, GRID).mission == found.mission
 
 
 def test_wind_and_all_else_are_left_as_they_are():
     mission = Mission(strip(57.0), 120.0, WIDE, wind=Wind(3.0, 90.0, 0.1), margin_m=5.0)
-    found = aligned(mission, GRID, way=LONGEST_SIDE)
+    found = align_rows(mission, GRID, way=LONGEST_SIDE)
     assert found.mission == mission.with_(row_azimuth_deg=found.azimuth_deg)
     assert found.made.mission.wind is None
 
@@ -130,7 +130,7 @@ def test_wind_and_all_else_are_left_as_they_are():
 )
 def test_what_has_no_rows_to_align_is_refused(mission, says):
     with pytest.raises(InvalidInput, match=says):
-        aligned(mission, GRID)
+        align_rows(mission, GRID)
 
 
 def test_a_search_can_be_ended():
@@ -141,7 +141,7 @@ def test_a_search_can_be_ended():
         return len(shares) < 4
 
     with pytest.raises(Cancelled):
-        aligned(Mission(strip(57.0), 120.0, WIDE), GRID, go_on=go_on)
+        align_rows(Mission(strip(57.0), 120.0, WIDE), GRID, go_on=go_on)
     assert len(shares) == 4
     assert np.all(np.diff(shares) > 0.0)
     assert 0.0 <= shares[0] <= shares[-1] < 1.0

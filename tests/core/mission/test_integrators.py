@@ -63,7 +63,7 @@ def test_the_exact_method_does_not_care_for_the_step(step_s):
     # Through a hundred steps at most: rounding grows with their number.
     horizon_s = step_s * 100.0
     _, right = stepped(horizon_s)
-    picked = gusts.outputs()
+    picked = gusts.output_matrix()
     many = integrators.moments(integrators.EXACT, SYSTEM, horizon_s, step_s)
     assert np.diag(picked @ many @ picked.T) == pytest.approx(np.diag(picked @ right @ picked.T), rel=1e-11)
 

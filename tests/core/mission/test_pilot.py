@@ -11,7 +11,7 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.path import HOVER_S
-from terrainav.core.mission.flight.pilot import Sun, interval_s, sorties_text, sun_of, too_fast
+from terrainav.core.mission.flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -46,32 +46,35 @@ def test_the_interval_is_that_of_the_shortest_step_at_the_speed_over_ground():
 def test_the_speed_that_is_named_is_the_highest_that_does(wind, trigger):
     least_s = 2.6 + (HOVER_S if trigger == "hover" else 0.0)
     fast = planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=18.0)
-    (text,) = too_fast(fast)
+    (text,) = interval_warnings(fast)
     assert f"the camera takes one every {least_s:g} s" in text
     speed = float(re.search(r"fly at ([0-9.]+) m/s or slower", text).group(1))
     assert (
-        too_fast(planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed)) == ()
+        interval_warnings(
+            planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed)
+        )
+        == ()
     )
     faster = planned(photo_interval_s=least_s, wind=wind, trigger=trigger, airspeed_m_per_s=speed + 0.1)
-    assert too_fast(faster) != ()
+    assert interval_warnings(faster) != ()
     assert text in estimate(fast).warnings
 
 
 def test_no_speed_does_where_the_wind_alone_is_faster():
     made = planned(photo_interval_s=8.0, wind=Wind(9.0, 270.0, 0.0))
-    (text,) = too_fast(made)
+    (text,) = interval_warnings(made)
     assert "overlap less or fly higher" in text
     assert "m/s" not in text
 
 
 def test_without_an_interval_nothing_is_said():
-    assert too_fast(planned()) == ()
-    assert too_fast(planned(photo_interval_s=0.5)) == ()
+    assert interval_warnings(planned()) == ()
+    assert interval_warnings(planned(photo_interval_s=0.5)) == ()
 
 
 def test_the_sun_is_told_where_the_start_is():
-    assert sun_of(planned()) is None
-    sun = sun_of(planned(start="2024-12-21T15:00:00Z"))
+    assert area_sun(planned()) is None
+    sun = area_sun(planned(start="2024-12-21T15:00:00Z"))
     # As pvlib has it in the middle of Memphis, a few kilometres away.
     assert sun.height_deg == pytest.approx(17.83, abs=0.05)
     assert sun.azimuth_deg == pytest.approx(137.52, abs=0.05)
@@ -84,7 +87,7 @@ def test_the_sun_is_told_where_the_start_is():
 @pytest.mark.parametrize(("first_s", "is_told"), [(946_684_800.0, False), (1_718_965_800.0, True)])
 def test_the_sun_is_not_told_of_a_line_that_is_flown_from_no_start(first_s, is_told):
     line = Points(((35.0, -89.0, 90.0), (35.0, -89.001, 90.0)), times_s=(first_s, first_s + 6.0))
-    assert (sun_of(plan(Mission(line, 90.0), GRID)) is not None) == is_told
+    assert (area_sun(plan(Mission(line, 90.0), GRID)) is not None) == is_told
 
 
 @pytest.mark.parametrize(

@@ -136,7 +136,7 @@ def test_two_halves_make_a_whole_step(step_s):
     twice = half_growth @ half_covariance @ half_growth.T + half_covariance
     # Terms of a product cancel in states that are much smaller than those they follow.
     assert in_sigmas(twice - covariance, covariance) <= 1e-8
-    picked = gusts.outputs()
+    picked = gusts.output_matrix()
     assert np.diag(picked @ twice @ picked.T) == pytest.approx(
         np.diag(picked @ covariance @ picked.T), rel=1e-11
     )
@@ -147,7 +147,7 @@ def test_a_stationary_flight_stays_stationary(step_s):
     stationary = SYSTEM.stationary_covariance()
     growth, covariance = stepped(step_s)
     after = growth @ stationary @ growth.T + covariance
-    picked = gusts.outputs()
+    picked = gusts.output_matrix()
     assert np.diag(picked @ after @ picked.T) == pytest.approx(
         np.diag(picked @ stationary @ picked.T), rel=1e-12
     )
@@ -246,12 +246,12 @@ def test_scale_lengths_are_the_specifications():
 def test_stable_at_every_height_and_speed(airspeed_m_per_s, agl_m):
     system = gusts.flight_system(1.0, airspeed_m_per_s, agl_m)
     assert np.linalg.eigvals(system.drift_per_s).real.max() < 0.0
-    sigma = np.sqrt(np.diag(gusts.outputs() @ system.stationary_covariance() @ gusts.outputs().T))
+    sigma = np.sqrt(np.diag(gusts.output_matrix() @ system.stationary_covariance() @ gusts.output_matrix().T))
     assert np.all((sigma > 0.0) & (sigma < 1.5))
 
 
 def test_errors_are_those_of_a_small_aircraft():
-    picked = gusts.outputs()
+    picked = gusts.output_matrix()
     sigma = np.sqrt(np.diag(picked @ SYSTEM.stationary_covariance() @ picked.T))
     assert np.all((sigma[:3] > 0.5) & (sigma[:3] < 1.5))
     assert np.all((np.degrees(sigma[3:]) > 1.5) & (np.degrees(sigma[3:]) < 2.5))
@@ -279,7 +279,7 @@ def test_sampled_moments_are_those_of_the_process():
         [flown.north_m, flown.east_m, flown.up_m]
         + [np.radians(angle) for angle in (flown.tilt_deg, flown.roll_deg, flown.yaw_deg)]
     )
-    picked = gusts.outputs()
+    picked = gusts.output_matrix()
     growth, _ = stepped(1.0)
     stationary = SYSTEM.stationary_covariance()
     now = picked @ stationary @ picked.T
@@ -360,8 +360,8 @@ def test_what_steps_count_as_does_not_depend_on_those_that_follow(monkeypatch_ro
     height_m, interval_s = np.array(pairs).T
     kinds, which = motion._kinds(height_m, interval_s)
     assert sorted(set(which.tolist())) == list(range(len(kinds)))
-    for values in (np.log(height_m), np.log(np.maximum(interval_s, motion.SHORTEST_S))):
-        assert np.abs(values[kinds[which]] - values).max() <= motion.ROUNDED[-1][0] + 1e-9
+    for values in (np.log(height_m), np.log(np.maximum(interval_s, 1e-9))):
+        assert np.abs(values[kinds[which]] - values).max() <= motion.RESOLUTIONS[-1][0] + 1e-9
     count = data.draw(st.integers(1, len(pairs)))
     first_kinds, first_which = motion._kinds(height_m[:count], interval_s[:count])
     assert np.array_equal(first_which, which[:count])
@@ -371,7 +371,7 @@ def test_what_steps_count_as_does_not_depend_on_those_that_follow(monkeypatch_ro
 @pytest.fixture(scope="module")
 def monkeypatch_rounding():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(motion, "ROUNDED", ((1e-6, 5), (0.01, 4), (0.1, 6), (1.0, 10_000)))
+        patch.setattr(motion, "RESOLUTIONS", ((1e-6, 5), (0.01, 4), (0.1, 6), (1.0, 10_000)))
         yield
 
 
@@ -510,7 +510,7 @@ def test_a_wind_that_cannot_be_flown_in(changes, airspeed_m_per_s, says):
         with pytest.raises(InvalidInput, match=says) as refused:
             refusal()
         assert "\n" not in str(refused.value)
-    assert BREEZE.flown_at(15.0) is BREEZE
+    assert BREEZE.checked(15.0) is BREEZE
 
 
 @pytest.mark.parametrize(

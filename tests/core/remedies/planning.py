@@ -13,7 +13,7 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.ways import way_around
 from terrainav.core.mission.area import Box, Points, Polygon, Polygons
-from terrainav.core.mission.flight.alignment import aligned
+from terrainav.core.mission.flight.alignment import align_rows
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import LONGEST_SIDE
@@ -346,8 +346,10 @@ planned(
 @remedy("mission/flight/alignment.py", "rows to be aligned: the layout {} is north-up; use --layout cover")
 def _aligned_on_paper(case: Case) -> None:
     mission = Mission(AREA, 120.0, layout="paper")
-    case.refused(partial(aligned, mission, GRID))
-    case.follow("use --layout cover", partial(aligned, mission.with_(layout="cover"), GRID, way=LONGEST_SIDE))
+    case.refused(partial(align_rows, mission, GRID))
+    case.follow(
+        "use --layout cover", partial(align_rows, mission.with_(layout="cover"), GRID, way=LONGEST_SIDE)
+    )
 
 
 planned(

@@ -7,7 +7,7 @@ from functools import partial
 
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.flight.pilot import too_fast
+from terrainav.core.mission.flight.pilot import interval_warnings
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -72,7 +72,7 @@ def _too_many_sorties(case: Case) -> None:
 def said(**changes):
     """What there is to say of a camera that takes an image every 2.6 s."""
     mission = FIELD.with_(overlap_along=0.8, photo_interval_s=2.6).with_(**changes)
-    return "\n".join(too_fast(plan(mission, PixelGrid())))
+    return "\n".join(interval_warnings(plan(mission, PixelGrid())))
 
 
 @remedy("mission/flight/pilot.py", "{}; fly at {} m/s or slower (--airspeed)")
