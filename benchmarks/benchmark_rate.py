@@ -24,7 +24,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

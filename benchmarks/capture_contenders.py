@@ -50,7 +50,7 @@ class Job:
 def planned(job: Job) -> Any:
     """Plan of the job."""
     from terrainav.core.geodesy.mercator import PixelGrid
-    from terrainav.core.mission.area import Box
+    from terrainav.core.mission.areas.area import Box
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
 

@@ -26,7 +26,7 @@ from terrainav.core.dataset.loading import Batches, Samples
 from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.files import write_whole
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.report.machine import machine, versions

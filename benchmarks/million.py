@@ -27,7 +27,7 @@ import pyproj
 from pyproj import Geod, Transformer
 from terrainav.core.geodesy.footprint import ground_corners
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan

@@ -18,7 +18,7 @@ import numpy as np
 from PIL import Image
 from terrainav.core.capture.runner import capture
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.world import World

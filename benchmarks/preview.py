@@ -69,7 +69,7 @@ def settle(seconds: float = 0.3) -> None:
 
 def measure(count: int, folder: Path) -> Figures:
     """Preview a mission of about so many captures, and look around in it."""
-    from terrainav.core.mission.area import Box
+    from terrainav.core.mission.areas.area import Box
     from terrainav.core.mission.estimate import estimate
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan

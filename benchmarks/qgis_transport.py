@@ -33,7 +33,7 @@ from requests.adapters import HTTPAdapter
 from terrainav.core.capture.runner import capture
 from terrainav.core.imagery.http.requests_transport import RequestsTransport
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.report.machine import machine

@@ -84,7 +84,7 @@ def paint(path: Path, side: int) -> None:
 def planned(file: str, columns: int, rows: int, overlap: float) -> Any:
     """Plan of about ``columns`` x ``rows`` images in the middle of the raster, and the open source."""
     from terrainav.core.imagery.raster.source import open_raster
-    from terrainav.core.mission.area import Polygon
+    from terrainav.core.mission.areas.area import Polygon
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
 

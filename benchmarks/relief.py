@@ -25,14 +25,14 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 from PIL import Image, ImageDraw
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.relief import Surface
-from terrainav.core.geodesy.relief_view import Relief, Tracing
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.geodesy.raytracing.tracing import ElevationModel, Tracing
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
@@ -134,7 +134,7 @@ def timed(work: Callable[[], object], repeats: int = REPEATS) -> float:
     return float(best)
 
 
-def _traced(scene: Scene, height_m: float, relief: Relief, lowest_m: float) -> Tracing:
+def _traced(scene: Scene, height_m: float, relief: ElevationModel, lowest_m: float) -> Tracing:
     found = Tracing(scene, height_m, relief, lowest_m, 0.02)
     _ = found.depth_m
     return found
@@ -146,7 +146,7 @@ def _box(lat: float, lon: float, room_m: float) -> tuple[np.ndarray, np.ndarray]
     return np.array([lat - up, lat + up]), np.array([lon - aside, lon + aside])
 
 
-def measure(name: str, relief: Relief, lat: float, lon: float) -> None:
+def measure(name: str, relief: ElevationModel, lat: float, lon: float) -> None:
     """Print a row for each tilt and height."""
     below = relief.surface(np.array([lat]), np.array([lon]), 0.0)
     ground = float(below.heights(*below.position(np.array([lat]), np.array([lon])))[0])

@@ -36,13 +36,13 @@ import numpy as np
 import pyproj
 from relief import CAMERA, HEIGHTS_M, SIZE, TILTS, Hills, march, timed
 from terrainav.core.capture.runner import capture
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import Camera, Poses
-from terrainav.core.geodesy.relief import Surface
-from terrainav.core.geodesy.relief_view import Tracing
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.geodesy.raytracing.tracing import Tracing
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of

@@ -77,7 +77,7 @@ def measure(server: LoopbackServer, limit: float, seconds: float, seed: int, fol
     from terrainav.core.capture.runner import capture
     from terrainav.core.imagery.catalogue import add, described
     from terrainav.core.imagery.opening import SourceOptions, named_source
-    from terrainav.core.mission.area import Box
+    from terrainav.core.mission.areas.area import Box
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
 

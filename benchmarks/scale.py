@@ -53,7 +53,7 @@ COORDINATED = ((100_000, 256, 2), (400_000, 256, 2), (400_000, 256, 1_000), (100
 def planned(source: str, images: int, **more: Any) -> tuple[Any, Any]:
     """Plan of about so many images, a little wider than high, and the source, named."""
     from terrainav.core.imagery.opening import SourceOptions, named_source
-    from terrainav.core.mission.area import Box
+    from terrainav.core.mission.areas.area import Box
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
 

@@ -42,7 +42,7 @@ from terrainav.core.imagery.http.requests_transport import RequestsTransport
 from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan
 from terrainav.core.picture.map_frame import window_of

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from integrators import Flight, flight_diagram, flight_of, flight_table, integrators_text
 from terrainav.core.drawing import check_matplotlib
 from terrainav.core.files import make_folder, write_whole
-from terrainav.core.mission.area import Area, Box, Points
+from terrainav.core.mission.areas.area import Area, Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import Plan, plan

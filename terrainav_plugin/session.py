@@ -47,7 +47,7 @@ from .settings import Settings
 from .widgets import free_of_menus
 
 if TYPE_CHECKING:
-    from ..core.mission.area import Box
+    from ..core.mission.areas.area import Box
 
 #: Height of a first mission in feet, where those are set: about that in metres.
 _USUAL_AGL_FT = 400.0

@@ -25,7 +25,7 @@ from terrainav.core.dataset.loading import Samples
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import REJECTED, part_of
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

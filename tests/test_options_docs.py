@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 from hypothesis import given, settings
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 
 from tests.support.missions import TRIANGLE, missions

@@ -19,7 +19,7 @@ from typing import Any
 from terrainav.core.fields import Field, declared_fields, field_named
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.limits import MAX_WHOLE_NUMBER
-from terrainav.core.mission.area import ANGLES
+from terrainav.core.mission.areas.area import ANGLES
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import SCHEMA, Mission
 from terrainav.core.mission.options import OPTIONS, RUN_OPTIONS

@@ -17,12 +17,12 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid
 from ..limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
-from ..mission.area import Box, Points
+from ..mission.areas.area import Box, Points
 from ..mission.imageries import NamedImagery
 from ..mission.inside import captures_inside, of_captures
 from ..mission.mission import Mission
 from ..mission.plan import Plan, plan
-from ..mission.relief import Heights
+from ..mission.relief.modelled import Heights
 from .choices import CROSS_AREA, POSITIVE_IOU, SEMI_POSITIVE_IOU, SPLITS, TILE_OVERLAP
 from .folder import MOSAIC, QUERIES_FOLDER, REFERENCE_FOLDER, SCHEMA, TILES
 

@@ -14,7 +14,7 @@ from ..dataset.dataset import ImageSet, read_dataset
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.footprint import exact
 from ..geodesy.mercator import wrap_lon_deg
-from ..mission.area import ground_m2
+from ..mission.areas.area import ground_m2
 from ..mission.plan import Plan
 from .folder import POSITIVE, QUERIES_FOLDER, SEMI_POSITIVE, Mosaic, Positives, Queries, References
 from .planning import BenchmarkPlan, tiles_folder

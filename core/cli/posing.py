@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from ..geodesy.camera import Camera, Poses
-    from ..mission.area import Box, Points, Polygon, Polygons
+    from ..mission.areas.area import Box, Points, Polygon, Polygons
     from ..poses.settings import Scan
 
 
@@ -136,7 +136,7 @@ def _facade(arguments: argparse.Namespace) -> int:
 
 
 def _structure(arguments: argparse.Namespace) -> int:
-    from ..mission.area_files import load_polygons
+    from ..mission.areas.files import load_polygons
     from ..poses.patterns import structure
 
     wanted = _scan(arguments)
@@ -162,8 +162,8 @@ def _camera(arguments: argparse.Namespace) -> tuple[Camera, tuple[float, float]]
 
 
 def _area(text: str) -> Box | Polygon | Polygons:
-    from ..mission.area import Box, check_ground
-    from ..mission.area_files import load_area
+    from ..mission.areas.area import Box, check_ground
+    from ..mission.areas.files import load_area
 
     if is_there(text):
         return load_area(text)

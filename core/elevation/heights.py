@@ -97,7 +97,7 @@ class Layer(Protocol):
         """Heights in metres, (height_px, width_px), NaN where there are none."""
 
 
-class LevelGround:
+class ConstantHeight:
     """The same height everywhere."""
 
     attribution = ""
@@ -282,7 +282,7 @@ def open_heights(text: str, options: HeightOptions = HeightOptions()) -> Layer:
                 HIGHEST_M,
                 field="elevation",
             )
-        return LevelGround(height_m)
+        return ConstantHeight(height_m)
     _check_one(text)
     datum = Datum.named(options.datum, _unit_m(options.unit)) if options.datum else None
     asked = replace(options.source, crs="", bands=(), stretch="none", heights=True)

@@ -14,8 +14,8 @@ from ..errors import InvalidInput
 from ..geodesy.accuracy import Scene
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.local import LocalFrame
-from ..geodesy.relief import Surface
-from ..geodesy.relief_view import Relief, Tracing
+from ..geodesy.raytracing.surface import Surface
+from ..geodesy.raytracing.tracing import ElevationModel, Tracing
 from ..geodesy.view import ImageRays
 from ..mission.mission import Mission
 from ..picture.heights import heights_of
@@ -82,12 +82,12 @@ class Ground:
     Parameters
     ----------
     benchmark : Benchmark
-    relief : Relief or None
+    relief : ElevationModel or None
         What cameras see; None where the ground is level.
     """
 
     benchmark: Benchmark
-    relief: Relief | None
+    relief: ElevationModel | None
 
     @classmethod
     def of(cls, benchmark: Benchmark) -> Ground:

@@ -18,8 +18,6 @@ In reading order:
 - `frames`: map frames, rectangles of whole source pixels
 - `rectangles`: the largest rectangles inside what cameras see
 - `accuracy`: what each method may be wrong by, in closed form
-- `paths`: ways of rays over a map's plane, as polynomials
-- `relief`: heights as one surface, and the first point of it that each ray meets
 - `view`: camera frames, from which pixels of which zooms each part is made
-- `relief_view`: these over relief, and what each of their pixels sees
+- `raytracing`: rays over relief, and camera frames made by them
 """

@@ -3,11 +3,8 @@
 In reading order:
 
 - `parts`: what is asked beside area, camera and wind: every field with all that there is to say of it
-- `area`: where a mission goes, as a box, a polygon or points
+- `areas`: where a mission goes: boxes, polygons and points, in texts and files
 - `clock`: which times the poses of a flight may have
-- `coords`: areas in text
-- `geojson`: shapes of GeoJSON files, in degrees of WGS 84
-- `area_files`: polygons in GeoJSON, KML and KMZ files
 - `pose_table`, `litchi_table`: poses in a table with a header, and images of a Litchi mission
 - `cameras`: cameras by name, those that ship and the user's own
 - `imageries`: several sources, dates or map types by name
@@ -16,10 +13,8 @@ In reading order:
 - `options`: what the command takes for it
 - `settings`: a mission from command line, environment and file
 - `layout`: where captures stand and what their pictures show of the area
-- `no_fly`: captures over no-fly areas, which are left out
 - `flight`: how it is flown: wind and gusts, legs and clock, the path with its sorties, rows aligned for it
-- `overflown`: relief below a path, and profiles below its legs
-- `relief`: how high captures over relief are, and what they surely see
+- `relief`: the ground below a mission: heights of captures, and what they surely see
 - `methods`: the kind of picture and its methods, by the error budget
 - `plan`: a mission worked out, as arrays
 - `inside`: which captures show the source's imagery alone

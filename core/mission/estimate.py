@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import Message, OptionName
-from ..geodesy.relief_view import MOST_CELLS
-from .area import Polygon, Polygons
+from ..geodesy.raytracing.tracing import MOST_CELLS
+from .areas.area import Polygon, Polygons
 from .flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text
 from .layout.framing import sampled_zooms
 from .methods import Accuracy

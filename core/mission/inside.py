@@ -12,7 +12,7 @@ from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.footprint import Corners, exact
 from ..geodesy.mercator import PixelGrid, wrap_lon_deg
-from .area import Points
+from .areas.area import Points
 from .layout.coverage import twice_area
 from .mission import Mission
 from .plan import Plan

@@ -17,7 +17,7 @@ from ..geodesy.projections import geodesic_ends, geodesics
 from ..limits import MAX_POSES
 from ..text import finite_number
 from ..units import LENGTHS_M
-from .area import Points
+from .areas.area import Points
 
 #: Columns of heights by their unit, and those that tell the format beside them.
 _HEIGHTS = {"altitude(m)": "m", "altitude(ft)": "ft"}

@@ -16,7 +16,7 @@ from ..geodesy.frames import own_frame_px, quarter_turns, runs_on, swapped
 from ..geodesy.mercator import PixelGrid
 from ..geodesy.planes import ProjectedPlane
 from ..geodesy.view import ImageRays, mesh_serves
-from .area import ANGLES, Points
+from .areas.area import ANGLES, Points
 from .layout.framing import (
     CameraFraming,
     Disturbed,
@@ -31,7 +31,7 @@ from .layout.rotated import is_rotated
 from .layout.rows import point_angles_deg
 from .mission import Mission
 from .parts import NORTH, RAYS
-from .relief import ReliefBelow
+from .relief.modelled import ModelledRelief
 
 #: Coarsest mesh, px: larger cells save nothing, and kernels have one pixel to spare (`view.KERNEL_REACH_PX`).
 COARSEST_MESH_PX = 1.0
@@ -255,7 +255,7 @@ TRACED = Method(_PIXELS, RAYS, 0.0, 0.0)
 
 
 def choose_methods(
-    mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: ReliefBelow | None = None
+    mission: Mission, grid: PixelGrid, disturbed: Disturbed, relief: ModelledRelief | None = None
 ) -> tuple[Framed, Accuracy]:
     """Frame a mission with the cheapest methods whose bounds sum within its error budget.
 
@@ -318,7 +318,7 @@ def choose_methods(
     return flown, made if relief is None else replace(made, relief=relief.text())
 
 
-def _no_map_frame(mission: Mission, grid: PixelGrid, relief: ReliefBelow | None) -> str:
+def _no_map_frame(mission: Mission, grid: PixelGrid, relief: ModelledRelief | None) -> str:
     """Why a mission has no map frames whatever its budget; empty where it may have some."""
     if relief is not None:
         return Message(

@@ -14,7 +14,7 @@ from ..files import read_limited, write_whole
 from ..geodesy.camera import Camera
 from ..limits import MAX_MISSION_BYTES
 from ..safe_json import decoded, parse_json
-from .area import Area, Box, Points, Polygon, Polygons, check_ground
+from .areas.area import Area, Box, Points, Polygon, Polygons, check_ground
 from .flight.wind import Wind
 from .imageries import NamedImagery
 from .parts import (

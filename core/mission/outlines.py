@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, lat_to_v, lon_to_u
-from .area import cut_half_plane
+from .areas.area import cut_half_plane
 from .plan import Plan
 
 #: Horizontal and vertical coordinates of corners, (k,) each.

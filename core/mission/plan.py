@@ -28,9 +28,9 @@ from ..geodesy.footprint import (
 from ..geodesy.frames import Sizes, Windows, quarter_turns, runs_on, window_centres
 from ..geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, u_to_lon, v_to_lat, wrap_lon_deg
 from ..geodesy.planes import TurnedPlane
-from ..geodesy.relief_view import Tracing, settled
+from ..geodesy.raytracing.tracing import Tracing, settled
 from ..geodesy.view import View, view
-from .area import Points, check_area, check_polygons
+from .areas.area import Points, check_area, check_polygons
 from .flight.motion import Legs, fly, intervals_s, legs
 from .flight.path import FlightPath, flight_path
 from .layout.coverage import (
@@ -56,7 +56,7 @@ from .layout.rows import Layout, sees_below
 from .methods import COARSEST_MESH_PX, Accuracy, choose_methods
 from .mission import Mission
 from .parts import ELLIPSOID
-from .relief import Flown, Heights, ReliefBelow, check_clearance
+from .relief.modelled import Flown, Heights, ModelledRelief, check_clearance
 
 Kept = TypeVar("Kept")
 
@@ -101,7 +101,7 @@ class Plan:
         Of turned or crossed rows; empty for rows along parallels and for points.
     level_m : float
         Height of the level ground that captures are planned over, over the WGS 84 ellipsoid.
-    relief : ReliefBelow or None
+    relief : ModelledRelief or None
         The relief that they are flown over; None where the ground is level.
     flown : Flown or None
         How high they are over that.
@@ -126,7 +126,7 @@ class Plan:
     nominal: Poses | None = None
     passes: tuple[Pass, ...] = ()
     level_m: float = 0.0
-    relief: ReliefBelow | None = None
+    relief: ModelledRelief | None = None
     flown: Flown | None = None
     parts: tuple[int, ...] = ()
     left_out: int = 0
@@ -138,7 +138,7 @@ class Plan:
         """Plan of some captures alone, by their indices (k,), whose images are those of this one.
 
         What images depend on is kept, also where it follows from all captures; of flight, rows and coverage it knows
-        nothing. Heights are left out when it is pickled: see `ReliefBelow`.
+        nothing. Heights are left out when it is pickled: see `ModelledRelief`.
         """
         part = replace(
             self,
@@ -704,7 +704,7 @@ def plan(mission: Mission, grid: PixelGrid, heights: Heights | None = None) -> P
     )
 
 
-def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ReliefBelow | None]:
+def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ModelledRelief | None]:
     """A mission over the level ground that is nearest to what it flies over, and the relief, if there is any."""
     if not mission.terrain.elevation:
         return mission, None
@@ -713,7 +713,7 @@ def _over(mission: Mission, heights: Heights | None) -> tuple[Mission, ReliefBel
             "elevation {0}: the mission is planned without its heights", ", ".join(mission.terrain.elevation)
         )
     check_clearance(mission)
-    relief = ReliefBelow(mission, heights)
+    relief = ModelledRelief(mission, heights)
     level = mission.with_(ground_height_m=relief.lowest_m)
     if relief.is_level and mission.terrain.height_above != ELLIPSOID:
         return level, None

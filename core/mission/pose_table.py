@@ -12,7 +12,7 @@ from ..errors import InvalidInput, Message
 from ..numbers import real_number
 from ..text import time_s
 from ..units import LENGTHS_M
-from .area import ANGLES, Points
+from .areas.area import ANGLES, Points
 from .clock import check_column
 from .litchi_table import is_litchi, read_litchi
 

@@ -19,10 +19,10 @@ from ..geodesy.camera import Camera
 from ..limits import MAX_SETTINGS_BYTES
 from ..safe_json import parse_json
 from ..units import LENGTHS_M
-from .area import Area, Points
-from .area_files import load_area, load_no_fly
+from .areas.area import Area, Points
+from .areas.coords import parse_coords
+from .areas.files import load_area, load_no_fly
 from .cameras import camera_named
-from .coords import parse_coords
 from .flight.wind import Wind
 from .mission import Mission, flat_fields
 from .options import OPTIONS

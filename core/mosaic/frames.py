@@ -26,12 +26,12 @@ from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.local import enu_axes, geocentric
 from ..geodesy.mercator import MAX_LAT_DEG, Plane, WebMercator, wrap_lon_deg
 from ..geodesy.planes import ProjectedPlane
-from ..geodesy.relief import Surface
-from ..geodesy.relief_view import Relief
+from ..geodesy.raytracing.surface import Surface
+from ..geodesy.raytracing.tracing import ElevationModel
 from ..limits import MAX_SETTINGS_BYTES
 from ..mission.mission import Mission
 from ..mission.plan import Plan
-from ..mission.relief import Heights
+from ..mission.relief.modelled import Heights
 from ..numbers import real_number
 from ..picture.heights import heights_of
 from ..safe_json import decoded
@@ -107,7 +107,7 @@ class CameraFrames:
         ``agl_m`` over ``ground``; longitudes are continuous.
     ground : Ellipsoid
         The level ground that they see; WGS 84 where there is relief.
-    relief : Relief or None
+    relief : ElevationModel or None
     paths : tuple of Path
     sizes_px : array (n, 2)
         Widths and heights of the images as written.
@@ -120,7 +120,7 @@ class CameraFrames:
     camera: Camera
     poses: Poses
     ground: Ellipsoid
-    relief: Relief | None
+    relief: ElevationModel | None
     paths: tuple[Path, ...]
     sizes_px: Numbers
     plane: Plane

@@ -12,7 +12,7 @@ from ..capture.georeference import Georeference
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.local import enu_axes, geocentric
 from ..geodesy.mercator import Plane, WebMercator
-from ..geodesy.relief import Surface
+from ..geodesy.raytracing.surface import Surface
 
 
 @dataclass(frozen=True)

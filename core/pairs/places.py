@@ -18,7 +18,7 @@ from ..files import read_limited
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import MAX_LAT_DEG
 from ..limits import MAX_MISSION_BYTES
-from ..mission.area import Box, check_ground, check_lat_lon
+from ..mission.areas.area import Box, check_ground, check_lat_lon
 from ..numbers import real_number
 from ..safe_json import decoded
 

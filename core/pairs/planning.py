@@ -16,12 +16,12 @@ from ..geodesy.camera import Camera
 from ..geodesy.ellipsoid import WGS84, Ellipsoid
 from ..geodesy.mercator import PixelGrid
 from ..limits import MAX_PICTURE_PX
-from ..mission.area import Box, Points
+from ..mission.areas.area import Box, Points
 from ..mission.imageries import NamedImagery
 from ..mission.mission import Mission
 from ..mission.parts import ELLIPSOID, Accuracy, Imagery, Terrain
 from ..mission.plan import Plan, plan
-from ..mission.relief import Heights, ReliefBelow, no_ground
+from ..mission.relief.modelled import Heights, ModelledRelief, no_ground
 from .parts import PARTS, SHARES, check_shares, part_places
 from .places import Place, cartesian_m, spread_places
 from .views import View, reach_m, spiral, standing_poses
@@ -426,7 +426,7 @@ def _heights_of_places(places: Sequence[Place], heights: Heights) -> Floats:
     return found
 
 
-def _reach_over_relief_m(drone: Plan, relief: ReliefBelow, places: Sequence[Place]) -> Floats:
+def _reach_over_relief_m(drone: Plan, relief: ModelledRelief, places: Sequence[Place]) -> Floats:
     """Farthest ground from each place, (n,), that the edges of its images see over relief; metres."""
     along = np.linspace(-1.0, 1.0, _ALONG_EDGE)
     edge = [(x, y) for x in along for y in along if max(abs(x), abs(y)) == 1.0]

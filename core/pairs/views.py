@@ -13,7 +13,7 @@ from ..errors import InvalidInput
 from ..geodesy.camera import Camera, Poses
 from ..geodesy.ellipsoid import WGS84, Ellipsoid, trace
 from ..geodesy.footprint import ground_corners
-from ..mission.area import check_agl, check_yaw
+from ..mission.areas.area import check_agl, check_yaw
 from .places import cartesian_m
 
 #: University-1652's flight (Zheng, Wei, Yang 2020, section 3): three rounds from 256 m down to 121.5 m, 54 views.

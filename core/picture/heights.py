@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..elevation.heights import HeightOptions, with_whole_path
-from ..elevation.relief import Relief, open_relief
+from ..elevation.layered import LayeredElevation, open_relief
 from ..errors import TerrAInavError
 from ..imagery.opening import SourceOptions
 from ..mission.mission import Mission
 from ..mission.parts import INTERPOLATE, Terrain
-from ..mission.relief import Heights
+from ..mission.relief.modelled import Heights
 
 #: Name of the embedded landscape.
 _LANDSCAPE = "world"
@@ -61,12 +61,12 @@ def heights_for(terrain: Terrain, asked: SourceOptions) -> Heights | None:
     if not terrain.surface:
         return Heights(ground, ground)
     seen = _opened("surface", terrain.surface, wanted)
-    return Heights(ground, Relief((*seen.layers, *ground.layers), interpolates))
+    return Heights(ground, LayeredElevation((*seen.layers, *ground.layers), interpolates))
 
 
 def _opened(
     field: str, sources: tuple[str, ...], wanted: HeightOptions, interpolates: bool = False
-) -> Relief:
+) -> LayeredElevation:
     """Open sources of heights; errors that name no other field of the terrain name this one."""
     try:
         return open_relief(sources, wanted, interpolates=interpolates)

@@ -13,7 +13,7 @@ from ..bands import Bands
 from ..geodesy.accuracy import Scene
 from ..geodesy.ellipsoid import WGS84, sight_lines
 from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.relief_view import Sighting, power_of_two
+from ..geodesy.raytracing.tracing import Sighting, power_of_two
 from ..geodesy.view import ImageRays
 from ..mission.plan import Plan
 from .map_frame import turned

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..arrays import PixelValues
 from ..bands import RGB, Bands, fitted, full
-from ..geodesy.relief_view import Tracing
+from ..geodesy.raytracing.tracing import Tracing
 from ..geodesy.view import View
 from ..imagery.source import Part, Source, Walled, Window
 from ..mission.plan import Plan

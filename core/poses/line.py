@@ -21,9 +21,9 @@ from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import geodesic_ends, geodesics
 from ..limits import MAX_MISSION_BYTES, MAX_POSES
-from ..mission.area import Points, check_agl, check_lat_lon
+from ..mission.areas.area import Points, check_agl, check_lat_lon
+from ..mission.areas.geojson import shapes
 from ..mission.flight.gusts import GRAVITY_M_PER_S2
-from ..mission.geojson import shapes
 from ..safe_json import parse_json
 from .settings import LineFlight
 from .track import ANGLE_DIGITS, PLACE_DIGITS

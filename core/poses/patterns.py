@@ -19,7 +19,7 @@ from ..geodesy.camera import Camera
 from ..geodesy.mercator import wrap_lon_deg
 from ..geodesy.projections import LocalPlane, geodesic_ends
 from ..limits import MAX_POSES
-from ..mission.area import Points, Polygon, check_agl, check_lat_lon, check_polygons
+from ..mission.areas.area import Points, Polygon, check_agl, check_lat_lon, check_polygons
 from .settings import Corridor, Orbit, Scan
 from .track import ANGLE_DIGITS, PLACE_DIGITS
 

@@ -18,7 +18,7 @@ from ..geodesy.camera import Poses
 from ..geodesy.ellipsoid import WGS84
 from ..geodesy.mercator import wrap_lon_deg
 from ..limits import MAX_POSES
-from ..mission.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, check_area, inside
+from ..mission.areas.area import ANGLES, Box, Points, Polygon, Polygons, check_agl, check_area, inside
 from ..mission.flight.motion import normal, uniform
 from ..numbers import real_number
 from .track import ANGLE_DIGITS, PLACE_DIGITS

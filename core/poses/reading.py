@@ -12,7 +12,7 @@ from ..errors import InvalidInput, Message
 from ..fields import field_named
 from ..files import is_there, open_foreign, read_limited
 from ..limits import MAX_MISSION_BYTES
-from ..mission.area import ANGLES, Points, check_lat_lon
+from ..mission.areas.area import ANGLES, Points, check_lat_lon
 from ..mission.litchi_table import is_litchi
 from ..mission.parts import Flight
 from ..mission.pose_table import read_poses

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..arrays import Floats
 from ..errors import Cancelled, InvalidInput, Message, OptionName
 from ..fields import field_named
-from ..mission.area import Points, check_agl
+from ..mission.areas.area import Points, check_agl
 from ..mission.flight.motion import legs
 from ..mission.parts import Flight
 

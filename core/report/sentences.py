@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..imagery.source import Source
-from ..mission.area import Box, Points, Polygon, Polygons
+from ..mission.areas.area import Box, Points, Polygon, Polygons
 from ..mission.estimate import area_text, length_text, percent
 from ..mission.flight.wind import Wind
 from ..mission.mission import Mission

@@ -8035,7 +8035,7 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/exports/tables.py"/>
         <location filename="../../core/imagery/raster/source.py"/>
         <location filename="../../core/imagery/raster/trust.py"/>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: cannot be read ({1})</source>
         <translation>{0}: no se puede leer ({1})</translation>
     </message>
@@ -10791,226 +10791,349 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>{0}: no se puede importar ({1}: {2}); puede que su propia configuración, en un archivo o en el entorno, sea incorrecta</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <location filename="../../core/mission/estimate.py"/>
         <source>area</source>
         <translation>área</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>area of no polygons: needs at least one</source>
         <translation>área sin polígonos: necesita al menos uno</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>area of {0:,} polygons: must be {1:,} at most</source>
         <translation>área de {0:,} polígonos: debe tener {1:,} como máximo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>box from latitude {0} down to {1}: has no height; its north must lie above its south</source>
         <translation>recuadro desde la latitud {0} hasta {1}: no tiene altura; su norte debe quedar por encima de su sur</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>box from latitude {0} down to {1}: south lies above north</source>
         <translation>recuadro desde la latitud {0} hasta {1}: el sur queda al norte del norte</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>box from longitude {0} to {1}: has no width; its west and its east must differ</source>
         <translation>recuadro desde la longitud {0} hasta {1}: no tiene anchura; su oeste y su este deben ser distintos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>give its corners along the pole as well</source>
         <translation>indique también sus vértices a lo largo del polo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>give the top-left corner first</source>
         <translation>dé primero la esquina superior izquierda</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>latitude {0}: must be within -90 and 90 degrees</source>
         <translation>latitud {0}: debe estar entre -90 y 90 grados</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>list of points is empty: needs at least one latitude, longitude and height</source>
         <translation>la lista de puntos está vacía: necesita al menos una latitud, longitud y altura</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>longitude {0}: must be within -360 and 360 degrees</source>
         <translation>longitud {0}: debe estar entre -360 y 360 grados</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon around a pole: its sides are straight in degrees</source>
         <translation>polígono alrededor de un polo: sus lados son rectos en grados</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon ring of {0} corners: needs at least 3</source>
         <translation>anillo de polígono de {0} vértices: necesita al menos 3</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon whose sides are too many beside each other: {0:,} pairs of them share a longitude; {1:,} at most</source>
         <translation>polígono con demasiados lados uno junto a otro: {0:,} pares de ellos comparten una longitud; {1:,} como máximo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon whose sides cross at latitude {0:.6f}, longitude {1:.6f}: its sides may only touch</source>
         <translation>polígono cuyos lados se cruzan en la latitud {0:.6f}, longitud {1:.6f}: sus lados solo pueden tocarse</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon with hole {0:,} outside of it: holes lie inside the outer ring</source>
         <translation>polígono con el hueco {0:,} fuera de él: los huecos están dentro del anillo exterior</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon without a ring: needs at least one of three corners</source>
         <translation>polígono sin anillo: necesita al menos uno de tres vértices</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>polygon without ground: its corners lie on one line or more than half the Earth apart, or its holes are all of it</source>
         <translation>polígono sin terreno: sus vértices están en una línea o separados más de media Tierra, o sus huecos lo ocupan por completo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>put the points in the order of their times</source>
         <translation>ponga los puntos en el orden de sus horas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>rolls</source>
         <translation>alabeos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>tilts</source>
         <translation>inclinaciones</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>time of point {0}: is before that of the one before it</source>
         <translation>hora del punto {0}: es anterior a la del punto precedente</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>time {0!r} of point {1}: must be seconds after 1970, before the year 10000</source>
         <translation>hora {0!r} del punto {1}: debe estar en segundos desde 1970, antes del año 10000</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <location filename="../../core/poses/settings.py"/>
         <source>times</source>
         <translation>horas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>yaws</source>
         <translation>guiñadas</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>{0} {1} of {2} points: give one for each, or none</source>
         <translation>{0} {1} de {2} puntos: dé una para cada uno, o ninguna</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area.py"/>
+        <location filename="../../core/mission/areas/area.py"/>
         <source>{0}: polygon {1:,}</source>
         <translation>{0}: polígono {1:,}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines</source>
+        <translation>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", o un archivo de texto con líneas "lat lon agl [guiñada]"</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>coordinates</source>
+        <translation>coordenadas</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>coordinates are empty: expected {0}</source>
+        <translation>las coordenadas están vacías: se esperaba {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>coordinates {0!r}: a raster mission needs two corners and a height (5 numbers)</source>
+        <translation>coordenadas {0!r}: una misión ráster necesita dos esquinas y una altura (5 números)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>coordinates {0!r}: there is no such file</source>
+        <translation>coordenadas {0!r}: no existe tal archivo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>coordinates {0!r}: {1} numbers; expected {2}</source>
+        <translation>coordenadas {0!r}: {1} números; se esperaba {2}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>could not convert string to float: {0!r}</source>
+        <translation>no es un número: {0!r}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <location filename="../../core/poses/line.py"/>
+        <source>file {0}</source>
+        <translation>archivo {0}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>file {0}: cannot be read as text ({1})</source>
+        <translation>archivo {0}: no se puede leer como texto ({1})</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>file {0}: holds points; a raster mission needs two corners and a height as text</source>
+        <translation>archivo {0}: contiene puntos; una misión ráster necesita dos esquinas y una altura como texto</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>file {0}: is a trajectory or a flight log</source>
+        <translation>archivo {0}: es una trayectoria o un registro de vuelo</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>make a table of poses from it (terrainav poses read)</source>
+        <translation>haga de él una tabla de poses (terrainav poses read)</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>mission {0!r}: must be one of {1}</source>
+        <translation>misión {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>unit of height {0!r}: must be one of {1}</source>
+        <translation>unidad de altura {0!r}: debe ser una de {1}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>{0} {1!r} has {2} numbers and the lines before {3}: give every point its yaw, or none</source>
+        <translation>{0} {1!r} tiene {2} números y las líneas anteriores {3}: dé una guiñada a cada punto, o a ninguno</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>{0} {1!r} has {2} numbers; expected lat lon agl [yaw]</source>
+        <translation>{0} {1!r} tiene {2} números; se esperaba lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>{0} {1!r}: {2}; expected {3}</source>
+        <translation>{0} {1!r}: {2}; se esperaba {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <location filename="../../core/mission/pose_table.py"/>
+        <source>{0}, line {1}:</source>
+        <translation>{0}, línea {1}:</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/coords.py"/>
+        <source>{0}: holds no coordinates; expected lines of lat lon agl [yaw]</source>
+        <translation>{0}: no contiene coordenadas; se esperaban líneas de lat lon agl [guiñada]</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>area file {0}</source>
         <translation>archivo de área {0}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>get it with: pip install 'terrainav[{0}]', or give a GeoJSON file</source>
         <translation>obténgalo con: pip install 'terrainav[{0}]', o dé un archivo GeoJSON</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>give a GeoJSON, KML or KMZ file with one or more</source>
         <translation>dé un archivo GeoJSON, KML o KMZ con uno o más</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>no-fly file {0}</source>
         <translation>archivo de zonas de exclusión {0}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: a corner is not longitude, latitude ({1})</source>
         <translation>{0}: un vértice no es longitud, latitud ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: cannot be read as GeoJSON, KML or KMZ ({1})</source>
         <translation>{0}: no se puede leer como GeoJSON, KML o KMZ ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: cannot be read as KML ({1})</source>
         <translation>{0}: no se puede leer como KML ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: cannot be read as KMZ ({1})</source>
         <translation>{0}: no se puede leer como KMZ ({1})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: corner {1!r} is not longitude,latitude</source>
         <translation>{0}: el vértice {1!r} no es longitud,latitud</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: holds more than {1:,} files</source>
         <translation>{0}: contiene más de {1:,} archivos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: holds more than {1:,} polygons</source>
         <translation>{0}: contiene más de {1:,} polígonos</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: holds no polygon</source>
         <translation>{0}: no contiene ningún polígono</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: is a zip without a KML file</source>
         <translation>{0}: es un zip sin archivo KML</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: is compressed in a way that KMZ does not use</source>
         <translation>{0}: está comprimido de una forma que KMZ no usa</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: its KML is larger than {1} MB</source>
         <translation>{0}: su KML ocupa más de {1} MB</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: polygon {1:,}: {2}</source>
         <translation>{0}: polígono {1:,}: {2}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/area_files.py"/>
+        <location filename="../../core/mission/areas/files.py"/>
         <source>{0}: {1}, which reads KML, is not installed</source>
         <translation>{0}: {1}, que lee KML, no está instalado</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/geojson.py"/>
+        <source>{0}: a side runs through a pole, across the edge of the map of {1}, or too far; must be cut</source>
+        <translation>{0}: un lado pasa por un polo, por el borde del mapa de {1} o demasiado lejos; debe cortarse</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/geojson.py"/>
+        <source>{0}: corner {1:g}, {2:g} is outside the domain of its crs {3}</source>
+        <translation>{0}: el vértice {1:g}, {2:g} está fuera del dominio de su crs {3}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/geojson.py"/>
+        <source>{0}: its crs has no name; must be a name such as EPSG:25832, or left out for WGS 84</source>
+        <translation>{0}: su crs no tiene nombre; debe ser un nombre como EPSG:25832, o faltar si es WGS 84</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/geojson.py"/>
+        <source>{0}: its crs is a link ({1}), which is not followed; must be a name such as EPSG:25832</source>
+        <translation>{0}: su crs es un enlace ({1}), que no se sigue; debe ser un nombre como EPSG:25832</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/areas/geojson.py"/>
+        <source>{0}: its crs {1!r} is no geographic or projected reference system that PROJ knows; must be a code such as EPSG:25832</source>
+        <translation>{0}: su crs {1!r} no es ningún sistema de referencia geográfico o proyectado que PROJ conozca; debe ser un código como EPSG:25832</translation>
     </message>
     <message>
         <location filename="../../core/mission/cameras.py"/>
@@ -11142,104 +11265,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/clock.py"/>
         <source>{0}; they are probably not in {1}</source>
         <translation>{0}; probablemente no están en {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines</source>
-        <translation>"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", o un archivo de texto con líneas "lat lon agl [guiñada]"</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <location filename="../../core/mission/pose_table.py"/>
-        <source>coordinates</source>
-        <translation>coordenadas</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>coordinates are empty: expected {0}</source>
-        <translation>las coordenadas están vacías: se esperaba {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>coordinates {0!r}: a raster mission needs two corners and a height (5 numbers)</source>
-        <translation>coordenadas {0!r}: una misión ráster necesita dos esquinas y una altura (5 números)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>coordinates {0!r}: there is no such file</source>
-        <translation>coordenadas {0!r}: no existe tal archivo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>coordinates {0!r}: {1} numbers; expected {2}</source>
-        <translation>coordenadas {0!r}: {1} números; se esperaba {2}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>could not convert string to float: {0!r}</source>
-        <translation>no es un número: {0!r}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <location filename="../../core/poses/line.py"/>
-        <source>file {0}</source>
-        <translation>archivo {0}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>file {0}: cannot be read as text ({1})</source>
-        <translation>archivo {0}: no se puede leer como texto ({1})</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>file {0}: holds points; a raster mission needs two corners and a height as text</source>
-        <translation>archivo {0}: contiene puntos; una misión ráster necesita dos esquinas y una altura como texto</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>file {0}: is a trajectory or a flight log</source>
-        <translation>archivo {0}: es una trayectoria o un registro de vuelo</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>make a table of poses from it (terrainav poses read)</source>
-        <translation>haga de él una tabla de poses (terrainav poses read)</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>mission {0!r}: must be one of {1}</source>
-        <translation>misión {0!r}: debe ser una de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>unit of height {0!r}: must be one of {1}</source>
-        <translation>unidad de altura {0!r}: debe ser una de {1}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>{0} {1!r} has {2} numbers and the lines before {3}: give every point its yaw, or none</source>
-        <translation>{0} {1!r} tiene {2} números y las líneas anteriores {3}: dé una guiñada a cada punto, o a ninguno</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>{0} {1!r} has {2} numbers; expected lat lon agl [yaw]</source>
-        <translation>{0} {1!r} tiene {2} números; se esperaba lat lon agl [guiñada]</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>{0} {1!r}: {2}; expected {3}</source>
-        <translation>{0} {1!r}: {2}; se esperaba {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <location filename="../../core/mission/pose_table.py"/>
-        <source>{0}, line {1}:</source>
-        <translation>{0}, línea {1}:</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/coords.py"/>
-        <source>{0}: holds no coordinates; expected lines of lat lon agl [yaw]</source>
-        <translation>{0}: no contiene coordenadas; se esperaban líneas de lat lon agl [guiñada]</translation>
     </message>
     <message>
         <location filename="../../core/mission/estimate.py"/>
@@ -12038,31 +12063,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>velocidad del viento de {0} m/s: debe ser menor que la velocidad aérea, {1} m/s, para volar contra él</translation>
     </message>
     <message>
-        <location filename="../../core/mission/geojson.py"/>
-        <source>{0}: a side runs through a pole, across the edge of the map of {1}, or too far; must be cut</source>
-        <translation>{0}: un lado pasa por un polo, por el borde del mapa de {1} o demasiado lejos; debe cortarse</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/geojson.py"/>
-        <source>{0}: corner {1:g}, {2:g} is outside the domain of its crs {3}</source>
-        <translation>{0}: el vértice {1:g}, {2:g} está fuera del dominio de su crs {3}</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/geojson.py"/>
-        <source>{0}: its crs has no name; must be a name such as EPSG:25832, or left out for WGS 84</source>
-        <translation>{0}: su crs no tiene nombre; debe ser un nombre como EPSG:25832, o faltar si es WGS 84</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/geojson.py"/>
-        <source>{0}: its crs is a link ({1}), which is not followed; must be a name such as EPSG:25832</source>
-        <translation>{0}: su crs es un enlace ({1}), que no se sigue; debe ser un nombre como EPSG:25832</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/geojson.py"/>
-        <source>{0}: its crs {1!r} is no geographic or projected reference system that PROJ knows; must be a code such as EPSG:25832</source>
-        <translation>{0}: su crs {1!r} no es ningún sistema de referencia geográfico o proyectado que PROJ conozca; debe ser un código como EPSG:25832</translation>
-    </message>
-    <message>
         <location filename="../../core/mission/imageries.py"/>
         <source>imagery {0!r}: has no source, such as {0}=world</source>
         <translation>imágenes {0!r}: no tienen fuente, como {0}=world</translation>
@@ -12228,6 +12228,16 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/layout/framing.py"/>
         <source>{0}: reaches beyond the map, which ends at ±{1:.4f}</source>
         <translation>{0}: sobrepasa el mapa, que termina en ±{1:.4f}</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/no_fly.py"/>
+        <source>all {0:,} images lie over no-fly areas</source>
+        <translation>las {0:,} imágenes están sobre zonas de exclusión</translation>
+    </message>
+    <message>
+        <location filename="../../core/mission/layout/no_fly.py"/>
+        <source>choose another area, or smaller no-fly areas</source>
+        <translation>elija otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/layout/polygons.py"/>
@@ -12662,16 +12672,6 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <location filename="../../core/mission/mission.py"/>
         <source>mission without {0}: the field is needed</source>
         <translation>misión sin {0}: el campo es necesario</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/no_fly.py"/>
-        <source>all {0:,} images lie over no-fly areas</source>
-        <translation>las {0:,} imágenes están sobre zonas de exclusión</translation>
-    </message>
-    <message>
-        <location filename="../../core/mission/no_fly.py"/>
-        <source>choose another area, or smaller no-fly areas</source>
-        <translation>elija otra área, o zonas de exclusión más pequeñas</translation>
     </message>
     <message>
         <location filename="../../core/mission/options.py"/>
@@ -13722,52 +13722,52 @@ Las flechas la mueven {step}, con Mayús {shift}, y las teclas de página {page}
         <translation>ajuste {0!r}: debe ser uno de {1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: the surface there rises to {3:.1f} m, and {4:g} m of clearance are to be kept</source>
         <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: la superficie sube allí hasta {3:.1f} m, y hay que mantener {4:g} m de distancia de seguridad</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>capture at latitude {0:.6f}, longitude {1:.6f}, {2:.1f} m above the ellipsoid: what its image may see there rises to {3:.1f} m</source>
         <translation>captura en la latitud {0:.6f}, longitud {1:.6f}, a {2:.1f} m sobre el elipsoide: lo que su imagen puede ver allí sube hasta {3:.1f} m</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>clearance {0:g} m and height {1:g} m above ground: the clearance must be the smaller one</source>
         <translation>distancia de seguridad {0:g} m y altura {1:g} m sobre el terreno: la distancia de seguridad debe ser la menor</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>fly higher, or keep a clearance ({0})</source>
         <translation>vuele más alto, o mantenga una distancia de seguridad ({0})</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>fly {0:.0f} m higher, or above the ground below</source>
         <translation>vuele {0:.0f} m más alto, o sobre el terreno debajo</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>hole in the heights at latitude {0:.6f}, longitude {1:.6f}: the first source has none there</source>
         <translation>hueco en las alturas en la latitud {0:.6f}, longitud {1:.6f}: la primera fuente no tiene ninguna ahí</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>name a further source that fills it{0}, or have holes interpolated{1}</source>
         <translation>nombre otra fuente que lo complete{0}, o haga interpolar los huecos{1}</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>no height at latitude {0:.6f}, longitude {1:.6f}: the elevation ends there, or has a hole</source>
         <translation>sin altura en la latitud {0:.6f}, longitud {1:.6f}: la elevación termina allí, o tiene un hueco</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>relief of {0} from {1:.1f} to {2:.1f} m above the ellipsoid</source>
         <translation>relieve de {0} de {1:.1f} a {2:.1f} m sobre el elipsoide</translation>
     </message>
     <message>
-        <location filename="../../core/mission/relief.py"/>
+        <location filename="../../core/mission/relief/modelled.py"/>
         <source>take a further source that fills it ({0})</source>
         <translation>tome otra fuente que lo rellene ({0})</translation>
     </message>

@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QObject, QPoint, Qt
 from qgis.PyQt.QtGui import QColor
 from qgis.PyQt.QtWidgets import QLabel
 
-from ...core.mission.area import Area
+from ...core.mission.areas.area import Area
 from ..compat import POINT, POLYGON
 from ..plain import plain_label
 from .outline import AreaOutline, Corner, turns_to

@@ -14,7 +14,7 @@ from qgis.PyQt.QtCore import QObject
 from qgis.PyQt.QtWidgets import QApplication, QDialog, QFileDialog
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons, parts_of
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, parts_of
 from ...core.mission.parts import utc_time
 from ..compat import POLYGON, VECTOR
 from ..form.area import FormError, area_words, entered_area, entered_no_fly, with_area

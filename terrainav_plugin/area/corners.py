@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from qgis.core import QgsPointXY
 
 from ...core.errors import InvalidInput
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position
 from ..compat import POLYGON
 from ..i18n import tr
 from .outline import Corner, kept_lat, polygon_geometry, rings_of

@@ -19,7 +19,7 @@ from qgis.PyQt.QtGui import QKeyEvent
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.projections import geodesics
-from ...core.mission.area import Polygon, check_rings
+from ...core.mission.areas.area import Polygon, check_rings
 from ..compat import POINT, POLYGON
 from ..i18n import tr, translate
 from ..map.canvas import TemporaryTool

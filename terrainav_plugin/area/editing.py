@@ -8,7 +8,7 @@ from functools import partial
 
 from qgis.PyQt.QtCore import QObject, pyqtSignal
 
-from ...core.mission.area import Area, Points, Polygon
+from ...core.mission.areas.area import Area, Points, Polygon
 from ..form.area import (
     FormError,
     area_words,

@@ -32,10 +32,10 @@ from ...core.arrays import Floats
 from ...core.errors import Cancelled, InvalidInput
 from ...core.fields import field_named
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position, check_area, parts_of
-from ...core.mission.area_files import load_area, load_no_fly
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position, check_area, parts_of
+from ...core.mission.areas.coords import parse_coords
+from ...core.mission.areas.files import load_area, load_no_fly
 from ...core.mission.clock import check_column
-from ...core.mission.coords import parse_coords
 from ...core.mission.parts import Attitude
 from ...core.numbers import real_number
 from ...core.poses.line import FlownLine, fly

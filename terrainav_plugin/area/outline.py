@@ -23,7 +23,7 @@ from qgis.core import (
 
 from ...core.errors import InvalidInput
 from ...core.geodesy.mercator import MAX_LAT_DEG
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons, Position
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons, Position
 from ..map.canvas import lon_lat_of, to_lon_lat
 from ..map.outlines import around_pole
 

@@ -14,7 +14,7 @@ from qgis.PyQt.QtWidgets import QDialog, QFormLayout, QWidget
 
 from ...core.errors import InvalidInput
 from ...core.fields import declared_fields, field_named
-from ...core.mission.area import Box, Polygon, Polygons
+from ...core.mission.areas.area import Box, Polygon, Polygons
 from ...core.mission.parts import Attitude, Flight
 from ...core.poses.settings import Corridor, Orbit, Scan
 from ..compat import LINE_LAYERS, POLYGON_LAYERS

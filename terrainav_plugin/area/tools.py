@@ -12,7 +12,7 @@ from qgis.PyQt.QtGui import QKeyEvent
 from qgis.PyQt.QtWidgets import QApplication, QMenu
 
 from ...core.errors import TerrAInavError
-from ...core.mission.area import Area, Box, Points, Polygon, Polygons
+from ...core.mission.areas.area import Area, Box, Points, Polygon, Polygons
 from ..compat import POLYGON
 from ..form.area import readout
 from ..i18n import tr, translate

@@ -28,7 +28,7 @@ from .shown import open_image
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
-    from ...core.mission.relief import Heights
+    from ...core.mission.relief.modelled import Heights
 
 #: Most pixels along a side of the map of one image: sharp on a screen, made in seconds.
 _LONGEST_PX = 2000

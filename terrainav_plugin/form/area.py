@@ -12,8 +12,8 @@ import numpy as np
 
 from ...core.errors import InvalidInput, TerrAInavError
 from ...core.geodesy.ellipsoid import WGS84
-from ...core.mission.area import ANGLES, Area, Box, Points, Polygon, Polygons, check_ground, parts_of
-from ...core.mission.coords import parse_coords
+from ...core.mission.areas.area import ANGLES, Area, Box, Points, Polygon, Polygons, check_ground, parts_of
+from ...core.mission.areas.coords import parse_coords
 from ...core.mission.mission import area_from_dict
 from ...core.mission.pose_table import header_of, read_poses, usual_names
 from ...core.numbers import real_number

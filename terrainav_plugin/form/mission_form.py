@@ -33,7 +33,7 @@ from .text import (
 )
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Area, Box
+    from ...core.mission.areas.area import Area, Box
     from ...core.mission.mission import Mission
 
 #: Entries of the other fields that a message may be about.
@@ -83,7 +83,7 @@ def mission(state: FormState) -> Mission:
     FormError
         With the core's message at every field that is wrong.
     """
-    from ...core.mission.area import check_ground
+    from ...core.mission.areas.area import check_ground
 
     checks = _Checks()
     area = _box(state, checks)
@@ -96,7 +96,7 @@ def mission(state: FormState) -> Mission:
 
 def test_shot(state: FormState, lat_deg: float, lon_deg: float) -> Mission:
     """Mission of one picture above a point, otherwise as entered; raises FormError as `mission` does."""
-    from ...core.mission.area import Points
+    from ...core.mission.areas.area import Points
 
     checks = _Checks()
     # Nobody flies there: it needs no way from a take-off, and no battery.
@@ -111,7 +111,7 @@ def box(state: FormState) -> Box | None:
 
 
 def _mission(state: FormState, area: Area | None, checks: _Checks) -> Mission:
-    from ...core.mission.area import check_agl
+    from ...core.mission.areas.area import check_agl
     from ...core.mission.mission import Mission
 
     state = state.asked_for
@@ -280,7 +280,7 @@ def _camera(state: FormState, checks: _Checks) -> Any:
 
 
 def _box(state: FormState, checks: _Checks) -> Box | None:
-    from ...core.mission.area import Box, check_lat_lon
+    from ...core.mission.areas.area import Box, check_lat_lon
 
     names = {
         "north": tr("northern edge"),

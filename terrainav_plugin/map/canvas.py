@@ -19,7 +19,7 @@ from qgis.PyQt.QtCore import QEvent, QObject, Qt, pyqtSignal
 from qgis.PyQt.QtGui import QKeyEvent
 
 from ...core.errors import InvalidInput, TerrAInavError
-from ...core.mission.area import Box
+from ...core.mission.areas.area import Box
 from ..i18n import tr, translate
 
 LON_LAT = "EPSG:4326"

@@ -20,7 +20,7 @@ from qgis.core import (
 
 from ...core.geodesy.mercator import MAX_LAT_DEG
 from ...core.geodesy.planes import ProjectedPlane
-from ...core.mission.area import cut_half_plane
+from ...core.mission.areas.area import cut_half_plane
 from ...core.mission.outlines import cut_at_antimeridian, cut_line, metres, pictures_m
 from ..compat import POLYGON
 

@@ -21,7 +21,7 @@ from .options_page import CacheDialog
 from .source_dialogs import AddSourceDialog
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Box
+    from ...core.mission.areas.area import Box
 
 
 class SourceList(QObject):

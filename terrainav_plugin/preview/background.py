@@ -23,7 +23,7 @@ from ...core.geodesy.mercator import MAX_LAT_DEG, PixelGrid, lat_to_v, lon_to_u
 from ...core.imagery.opening import kind_of, open_source
 from ...core.imagery.raster.trust import name_for_gdal
 from ...core.imagery.source import Window
-from ...core.mission.area import Box
+from ...core.mission.areas.area import Box
 from ..form import mission_form
 from ..i18n import tr, translate
 from ..map.canvas import box_of, canvas_rectangle, show_extent

@@ -15,14 +15,14 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QDateTime, QTimeZone
 
 from ...core.geodesy.mercator import wrap_lon_deg
-from ...core.mission.area import Polygon, parts_of
+from ...core.mission.areas.area import Polygon, parts_of
 from ..map.outlines import flight_lines, footprint_shapes, metres, placed, ring_polygon
 from .index import Rects
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ...core.mission.area import Box
+    from ...core.mission.areas.area import Box
     from ...core.mission.plan import Plan
     from .index import CaptureIndex
     from .view import Rect

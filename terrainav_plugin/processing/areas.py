@@ -21,7 +21,7 @@ from ..compat import POINT, POLYGON, chosen_fields
 from ..i18n import number_text, tr, translate
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Area, Box, Polygon, Polygons
+    from ...core.mission.areas.area import Area, Box, Polygon, Polygons
     from .algorithm import AlgorithmRun
 
 
@@ -129,7 +129,7 @@ def no_fly_of_layer(run: AlgorithmRun) -> tuple[Polygon, ...]:
 
 
 def _together(polygons: tuple[Polygon, ...]) -> Polygons:
-    from ...core.mission.area import Polygons
+    from ...core.mission.areas.area import Polygons
 
     return Polygons(polygons)
 
@@ -166,7 +166,7 @@ def _polygons(
     run: AlgorithmRun, features: list[QgsFeature], source: QgsProcessingFeatureSource, name: str
 ) -> tuple[Polygon, ...]:
     """Polygons of features and of their parts, as the panel has them of a layer; raises InvalidInput."""
-    from ...core.mission.area import parts_of
+    from ...core.mission.areas.area import parts_of
     from ..area.layers import polygons_of
 
     crs, context = crs_of(source), run.context.transformContext()

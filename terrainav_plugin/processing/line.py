@@ -31,7 +31,7 @@ from .mission_parameters import number_of
 from .plan import feature_of, fields_of, fill
 
 if TYPE_CHECKING:
-    from ...core.mission.area import Points
+    from ...core.mission.areas.area import Points
 
 _FIELDS = (("agl_m", "number"), ("yaw_deg", "number"), ("roll_deg", "number"), ("time", "time"))
 

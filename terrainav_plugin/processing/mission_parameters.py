@@ -35,7 +35,7 @@ from .choices import ChoiceParameter
 
 if TYPE_CHECKING:
     from ...core.geodesy.camera import Camera
-    from ...core.mission.area import Area
+    from ...core.mission.areas.area import Area
     from ...core.mission.mission import Mission
     from .algorithm import Algorithm, AlgorithmRun
 
@@ -327,7 +327,7 @@ def _area(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
         return area_of_extent(run), agl_m
     if given == ["AREA"]:
         return area_of_layer(run, agl_m)
-    from ...core.mission.coords import parse_coords
+    from ...core.mission.areas.coords import parse_coords
 
     return parse_coords(run.text("COORDS").strip(), agl_m=agl_m)
 

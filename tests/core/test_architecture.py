@@ -80,7 +80,10 @@ TOLD_IN_ORDER = [
     CORE / name
     for name in (
         "geodesy",
+        "geodesy/raytracing",
         "mission",
+        "mission/areas",
+        "mission/relief",
         "mission/layout",
         "mission/export",
         "elevation",
@@ -311,7 +314,7 @@ OWN_READS = {
     "core/imagery/raster/trust.py": {
         "sqlite3.connect(f'{file.absolute().as_uri()}?mode=ro', uri=True)": "of a file that open_foreign has opened"
     },
-    "core/mission/area_files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
+    "core/mission/areas/files.py": {"zipfile.ZipFile(io.BytesIO(body))": "of read_limited"},
     "core/mission/export/flown.py": {
         "zipfile.ZipFile(io.BytesIO(data))": "made by this program a moment ago"
     },

@@ -12,8 +12,8 @@ from terrainav.core.dataset.table import Table
 from terrainav.core.drawing import label_of
 from terrainav.core.errors import TerrAInavError
 from terrainav.core.imagery.opening import named_source
-from terrainav.core.mission.area_files import load_area
-from terrainav.core.mission.coords import parse_coords, parse_points
+from terrainav.core.mission.areas.coords import parse_coords, parse_points
+from terrainav.core.mission.areas.files import load_area
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.pose_table import read_poses
 from terrainav.core.pairs.places import read_box, read_places

@@ -9,7 +9,7 @@ from terrainav.core.benchmark.folder import Mosaic
 from terrainav.core.dataset.labels import Frame
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
-from terrainav.core.geodesy.relief import Surface
+from terrainav.core.geodesy.raytracing.surface import Surface
 from terrainav.core.mosaic import raster
 
 from tests.support.systems import NATIONAL

@@ -12,16 +12,16 @@ import numpy as np
 from hypothesis import strategies as st
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.relief import Surface
-from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.area_files import load_area
-from terrainav.core.mission.coords import parse_coords, parse_points
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.mission.areas.area import Box, Points, Polygon
+from terrainav.core.mission.areas.coords import parse_coords, parse_points
+from terrainav.core.mission.areas.files import load_area
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.options import OPTIONS
 from terrainav.core.mission.plan import plan
-from terrainav.core.mission.relief import Heights
+from terrainav.core.mission.relief.modelled.modelled import Heights
 from terrainav.core.mission.settings import mission_from, resolve
 
 from tests.fuzz.support import Target, altered, any_of, as_json, as_text, mutated

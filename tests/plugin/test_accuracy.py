@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtTest import QTest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.methods import bound_text

@@ -26,8 +26,8 @@ from qgis.PyQt.QtCore import QDate, QDateTime, QPoint, Qt, QTime
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError
-from terrainav.core.mission.area import Box
-from terrainav.core.mission.area_files import load_area
+from terrainav.core.mission.areas.area import Box
+from terrainav.core.mission.areas.files import load_area
 from terrainav.terrainav_plugin.area.dialogs import LayerDialog
 from terrainav.terrainav_plugin.area.layers import (
     EDGE_TOLERANCE_M,

@@ -10,7 +10,7 @@ from osgeo import gdal
 from qgis.core import QgsCoordinateReferenceSystem, QgsFeature, QgsGeometry, QgsProject, QgsVectorLayer
 from qgis.PyQt.QtWidgets import QDialog, QDialogButtonBox
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Points, Polygon
+from terrainav.core.mission.areas.area import Points, Polygon
 from terrainav.core.poses.patterns import corridor, facade, orbit, structure
 from terrainav.core.poses.settings import Corridor, Orbit, Scan
 from terrainav.terrainav_plugin.form.area import entered_area

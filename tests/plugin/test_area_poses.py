@@ -10,7 +10,7 @@ import pytest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox, QFileDialog
 from terrainav.core.cli import main
 from terrainav.core.errors import Cancelled
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.poses.gpx import read_gpx
 from terrainav.core.poses.settings import PoseFile
 from terrainav.core.safe_xml import elements_of

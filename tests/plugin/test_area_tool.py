@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QScrollArea
 from terrainav.core.geodesy.mercator import MAX_LAT_DEG
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.terrainav_plugin.area.outline import moved, stretched
 
 pytestmark = pytest.mark.usefixtures("ground")

@@ -14,7 +14,7 @@ from qgis.PyQt.QtTest import QTest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.terrainav_plugin.preview import background
 from terrainav.terrainav_plugin.preview.background import choose_picture, render
 from terrainav.terrainav_plugin.sources import tile_layer_uri

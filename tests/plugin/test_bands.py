@@ -11,7 +11,7 @@ from qgis.core import QgsRasterLayer
 from qgis.PyQt.QtWidgets import QLineEdit
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.dataset.mosaic import build_mosaics

@@ -26,7 +26,7 @@ from terrainav.core.benchmark.planning import SPLITS, BenchmarkSettings, plan_be
 from terrainav.core.benchmark.running import METHODS
 from terrainav.core.dataset.folder import PARTS
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin import packages

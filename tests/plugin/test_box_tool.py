@@ -160,7 +160,7 @@ def test_outline_around_a_pole_reaches_it():
 
 @pytest.mark.parametrize("crs", ["EPSG:4326", "EPSG:3857", "EPSG:32616", "EPSG:2163"])
 def test_box_of_the_rectangle_of_a_box_holds_it(clean_project, crs):
-    from terrainav.core.mission.area import Box
+    from terrainav.core.mission.areas.area import Box
 
     box = Box(35.16, -89.90, 35.115, -89.823)
     there = QgsCoordinateReferenceSystem(crs)

@@ -13,7 +13,7 @@ from terrainav.core.capture.runner import capture as run_capture
 from terrainav.core.geodesy.footprint import exact
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission

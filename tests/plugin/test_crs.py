@@ -12,7 +12,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.catalogue import described
 from terrainav.core.imagery.entry import CatalogueEntry
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin import sources

@@ -224,7 +224,7 @@ def test_entries_are_written_down_once_when_typing_pauses(desk, monkeypatch):
 
 
 def test_large_shapes_are_looked_at_once_however_much_is_typed(desk, monkeypatch):
-    from terrainav.core.mission.area import Points, Polygon
+    from terrainav.core.mission.areas.area import Points, Polygon
 
     angles = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
     ring = tuple(zip((0.01 * np.cos(angles)).tolist(), (0.01 * np.sin(angles)).tolist()))

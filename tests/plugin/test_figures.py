@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import terrainav.core.mission
 from terrainav.core.errors import Message, OptionName
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

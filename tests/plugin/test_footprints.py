@@ -11,7 +11,7 @@ from qgis.PyQt.QtCore import QEventLoop, QTimer
 from terrainav.core.dataset.folder import FOOTPRINTS_FILE
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

@@ -9,7 +9,7 @@ import pytest
 from qgis.core import QgsVectorLayer
 from terrainav.core.capture.runner import capture
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -117,7 +117,7 @@ def test_what_is_said_of_an_entry_out_of_sight_stands_with_the_figures(desk):
     ],
 )
 def test_a_date_of_a_mission_file_is_kept_where_its_source_may_have_dates(desk, source, dated):
-    from terrainav.core.mission.area import Box
+    from terrainav.core.mission.areas.area import Box
     from terrainav.core.mission.mission import Mission
     from terrainav.terrainav_plugin.form.mission_form import mission, state_of
 

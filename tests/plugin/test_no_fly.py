@@ -11,7 +11,7 @@ from qgis.gui import QgsRubberBand
 from qgis.PyQt.QtCore import Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QFileDialog
-from terrainav.core.mission.area import Polygon
+from terrainav.core.mission.areas.area import Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.area.bands import NO_FLY_COLOURS
 from terrainav.terrainav_plugin.form import mission_form

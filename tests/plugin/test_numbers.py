@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QLocale
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QLabel, QLineEdit
 from terrainav.core.errors import InvalidInput, Message
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.terrainav_plugin.form import mission_form
 from terrainav.terrainav_plugin.form.area import area_of_text
 from terrainav.terrainav_plugin.form.state import FormState

@@ -26,7 +26,7 @@ from qgis.PyQt.QtWidgets import QComboBox, QLabel
 from terrainav.core.capture.runner import capture as run
 from terrainav.core.imagery.raster.source import open_raster
 from terrainav.core.imagery.source import Window
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.area.outline import AreaOutline, moved

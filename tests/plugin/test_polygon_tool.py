@@ -8,7 +8,7 @@ from qgis.core import QgsCoordinateReferenceSystem, QgsGeometry, QgsPointXY, Qgs
 from qgis.PyQt.QtCore import QPoint, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QLabel, QMenu
-from terrainav.core.mission.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
 from terrainav.terrainav_plugin.area.corners import with_polygon
 from terrainav.terrainav_plugin.form.area import entered_area
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from qgis.core import QgsCoordinateReferenceSystem, QgsCoordinateTransform, QgsGeometry, QgsProject
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Polygon, Polygons
+from terrainav.core.mission.areas.area import Polygon, Polygons
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.preview.features import area_features

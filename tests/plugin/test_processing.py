@@ -39,7 +39,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import HALF_WORLD_M
 from terrainav.core.imagery.opening import named_source
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import OFFLINE, estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

@@ -15,7 +15,7 @@ from qgis.core import QgsProcessingFeedback, QgsVectorLayer
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -16,7 +16,7 @@ from qgis.PyQt.QtWidgets import QCheckBox, QLineEdit, QMenu, QToolButton
 from terrainav.core.errors import SourceError
 from terrainav.core.fields import field_named
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import Output
 from terrainav.core.mission.plan import plan

@@ -18,7 +18,7 @@ from terrainav.core.imagery import opening
 from terrainav.core.imagery.catalogue import add, described, user_sources
 from terrainav.core.imagery.entry import CatalogueEntry
 from terrainav.core.imagery.opening import FILE, SERVICE, Kind
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.credentials import problem_with
 from terrainav.terrainav_plugin.form.mission_form import state_of

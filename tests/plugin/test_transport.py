@@ -25,7 +25,7 @@ from terrainav.core.imagery.http.client import Client
 from terrainav.core.imagery.http.transport import Timeouts, TransportError, user_agent
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.capture.task import CaptureTask

@@ -10,7 +10,7 @@ import pytest
 from qgis.core import QgsProject
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QFileDialog
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup

@@ -10,7 +10,7 @@ from qgis.PyQt.QtCore import QLocale, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QLabel, QLineEdit
 from terrainav.core.errors import InvalidInput, TerrAInavError
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.terrainav_plugin.form import mission_form
 from terrainav.terrainav_plugin.form.area import FormError, area_of_text
 from terrainav.terrainav_plugin.form.state import FormState

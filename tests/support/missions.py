@@ -7,7 +7,7 @@ from dataclasses import asdict
 from hypothesis import strategies as st
 from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import FLAT_PARTS, Imagery

@@ -13,7 +13,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import FIELDS, Table
 from terrainav.core.files import write_whole
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.stores import Address, store_path

@@ -23,9 +23,9 @@ from ...arrays import Floats
 from ...errors import InvalidInput
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
-from ..overflown import Overflown
 from ..plan import Plan
-from ..relief import no_ground
+from ..relief.modelled import no_ground
+from ..relief.overflown import Overflown
 from .sorties import continuous
 
 #: Between two lines of places.

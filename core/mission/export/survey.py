@@ -23,7 +23,7 @@ from ...arrays import Floats
 from ...errors import InvalidInput, Message
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane
-from ..area import Box, Polygon
+from ..areas.area import Box, Polygon
 from ..parts import GROUND, HOVER, ONE_WAY
 from ..plan import Plan
 from .qgroundcontrol import (

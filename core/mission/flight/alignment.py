@@ -12,7 +12,7 @@ from ...errors import Cancelled, InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import arctan2
 from ...geodesy.mercator import PixelGrid
 from ...geodesy.projections import LocalPlane
-from ..area import Box, Points, Polygon, Polygons
+from ..areas.area import Box, Points, Polygon, Polygons
 from ..estimate import length_text
 from ..layout.coverage import rings_of
 from ..layout.framing import ground_of
@@ -20,7 +20,7 @@ from ..layout.rotated import is_rotated, lay_out_rotated
 from ..mission import Mission
 from ..parts import COVER, EASTWARD_DEG, LONGEST_SIDE, SHORTEST
 from ..plan import Plan, plan
-from ..relief import Heights
+from ..relief.modelled import Heights
 from .motion import legs
 
 #: Steps of the search for an azimuth, degrees; each refines the two best azimuths of the step before.

@@ -16,12 +16,12 @@ from ...geodesy.camera import Poses
 from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.projections import LocalPlane, geodesic_ends, geodesics
 from ...geodesy.ways import way_around
-from ..area import Points, Polygon
+from ..areas.area import Points, Polygon
+from ..layout.no_fly import in_no_fly
 from ..mission import Mission
-from ..no_fly import in_no_fly
-from ..overflown import Overflown, Profile
 from ..parts import GROUND, HOVER, ONE_WAY
-from ..relief import ReliefBelow, no_ground
+from ..relief.modelled import ModelledRelief, no_ground
+from ..relief.overflown import Overflown, Profile
 from .motion import legs
 
 #: Kinds of points. Take-off and landing lie on the ground; the points above them, at which the way there begins and
@@ -74,7 +74,7 @@ class Planned(Protocol):
         ...
 
     @property
-    def relief(self) -> ReliefBelow | None:
+    def relief(self) -> ModelledRelief | None:
         """The relief that they are flown over; None where the ground is level."""
         ...
 
@@ -309,7 +309,7 @@ class _Maker:
             )
         return lat, lon
 
-    def _relief_below(self, relief: ReliefBelow | None) -> Overflown | None:
+    def _relief_below(self, relief: ModelledRelief | None) -> Overflown | None:
         if relief is None:
             return None
         lat, lon = [self._captures.lat], [self._captures.lon]

@@ -5,6 +5,7 @@ In reading order:
 - `rows`: rows along parallels, the paper's UTM grid, or single points
 - `rotated`: rows that are turned from east, or crossed
 - `polygons`: several polygons as one flight
+- `no_fly`: captures over no-fly areas, which are left out
 - `framing`: the frames of the captures, their zoom and their size
 - `coverage`: what the pictures show, what neighbours share, and where the source has no imagery
 """

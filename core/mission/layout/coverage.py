@@ -13,7 +13,7 @@ from ...arrays import Floats, Numbers
 from ...geodesy.ellipsoid import WGS84
 from ...geodesy.frames import Windows
 from ...geodesy.mercator import PixelGrid, lat_to_v, lon_to_u, u_to_lon, v_to_lat
-from ..area import (
+from ..areas.area import (
     Area,
     Box,
     Part,

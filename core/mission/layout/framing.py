@@ -32,11 +32,11 @@ from ...geodesy.planes import ProjectedPlane
 from ...geodesy.rectangles import inscribed_edges, inscribed_edges_on
 from ...geodesy.view import fitting_detail
 from ...limits import MAX_PICTURE_PX, MAX_PICTURE_SIDE_PX
-from ..area import Points
+from ..areas.area import Points
 from ..mission import Mission
-from ..no_fly import left_out
 from ..parts import FIRST, GROUND, TRACK
-from ..relief import Flown, ReliefBelow
+from ..relief.modelled import Flown, ModelledRelief
+from .no_fly import left_out
 from .polygons import lay_out_polygons
 from .rotated import Pass, is_rotated, lay_out_rotated
 from .rows import Layout, bounds_with_margin, from_entry, lay_out, point_angles_deg, row_yaws_deg, sees_below
@@ -106,7 +106,7 @@ def framed(
     grid: PixelGrid,
     framing: Framing,
     disturbed: Disturbed,
-    relief: ReliefBelow | None = None,
+    relief: ModelledRelief | None = None,
 ) -> Framed:
     """Lay a mission out in frames of one kind.
 
@@ -237,7 +237,7 @@ def _common_edges(ways: list[FrameEdges]) -> FrameEdges:
     return FrameEdges(west.max(axis=0), east.min(axis=0), top.max(axis=0), bottom.min(axis=0))
 
 
-def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout: Layout) -> int:
+def _zoom(mission: Mission, framing: Framing, relief: ModelledRelief | None, layout: Layout) -> int:
     """Zoom of a mission's pictures."""
     if relief is None or mission.terrain.height_above == GROUND:
         return framing.zoom(layout)
@@ -245,7 +245,7 @@ def _zoom(mission: Mission, framing: Framing, relief: ReliefBelow | None, layout
     return framing.zoom(layout._replace(agl_m=relief.flown(layout).seen_agl_m))
 
 
-def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
+def _over_highest(mission: Mission, relief: ModelledRelief | None) -> Mission:
     """A mission as high above level ground as it is above the highest that it sees of the relief."""
     if relief is None:
         return mission
@@ -256,7 +256,7 @@ def _over_highest(mission: Mission, relief: ReliefBelow | None) -> Mission:
     return mission.with_(agl_m=float(least.min()))
 
 
-def _deepest_share(least: Mission, relief: ReliefBelow | None) -> float:
+def _deepest_share(least: Mission, relief: ModelledRelief | None) -> float:
     """How many times as high as over the highest a mission is over the lowest ground that cameras look aside at."""
     if relief is None or sees_below(least):
         return 1.0

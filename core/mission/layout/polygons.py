@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Floats, Numbers
 from ...errors import InvalidInput, Message, OptionName
 from ...geodesy.ellipsoid import WGS84, sin_cos
-from ..area import Polygons
+from ..areas.area import Polygons
 from ..mission import Mission
 from ..parts import ONE_WAY, PAPER
 from .rotated import Pass

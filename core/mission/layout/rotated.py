@@ -16,7 +16,7 @@ from ...geodesy.mercator import wrap_lon_deg
 from ...geodesy.planes import ProjectedPlane, TurnedPlane
 from ...geodesy.projections import NOISE_M, LocalPlane, geodesic_ends
 from ...geodesy.rectangles import RowsPlane, Sides, common_sides, image_rings, own_sides
-from ..area import (
+from ..areas.area import (
     Box,
     Points,
     Polygon,

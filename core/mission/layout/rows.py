@@ -17,7 +17,7 @@ from ...geodesy.ellipsoid import WGS84, gauss_legendre
 from ...geodesy.frames import FrameEdges
 from ...geodesy.mercator import MAX_LAT_DEG, lat_to_v, lon_to_u, u_to_lon, v_to_lat, wrap_lon_deg
 from ...geodesy.projections import utm_zone
-from ..area import Box, Points, Polygon, Polygons, row_spans, touching
+from ..areas.area import Box, Points, Polygon, Polygons, row_spans, touching
 from ..flight.motion import legs
 from ..mission import Mission
 from ..parts import COMPASS_CORNERS, EASTWARD_DEG, FIRST, NEAREST, NORTH, ONE_WAY, TRACK

@@ -19,7 +19,7 @@ from terrainav.core.benchmark.making import make_benchmark
 from terrainav.core.benchmark.planning import BenchmarkSettings, plan_benchmark, tiles_folder
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 

@@ -16,7 +16,7 @@ from terrainav.core.cli import main
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.fields import declared_fields
 from terrainav.core.files import json_bytes
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.parts import FLAT_PARTS

@@ -18,7 +18,7 @@ from terrainav.core.config import FOLDER_ENV
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import u_to_lon, v_to_lat
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.cameras import add_camera, camera_named
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

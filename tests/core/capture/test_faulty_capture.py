@@ -22,7 +22,7 @@ from terrainav.core.imagery.http.transport import Timeouts
 from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.source import tile_parts
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import window_of

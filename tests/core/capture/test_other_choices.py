@@ -11,7 +11,7 @@ from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.mercator import v_to_lat
 from terrainav.core.geodesy.view import ImageRays, mesh
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.world import WorldSource

@@ -14,7 +14,7 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.http.client import Client
 from terrainav.core.imagery.http.requests_transport import RequestsTransport
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -12,7 +12,7 @@ import pytest
 from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.xyz import XYZSource
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

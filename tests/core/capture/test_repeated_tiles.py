@@ -20,7 +20,7 @@ from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.placeholder import PLACEHOLDER_REASON, Provided
 from terrainav.core.imagery.source import tile_parts
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import window_of

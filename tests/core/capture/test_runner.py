@@ -25,7 +25,7 @@ from terrainav.core.dataset.table import Table
 from terrainav.core.errors import Cancelled, InvalidInput, OutputError, PartError, SourceError
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid
 from terrainav.core.imagery.source import tile_parts
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import window_of

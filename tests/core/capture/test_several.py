@@ -20,7 +20,7 @@ from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import tile_parts
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.map_frame import window_of

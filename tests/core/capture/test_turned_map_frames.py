@@ -19,7 +19,7 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import named_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.mission.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic.orthomosaic import make_orthomosaic

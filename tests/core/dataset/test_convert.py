@@ -15,7 +15,7 @@ from terrainav.core.dataset.convert import Converted, convert
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

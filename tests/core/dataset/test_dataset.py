@@ -11,7 +11,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.dataset import read_dataset
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -21,7 +21,7 @@ from terrainav.core.dataset.table import GAP, Table, part_of
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import trace
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

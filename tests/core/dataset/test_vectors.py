@@ -9,7 +9,7 @@ from terrainav.core.dataset import vectors
 from terrainav.core.dataset.vectors import HEAD_BYTES, check_geojson, checked_geojson, json_without_tags
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.export.geojson import geojson_text
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

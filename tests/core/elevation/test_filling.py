@@ -7,12 +7,12 @@ import pytest
 from osgeo import gdal
 from terrainav.core.capture.runner import capture
 from terrainav.core.elevation.filling import REACH_PX, interpolated
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.raster import reading
 from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

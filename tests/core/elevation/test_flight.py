@@ -15,8 +15,8 @@ from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
-from terrainav.core.mission.area import Box, Points, Polygon, Polygons
-from terrainav.core.mission.area import inside as inside_area
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.areas.area import inside as inside_area
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind

@@ -12,7 +12,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import numpy as np
 import pytest
 from PIL import Image
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.errors import InvalidInput, PartError
 
 from tests.core.elevation.test_heights import encoded_terrain_rgb, encoded_terrarium

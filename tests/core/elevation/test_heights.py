@@ -14,7 +14,7 @@ from osgeo import gdal
 from PIL import Image
 from terrainav.core.elevation.datum import Datum
 from terrainav.core.elevation.heights import HeightOptions
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.raster import source as raster_source
 from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile

@@ -16,10 +16,10 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.relief import Surface
-from terrainav.core.geodesy.relief_view import Tracing
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.geodesy.raytracing.tracing import Tracing
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of

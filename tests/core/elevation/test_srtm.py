@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from osgeo import gdal
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.errors import InvalidInput
 from terrainav.core.imagery.raster import source as raster_source
 from terrainav.core.imagery.raster.reading import GdalFile, RasterioFile

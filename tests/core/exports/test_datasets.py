@@ -21,7 +21,7 @@ from terrainav.core.exports.kinds import DATASETS, KINDS, export_as, refusals
 from terrainav.core.exports.tables import PARQUET_FILE, write_parquet
 from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

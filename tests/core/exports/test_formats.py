@@ -19,7 +19,7 @@ from terrainav.core.exports.kinds import VIEWS
 from terrainav.core.exports.views import Views
 from terrainav.core.geodesy.quaternions import quaternions_from_matrices
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

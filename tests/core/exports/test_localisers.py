@@ -21,7 +21,7 @@ from terrainav.core.exports import localisers
 from terrainav.core.exports.kinds import BENCHMARKS
 from terrainav.core.exports.localisers import LAYOUTS, export_benchmark
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 from terrainav.core.picture.heights import heights_of

@@ -23,7 +23,7 @@ from terrainav.core.exports.croissant import CROISSANT_FILE, write_croissant
 from terrainav.core.exports.kinds import export_as
 from terrainav.core.exports.stac import COLLECTION_FILE, ITEMS_FILE, write_stac
 from terrainav.core.imagery.opening import named_source, open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.stores import store_path

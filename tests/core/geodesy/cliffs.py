@@ -11,8 +11,8 @@ from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
-from terrainav.core.geodesy.relief import Surface
-from terrainav.core.geodesy.relief_view import Tracing
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.geodesy.raytracing.tracing import Tracing
 
 #: Systems, of which the first four have a datum of their own, and places in them.
 SYSTEMS = (

@@ -7,8 +7,8 @@ import pytest
 from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.relief import Surface
-from terrainav.core.geodesy.relief_view import Tracing
+from terrainav.core.geodesy.raytracing.surface import Surface
+from terrainav.core.geodesy.raytracing.tracing import Tracing
 
 from tests.core.geodesy.cliffs import SIDE, SYSTEMS, Kept, Truth, random_scene, surface_about
 

@@ -7,9 +7,9 @@ import pyproj
 import pytest
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.geodesy.paths import Paths, evaluate, fit_paths
 from terrainav.core.geodesy.planes import ProjectedPlane
-from terrainav.core.geodesy.relief import PixelRays, Surface
+from terrainav.core.geodesy.raytracing.paths import Paths, evaluate, fit_paths
+from terrainav.core.geodesy.raytracing.surface import PixelRays, Surface
 
 CAMERA = Camera(78.8, 4 / 3)
 #: Pixels of the images, cells of the surfaces, and metres of a cell.

@@ -14,7 +14,7 @@ from terrainav.core.geodesy.accuracy import Scene
 from terrainav.core.geodesy.camera import CORNERS, Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.view import ImageRays, mesh
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.layout.framing import ground_of
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.outlines import footprints_deg

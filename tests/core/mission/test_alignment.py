@@ -8,7 +8,7 @@ from pyproj import Geod
 from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate, length_text
 from terrainav.core.mission.flight.alignment import align_rows, longest_side_deg
 from terrainav.core.mission.flight.wind import Wind

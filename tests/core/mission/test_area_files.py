@@ -12,9 +12,9 @@ from terrainav.core import safe_xml
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.limits import MAX_POLYGONS
-from terrainav.core.mission import area_files
-from terrainav.core.mission.area import Polygon, Polygons
-from terrainav.core.mission.area_files import load_area, load_no_fly
+from terrainav.core.mission.areas import files as area_files
+from terrainav.core.mission.areas.area import Polygon, Polygons
+from terrainav.core.mission.areas.files import load_area, load_no_fly
 from terrainav.core.mission.layout import rows
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.coords import parse_coords, parse_points
+from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.areas.coords import parse_coords, parse_points
 
 BOX = Box(35.22, -90.07, 35.06, -89.73)
 

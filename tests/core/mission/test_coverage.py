@@ -15,7 +15,14 @@ from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.frames import map_frame_edges
 from terrainav.core.geodesy.mercator import PixelGrid, lat_to_v
 from terrainav.core.geodesy.projections import LocalPlane
-from terrainav.core.mission.area import Box, Polygon, area_within_m2, crossed_and_held, ground_m2, touching
+from terrainav.core.mission.areas.area import (
+    Box,
+    Polygon,
+    area_within_m2,
+    crossed_and_held,
+    ground_m2,
+    touching,
+)
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import coverage
 from terrainav.core.mission.layout import rows as layout

@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import FROM_FILE, OFFLINE, ONLINE, area_text, estimate, percent
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

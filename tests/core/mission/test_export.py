@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.mercator import PixelGrid, wrap_lon_deg
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.export.rows import COLUMNS
 from terrainav.core.mission.mission import Mission

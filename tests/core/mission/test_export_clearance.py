@@ -11,17 +11,17 @@ import pytest
 
 gdal = pytest.importorskip("osgeo.gdal", reason="the tests make their relief by GDAL's Python module")
 
-from terrainav.core.elevation import relief as elevation  # noqa: E402
+from terrainav.core.elevation import layered as elevation  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.geodesy.camera import Camera  # noqa: E402
 from terrainav.core.geodesy.mercator import PixelGrid  # noqa: E402
 from terrainav.core.geodesy.projections import LocalPlane  # noqa: E402
-from terrainav.core.mission import overflown  # noqa: E402
-from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
+from terrainav.core.mission.areas.area import Box, Points, Polygon  # noqa: E402
 from terrainav.core.mission.export import write_plan  # noqa: E402
 from terrainav.core.mission.flight.path import TRANSIT  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
+from terrainav.core.mission.relief.modelled import overflown  # noqa: E402
 from terrainav.core.picture.heights import heights_of  # noqa: E402
 
 from tests.core.mission.flown_reader import Ground, Leg, least_clearance_m, legs_of  # noqa: E402

@@ -6,7 +6,7 @@ import re
 import xml.etree.ElementTree as ET
 
 import pytest
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.export.waypoints import waypoints
 from terrainav.core.mission.mission import Mission

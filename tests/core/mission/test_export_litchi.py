@@ -10,8 +10,8 @@ import pytest
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.area import Box, Points
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.poses.reading import likely_format, read_poses_file

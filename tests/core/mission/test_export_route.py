@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 from pyproj import Geod
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.export import PartsAlreadyThere, write_plan
 from terrainav.core.mission.export.waypoints import waypoints
 from terrainav.core.mission.flight.path import CAPTURE, LANDING, TAKEOFF

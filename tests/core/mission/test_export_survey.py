@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import CORNERS, Camera
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.export.rows import clock
 from terrainav.core.mission.export.waypoints import flight_line, not_flown, waypoints
 from terrainav.core.mission.mission import Mission

@@ -12,7 +12,7 @@ from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.fields import field_named
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.export.wpml import _DRONES
 from terrainav.core.mission.flight.path import (

@@ -10,7 +10,7 @@ from pyproj import Geod
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.ellipsoid import trace
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import duration_text, estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from pyproj import CRS, Geod, Transformer
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission import geojson
-from terrainav.core.mission.area_files import load_area, load_no_fly
-from terrainav.core.mission.geojson import EDGE_TOLERANCE_M
+from terrainav.core.mission.areas import geojson
+from terrainav.core.mission.areas.files import load_area, load_no_fly
+from terrainav.core.mission.areas.geojson import EDGE_TOLERANCE_M
 from terrainav.core.poses.line import read_lines
 
 from tests.support.command import command

@@ -12,7 +12,7 @@ from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera, Poses
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.inside import captures_inside, of_captures, poses_inside
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

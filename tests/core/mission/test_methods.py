@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.methods import bound_text
 from terrainav.core.mission.mission import Mission

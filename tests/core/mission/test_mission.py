@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.fields import declared_fields
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission, flat_fields
 from terrainav.core.mission.parts import FLAT_PARTS, Flight, utc_time

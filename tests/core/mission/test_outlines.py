@@ -13,7 +13,7 @@ from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import HALF_WORLD_M, MAX_LAT_DEG, PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.mission import outlines
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.outlines import (
     cut_at_antimeridian,

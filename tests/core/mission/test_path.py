@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.flight.path import (
     CAPTURE,
     CLIMB_M_PER_S,

@@ -8,7 +8,7 @@ import re
 import pytest
 from pyproj import Geod
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.path import HOVER_S
 from terrainav.core.mission.flight.pilot import Sun, area_sun, interval_s, interval_warnings, sorties_text

@@ -18,8 +18,8 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions, named_source
-from terrainav.core.mission import area as area_module
-from terrainav.core.mission.area import Box, Points, Polygon, Polygons, holds
+from terrainav.core.mission.areas import area as area_module
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons, holds
 from terrainav.core.mission.estimate import area_text, estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout import polygons as polygons_of_layout

@@ -15,8 +15,8 @@ from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.opening import SourceOptions
-from terrainav.core.mission.area import Points
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.area import Points
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission

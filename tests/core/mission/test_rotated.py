@@ -13,7 +13,7 @@ from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.ellipsoid import WGS84
 from terrainav.core.geodesy.mercator import PixelGrid, u_to_lon, v_to_lat
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.layout.rotated import rotated_rectangles

@@ -8,7 +8,7 @@ import time
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.cameras import add_camera
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission

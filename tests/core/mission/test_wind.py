@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.flight import gusts, motion
 from terrainav.core.mission.flight.gusts import LinearSystem, factor
 from terrainav.core.mission.flight.motion import fly

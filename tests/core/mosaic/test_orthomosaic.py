@@ -20,7 +20,7 @@ from terrainav.core.geodesy.local import LocalFrame
 from terrainav.core.geodesy.projections import geodesics
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic import bigtiff

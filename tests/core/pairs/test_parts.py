@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.pairs.parts import SHARES, part_places
 from terrainav.core.pairs.places import Place, spread_places
 

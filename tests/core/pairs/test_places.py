@@ -7,7 +7,7 @@ import itertools
 import pytest
 from pyproj import Geod
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.pairs.places import Place, read_box, read_places, spread_places
 
 from tests.support.growth import PROPORTIONAL, growth

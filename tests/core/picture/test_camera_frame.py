@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from terrainav.core.errors import PartError
 from terrainav.core.geodesy.mercator import lat_to_v, lon_to_u
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.camera_frame import camera_parts, render

@@ -7,7 +7,7 @@ import time
 import pytest
 from terrainav.core.bands import Bands
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture import cost

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pyproj import Geod, Transformer
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.poses.line import TOLERANCE_M, fly, read_lines, turn_radius_m
 from terrainav.core.poses.settings import LineFlight
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from pyproj import Geod, Proj
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.camera import Camera
-from terrainav.core.mission.area import Points, Polygon
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.area import Points, Polygon
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.poses.patterns import corridor, facade, orbit, structure
 from terrainav.core.poses.settings import Corridor, Orbit, Scan
 

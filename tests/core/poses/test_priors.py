@@ -12,7 +12,7 @@ from pyproj import Geod
 from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.table import Table
 from terrainav.core.errors import InvalidInput
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.poses.priors import Sensors, errors_of, write_priors

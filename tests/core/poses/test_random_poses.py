@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import WGS84
-from terrainav.core.mission.area import Box, Polygon, Polygons
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.area import Box, Polygon, Polygons
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.mission.pose_table import table_text
 from terrainav.core.poses.random_poses import Distribution, PoseDistributions, random_poses
 

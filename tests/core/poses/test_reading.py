@@ -15,8 +15,8 @@ from terrainav.core.errors import Cancelled, InvalidInput
 from terrainav.core.exports.formats import export
 from terrainav.core.exports.views import Views
 from terrainav.core.fields import field_named
-from terrainav.core.mission.area import Points
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.area import Points
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mission.pose_table import table_text

@@ -19,7 +19,7 @@ from terrainav.core.exports.localisers import export_benchmark
 from terrainav.core.exports.tables import write_parquet
 from terrainav.core.exports.views import Views
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.imageries import NamedImagery
 from terrainav.core.mission.mission import Mission
 

@@ -14,7 +14,7 @@ from terrainav.core.capture.blocks.engines import Engine, _Workers, open_engine
 from terrainav.core.capture.blocks.running import Blocks
 from terrainav.core.capture.choices import BLOCKS_FOLDER, DIVISION_FILE
 from terrainav.core.capture.runner import capture
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.resources import version

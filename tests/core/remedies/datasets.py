@@ -23,7 +23,7 @@ from terrainav.core.dataset.loading.batches import optional_module
 from terrainav.core.dataset.split import split
 from terrainav.core.dataset.table import Table, part_of
 from terrainav.core.errors import Cancelled
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.mosaic.orthomosaic import make_orthomosaic

@@ -17,7 +17,7 @@ from terrainav.core.capture import writers as jpeg
 from terrainav.core.capture.metadata import Description
 from terrainav.core.capture.runner import capture
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

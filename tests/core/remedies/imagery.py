@@ -494,7 +494,7 @@ def _no_owslib(case: Case) -> None:
 )
 def _decimals(case: Case) -> None:
     from terrainav.core.geodesy.mercator import PixelGrid
-    from terrainav.core.mission.area import Points
+    from terrainav.core.mission.areas.area import Points
     from terrainav.core.mission.mission import Mission
     from terrainav.core.mission.plan import plan
     from terrainav.core.picture.map_frame import window_of

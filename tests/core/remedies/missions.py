@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 from terrainav.core.geodesy.mercator import PixelGrid, extent_of_box
-from terrainav.core.mission import area_files, cameras, coords, settings
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission import cameras, settings
+from terrainav.core.mission.areas import coords
+from terrainav.core.mission.areas import files as area_files
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import beyond_imagery, upsampling
 from terrainav.core.mission.export import litchi, qgroundcontrol, wpml, write_plan
 from terrainav.core.mission.export.rows import clock
@@ -30,7 +32,7 @@ POSES = ((35.0, 10.0, 120.0), (35.0, 10.1, 120.0))
 
 
 @remedy(
-    "mission/area.py",
+    "mission/areas/area.py",
     "box from latitude {} down to {}: south lies above north; give the top-left corner first",
 )
 def _corners(case: Case) -> None:
@@ -39,7 +41,7 @@ def _corners(case: Case) -> None:
 
 
 @remedy(
-    "mission/area.py",
+    "mission/areas/area.py",
     "time of point {}: is before that of the one before it; put the points in the order of their times",
 )
 def _times(case: Case) -> None:
@@ -62,7 +64,7 @@ def _pitch(case: Case) -> None:
     case.follow("gimbal_pitch (-90 does)", lambda: named("gimbal_pitch", -90))
 
 
-@remedy("mission/area.py", "{} {} of {} points: give one for each, or none")
+@remedy("mission/areas/area.py", "{} {} of {} points: give one for each, or none")
 def _yaws(case: Case) -> None:
     case.refused(lambda: Points(POSES, (10.0,)))
     case.follow("give one for each", lambda: Points(POSES, (10.0, 20.0)))
@@ -70,7 +72,8 @@ def _yaws(case: Case) -> None:
 
 
 @remedy(
-    "mission/coords.py", "{} {} has {} numbers and the lines before {}: give every point its yaw, or none"
+    "mission/areas/coords.py",
+    "{} {} has {} numbers and the lines before {}: give every point its yaw, or none",
 )
 def _lines(case: Case) -> None:
     case.refused(lambda: coords.parse_points(["35 10 120", "35 10.1 120 90"]))
@@ -81,7 +84,7 @@ def _lines(case: Case) -> None:
 _POLYGON = '{"type": "Polygon", "coordinates": [[[10, 35], [10.1, 35], [10, 35.1], [10, 35]]]}'
 
 
-@remedy("mission/area_files.py", "{}: holds no polygon; give a GeoJSON, KML or KMZ file with one or more")
+@remedy("mission/areas/files.py", "{}: holds no polygon; give a GeoJSON, KML or KMZ file with one or more")
 def _no_polygon(case: Case) -> None:
     path = case.tmp_path / "area.geojson"
     path.write_text('{"type": "Point", "coordinates": [10, 35]}')
@@ -91,7 +94,7 @@ def _no_polygon(case: Case) -> None:
 
 
 @remedy(
-    "mission/area.py",
+    "mission/areas/area.py",
     "polygon around a pole: its sides are straight in degrees; give its corners along the pole as well",
 )
 def _around_a_pole(case: Case) -> None:
@@ -107,7 +110,7 @@ def _around_a_pole(case: Case) -> None:
 
 
 @remedy(
-    "mission/area_files.py",
+    "mission/areas/files.py",
     "{}: lxml, which reads KML, is not installed; get it with: pip install 'terrainav[kml]', or give a GeoJSON file",
 )
 def _no_lxml(case: Case) -> None:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.pairs.capturing import capture_pairs
 from terrainav.core.pairs.parts import check_shares, part_places
 from terrainav.core.pairs.places import Place, read_box, read_places, spread_places

@@ -12,7 +12,7 @@ from terrainav.core.geodesy.frames import map_windows
 from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.geodesy.planes import ProjectedPlane
 from terrainav.core.geodesy.ways import way_around
-from terrainav.core.mission.area import Box, Points, Polygon, Polygons
+from terrainav.core.mission.areas.area import Box, Points, Polygon, Polygons
 from terrainav.core.mission.flight.alignment import align_rows
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from terrainav.core.geodesy.camera import Camera
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points, Polygon
-from terrainav.core.mission.coords import parse_coords
+from terrainav.core.mission.areas.area import Box, Points, Polygon
+from terrainav.core.mission.areas.coords import parse_coords
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.inside import of_captures, poses_inside
 from terrainav.core.mission.mission import Mission
@@ -77,7 +77,7 @@ def _no_area(case: Case) -> None:
 
 
 @remedy(
-    "mission/coords.py",
+    "mission/areas/coords.py",
     "file {}: is a trajectory or a flight log; make a table of poses from it (terrainav poses read)",
 )
 def _no_table(case: Case) -> None:

@@ -10,9 +10,9 @@ import pytest
 from osgeo import gdal
 from terrainav.core.elevation.datum import Datum
 from terrainav.core.elevation.heights import HeightOptions
-from terrainav.core.elevation.relief import open_relief
+from terrainav.core.elevation.layered import open_relief
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of
@@ -156,7 +156,7 @@ def _no_data(case: Case) -> None:
 
 
 @remedy(
-    "mission/relief.py",
+    "mission/relief/modelled.py",
     "no height at latitude {}, longitude {}: the elevation ends there, or has a hole; name a further source that fills "
     "it (--elevation), or have holes interpolated (--holes)",
 )
@@ -176,7 +176,7 @@ def _hole(case: Case) -> None:
 
 
 @remedy(
-    "mission/relief.py",
+    "mission/relief/modelled.py",
     "hole in the heights at latitude {}, longitude {}: the first source has none there; take a further source that "
     "fills it (--holes)",
 )
@@ -188,7 +188,7 @@ def _refused_hole(case: Case) -> None:
 
 
 @remedy(
-    "mission/relief.py",
+    "mission/relief/modelled.py",
     "capture at latitude {}, longitude {}, {} m above the ellipsoid: the surface there rises to {} m, and {} m of "
     "clearance are to be kept; fly {} m higher, or above the ground below",
 )
@@ -204,7 +204,7 @@ def _into_the_tower(case: Case) -> None:
 
 
 @remedy(
-    "mission/relief.py",
+    "mission/relief/modelled.py",
     "capture at latitude {}, longitude {}, {} m above the ellipsoid: what its image may see there rises to {} m; fly "
     "higher, or keep a clearance (--clearance)",
 )

@@ -6,7 +6,7 @@ import re
 from functools import partial
 
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.flight.pilot import interval_warnings
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission

@@ -19,7 +19,7 @@ from terrainav.core.geodesy.mercator import PixelGrid
 from terrainav.core.imagery.policy import Policy
 from terrainav.core.imagery.source import tile_parts
 from terrainav.core.markup import document, element, table
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

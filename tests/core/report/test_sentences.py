@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.report.machine import machine, versions

@@ -10,7 +10,7 @@ import pytest
 from pyproj import Geod, Transformer
 from terrainav.core.geodesy.camera import CORNERS
 from terrainav.core.geodesy.footprint import ground_corners
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.estimate import estimate
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission

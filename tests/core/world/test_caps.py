@@ -10,7 +10,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.ellipsoid import trace
 from terrainav.core.imagery.opening import SourceOptions, named_source, open_source
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.world import World, WorldSource, floes

@@ -15,7 +15,7 @@ from qgis.core import (
 from qgis.PyQt.QtCore import QLocale, Qt
 from qgis.PyQt.QtTest import QTest
 from qgis.PyQt.QtWidgets import QApplication, QDialogButtonBox
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.terrainav_plugin.area.dialogs import LineDialog, PolygonDialog
 from terrainav.terrainav_plugin.area.layers import PointFields, extent_of, lines_of, points_of, polygons_of
 from terrainav.terrainav_plugin.area.patterns import CorridorDialog, RandomDialog

@@ -10,7 +10,7 @@ from qgis.core import QgsApplication, QgsSettings
 from terrainav.core.imagery.catalogue import add, described
 from terrainav.core.imagery.http.transport import TransportError
 from terrainav.core.imagery.opening import named_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.mission.estimate import ONLINE, estimate
 from terrainav.core.mission.mission import Mission

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from terrainav.core.capture.blocks.division import MOST_IMAGES, divide, images_of
 from terrainav.core.errors import InvalidInput
 from terrainav.core.geodesy.frames import Windows
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -22,7 +22,7 @@ from terrainav.core.elevation.heights import with_whole_path
 from terrainav.core.errors import InvalidInput, OutputError
 from terrainav.core.files import open_locked
 from terrainav.core.imagery.opening import named_source
-from terrainav.core.mission.area import Points
+from terrainav.core.mission.areas.area import Points
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.core.picture.heights import heights_of

@@ -31,7 +31,7 @@ from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceEr
 from terrainav.core.imagery.cache.tile_cache import TileCache
 from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.imagery.policy import Policy
-from terrainav.core.mission.area import Box, Points
+from terrainav.core.mission.areas.area import Box, Points
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

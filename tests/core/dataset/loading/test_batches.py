@@ -21,7 +21,7 @@ from terrainav.core.dataset.loading import Batches, Samples
 from terrainav.core.dataset.loading.augment import Augmentation
 from terrainav.core.dataset.loading.batches import chunks, optional_module
 from terrainav.core.errors import InvalidInput, OutputError
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.flight.wind import Wind
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan

@@ -12,7 +12,7 @@ from terrainav.core.capture.runner import capture
 from terrainav.core.dataset.clean import clean
 from terrainav.core.dataset.split import split
 from terrainav.core.imagery.opening import open_source
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -23,7 +23,7 @@ from terrainav.core.imagery.cache import tilefile
 from terrainav.core.imagery.cache.tile_cache import TileCache, default_folder
 from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.policy import Policy
-from terrainav.core.mission.area import Box
+from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

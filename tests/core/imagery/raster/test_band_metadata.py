@@ -11,7 +11,7 @@ from terrainav.core.bands import BandMetadata, Bands  # noqa: E402
 from terrainav.core.capture.writers import geotiff  # noqa: E402
 from terrainav.core.dataset.loading import Samples  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
-from terrainav.core.mission.area import Points  # noqa: E402
+from terrainav.core.mission.areas.area import Points  # noqa: E402
 from terrainav.core.mosaic.orthomosaic import make_orthomosaic  # noqa: E402
 
 from tests.core.dataset.test_geotiff import ABOUT, PLACE  # noqa: E402

@@ -22,7 +22,7 @@ from terrainav.core.imagery.opening import open_source  # noqa: E402
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
-from terrainav.core.mission.area import Box, Points  # noqa: E402
+from terrainav.core.mission.areas.area import Box, Points  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
 from terrainav.core.picture.camera_frame import camera_parts, render  # noqa: E402

@@ -14,7 +14,7 @@ from terrainav.core.capture.begun import BEGUN_FILE  # noqa: E402
 from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.errors import InvalidInput, OutputError  # noqa: E402
 from terrainav.core.imagery.opening import SourceOptions, named_source, open_source  # noqa: E402
-from terrainav.core.mission.area import Points  # noqa: E402
+from terrainav.core.mission.areas.area import Points  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
 

@@ -14,7 +14,7 @@ from terrainav.core.capture.runner import capture  # noqa: E402
 from terrainav.core.dataset.table import Table  # noqa: E402
 from terrainav.core.errors import InvalidInput  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
-from terrainav.core.mission.area import Box, Points, Polygon  # noqa: E402
+from terrainav.core.mission.areas.area import Box, Points, Polygon  # noqa: E402
 from terrainav.core.mission.estimate import estimate  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402

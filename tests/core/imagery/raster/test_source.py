@@ -18,7 +18,7 @@ from terrainav.core.geodesy.mercator import HALF_WORLD_M, PixelGrid  # noqa: E40
 from terrainav.core.imagery.raster import source as raster_source  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster as open_any  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
-from terrainav.core.mission.area import Box  # noqa: E402
+from terrainav.core.mission.areas.area import Box  # noqa: E402
 from terrainav.core.mission.mission import Mission  # noqa: E402
 from terrainav.core.mission.plan import plan  # noqa: E402
 from terrainav.core.picture.map_frame import assemble  # noqa: E402

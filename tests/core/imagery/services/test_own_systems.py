@@ -20,7 +20,7 @@ from terrainav.core.imagery.catalogue import add
 from terrainav.core.imagery.opening import DescribedSource, SourceOptions, named_source, open_source
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.systems import code_of
-from terrainav.core.mission.area import Box, Points, Polygon
+from terrainav.core.mission.areas.area import Box, Points, Polygon
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Floats
-from ..errors import InvalidInput
-from ..geodesy.ellipsoid import WGS84
-from ..geodesy.reference import is_code, read_reference
+from ...arrays import Floats
+from ...errors import InvalidInput
+from ...geodesy.ellipsoid import WGS84
+from ...geodesy.reference import is_code, read_reference
 
 if TYPE_CHECKING:
     from pyproj import Transformer
@@ -189,7 +189,7 @@ class SystemOfFile(System):
 
     def _places(self, corners: Floats) -> Floats:
         """Longitudes and latitudes (n, 2)."""
-        from ..geodesy.projections import through_proj
+        from ...geodesy.projections import through_proj
 
         if not len(corners):
             return corners[:, :2]

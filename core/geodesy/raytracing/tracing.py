@@ -11,14 +11,14 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.polynomial.polynomial import polyval2d, polyvander2d
 
-from ..arrays import Flags, Floats, Numbers
-from .accuracy import Scene
-from .camera import Poses
-from .ellipsoid import WGS84, clearance, positions, sight_lines, trace
-from .mercator import PixelGrid, wrap_lon_deg
+from ...arrays import Flags, Floats, Numbers
+from ..accuracy import Scene
+from ..camera import Poses
+from ..ellipsoid import WGS84, clearance, positions, sight_lines, trace
+from ..mercator import PixelGrid, wrap_lon_deg
+from ..view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_offsets
 from .paths import Paths
-from .relief import Hits, PixelRays, Surface
-from .view import ImageRays, Samples, View, detail_groups, pixel_detail, sample_offsets
+from .surface import Hits, PixelRays, Surface
 
 #: Cells of a surface that an image's rays are traced over, at most; farther away cells are twice as large.
 MOST_CELLS = 1 << 21
@@ -48,7 +48,7 @@ _SAMPLED = 2.0
 _GRAZING = 0.02
 
 
-class Relief(Protocol):
+class ElevationModel(Protocol):
     """Heights over the WGS 84 ellipsoid, wherever they are asked for."""
 
     @property
@@ -158,7 +158,7 @@ class Tracing:
         One pose.
     height_m : float
         Of the camera over the WGS 84 ellipsoid.
-    relief : Relief
+    relief : ElevationModel
     lowest_m : float
         No ground that the image may see is lower.
     tolerance_px : float
@@ -167,7 +167,7 @@ class Tracing:
 
     scene: Scene
     height_m: float
-    relief: Relief
+    relief: ElevationModel
     lowest_m: float
     tolerance_px: float
 

@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Floats, Numbers
-from ..geodesy.ellipsoid import WGS84
-from ..geodesy.projections import LocalPlane
-from ..geodesy.relief import Surface
+from ...arrays import Floats, Numbers
+from ...geodesy.ellipsoid import WGS84
+from ...geodesy.projections import LocalPlane
+from ...geodesy.raytracing.surface import Surface
 
 #: Pieces of legs that are straight on any map, metres: to 3 mm at 60 degrees of latitude.
 _PIECE_M = 250.0

@@ -6,15 +6,15 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-from ..errors import InvalidInput, Message
-from ..files import is_there, read_limited
-from ..limits import MAX_MISSION_BYTES
-from ..numbers import real_number
-from ..safe_json import decoded
-from ..units import LENGTHS_M
+from ...errors import InvalidInput, Message
+from ...files import is_there, read_limited
+from ...limits import MAX_MISSION_BYTES
+from ...numbers import real_number
+from ...safe_json import decoded
+from ...units import LENGTHS_M
+from ..options import KINDS
+from ..pose_table import UNICODE_MINUS, header_of, read_poses, states_separator
 from .area import Area, Box, Points
-from .options import KINDS
-from .pose_table import UNICODE_MINUS, header_of, read_poses, states_separator
 
 _FORMATS = Message(
     '"lat_lon_agl", "latTL_lonTL_latBR_lonBR_agl", or a text file of "lat lon agl [yaw]" lines'

@@ -11,22 +11,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Floats, Numbers
-from ..errors import InvalidInput, Message, OptionName
-from ..geodesy.camera import CORNERS, Poses
-from ..geodesy.ellipsoid import WGS84, sight_lines, sin_cos
-from ..geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
-from ..geodesy.mercator import wrap_lon_deg
-from ..geodesy.relief import Surface
-from ..geodesy.relief_view import Relief
-from .area import ANGLES, Box, Points, Polygon, Polygons, parts_of
-from .area import inside as inside_area
-from .flight.motion import legs
-from .layout.coverage import rings_of
-from .layout.rows import Layout, point_angles_deg, sees_below
-from .mission import Mission
+from ...arrays import Floats, Numbers
+from ...errors import InvalidInput, Message, OptionName
+from ...geodesy.camera import CORNERS, Poses
+from ...geodesy.ellipsoid import WGS84, sight_lines, sin_cos
+from ...geodesy.footprint import Corners, ImagePoints, Outline, exact, image_centres
+from ...geodesy.mercator import wrap_lon_deg
+from ...geodesy.raytracing.surface import Surface
+from ...geodesy.raytracing.tracing import ElevationModel
+from ..areas.area import ANGLES, Box, Points, Polygon, Polygons, parts_of
+from ..areas.area import inside as inside_area
+from ..flight.motion import legs
+from ..layout.coverage import rings_of
+from ..layout.rows import Layout, point_angles_deg, sees_below
+from ..mission import Mission
+from ..parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 from .overflown import Overflown, OverflownInParts, cell_size_m, highest_around, lowest_around
-from .parts import ELLIPSOID, GROUND, REFUSE, TAKEOFF
 
 #: Tangent of the angle off the vertical up to which what an image sees counts for the ground that it surely sees.
 _LOOKED_AT = 4.0
@@ -55,8 +55,8 @@ _LEVEL_M = 1e-4
 class Heights:
     """Relief that a mission is flown over: the ground that it follows, and the surface that its cameras see."""
 
-    ground: Relief
-    surface: Relief
+    ground: ElevationModel
+    surface: ElevationModel
 
 
 class Flown(NamedTuple):
@@ -100,7 +100,7 @@ class ReliefFigures(NamedTuple):
     hidden_share: float
 
 
-class ReliefBelow:
+class ModelledRelief:
     """What a mission's captures fly over and see, in cells as fine as the area allows.
 
     Parameters

@@ -9,13 +9,13 @@ from typing import Any, NamedTuple, Protocol, Union
 
 import numpy as np
 
-from ..arrays import Flags, Floats, Numbers
-from ..errors import InvalidInput, Message
-from ..fields import field_named
-from ..geodesy.ellipsoid import WGS84, next_corners
-from ..geodesy.mercator import v_to_lat, wrap_lon_deg
-from ..limits import MAX_PAIRS_OF_SIDES, MAX_POLYGONS
-from .parts import HIGHEST_AGL_M, Attitude, Flight
+from ...arrays import Flags, Floats, Numbers
+from ...errors import InvalidInput, Message
+from ...fields import field_named
+from ...geodesy.ellipsoid import WGS84, next_corners
+from ...geodesy.mercator import v_to_lat, wrap_lon_deg
+from ...limits import MAX_PAIRS_OF_SIDES, MAX_POLYGONS
+from ..parts import HIGHEST_AGL_M, Attitude, Flight
 
 Position = tuple[float, float]
 #: Start longitude, start latitude, end longitude, end latitude of each edge.

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ..arrays import Floats
 from ..geodesy.mercator import PixelGrid
-from ..geodesy.relief import Surface
+from ..geodesy.raytracing.surface import Surface
 from .filling import REACH_PX, interpolated
-from .heights import HeightOptions, Heights32, Layer, LevelGround, open_heights
+from .heights import ConstantHeight, HeightOptions, Heights32, Layer, open_heights
 
 #: Cells of a surface at most: 32 MB of heights, and as much again several times over where rays are traced.
 MOST_CELLS = 1 << 23
@@ -23,7 +23,7 @@ _LEVEL_CELL_M = 1024.0
 
 
 @dataclass(eq=False)
-class Relief:
+class LayeredElevation:
     """Heights over the WGS 84 ellipsoid as one surface, bilinear between the pixels' centres of the first source.
 
     Parameters
@@ -50,7 +50,7 @@ class Relief:
     def cell_m(self, lat_deg: float, lon_deg: float) -> float:
         """Size of the first source's own pixels at a place, metres."""
         layer = self.layers[0]
-        if isinstance(layer, LevelGround):
+        if isinstance(layer, ConstantHeight):
             return _LEVEL_CELL_M
         return _size_m(layer, lat_deg, lon_deg, layer.grid.native_zoom)
 
@@ -138,7 +138,7 @@ def open_relief(
     options: HeightOptions = HeightOptions(),  # noqa: B008  frozen
     *,
     interpolates: bool = False,
-) -> Relief:
+) -> LayeredElevation:
     """Open the sources of heights that texts name, see `open_heights`; the first that has a height counts.
 
     Raises
@@ -146,7 +146,7 @@ def open_relief(
     InvalidInput, SourceError
         As `open_heights` does.
     """
-    return Relief(tuple(open_heights(text, options) for text in texts), interpolates)
+    return LayeredElevation(tuple(open_heights(text, options) for text in texts), interpolates)
 
 
 def _size_m(layer: Layer, lat_deg: float, lon_deg: float, zoom: int) -> float:
@@ -180,7 +180,7 @@ def _window(
         ends = np.array(grid.extent)
         lows, highs = (np.clip(at, ends.min(axis=0), ends.max(axis=0)) for at in (lows, highs))
     middle = float(np.mean(lat)), float(np.mean(lon))
-    wanted_m = max(cell_m, _LEVEL_CELL_M) if isinstance(layer, LevelGround) else cell_m
+    wanted_m = max(cell_m, _LEVEL_CELL_M) if isinstance(layer, ConstantHeight) else cell_m
     zoom = grid.native_zoom
     size_m = _size_m(layer, *middle, zoom)
     while True:

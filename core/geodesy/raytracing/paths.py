@@ -8,8 +8,8 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from ..arrays import Floats
-from .ellipsoid import WGS84, Ellipsoid, positions
+from ...arrays import Floats
+from ..ellipsoid import WGS84, Ellipsoid, positions
 
 #: Coordinates (n, c) of latitudes and differences of longitude to the camera in degrees, and heights in metres.
 Coordinates = Callable[[Floats, Floats, Floats], Floats]

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Flags, Floats, Numbers
-from .ellipsoid import WGS84, sight_lines, trace
-from .mercator import PixelGrid
+from ...arrays import Flags, Floats, Numbers
+from ..ellipsoid import WGS84, sight_lines, trace
+from ..mercator import PixelGrid
 from .paths import Paths, evaluate, fit_paths, interpolate_rays
 
 #: Sides of the bundles of pixels that are followed together, px: the larger ones lead the smaller ones near the ground.

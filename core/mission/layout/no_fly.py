@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Flags, Floats
-from ..errors import InvalidInput
-from .area import Polygon, inside
-from .layout.rotated import Pass
-from .layout.rows import Layout, picked
+from ...arrays import Flags, Floats
+from ...errors import InvalidInput
+from ..areas.area import Polygon, inside
+from .rotated import Pass
+from .rows import Layout, picked
 
 
 def in_no_fly(polygons: tuple[Polygon, ...], lat_deg: Floats, lon_deg: Floats) -> Flags:
