@@ -1,4 +1,4 @@
-"""The ground that the exact camera sees: its corners, and its outline where the horizon cuts it."""
+"""Ground seen by the exact camera: corners, and the outline where the horizon cuts it."""
 
 from __future__ import annotations
 
@@ -23,23 +23,15 @@ from .ellipsoid import (
     trace,
 )
 
-#: Image points as `CORNERS` has them.
+#: Image points as in `CORNERS`.
 ImagePoints = tuple[tuple[float, float], ...]
-#: Length of a direction's horizontal part, as a share of the whole, below which its azimuth is only noise.
-_VERTICAL = 1e-15
-#: Pieces an edge of the image is divided into, and each arc of the horizon: an arc of a full circle is then
-#: within 0.1 % of its radius.
-_EDGE_PIECES, _ARC_PIECES = 16, 72
-_MIDDLE: ImagePoints = ((0.0, 0.0),)
-#: Image points this close are one.
-_SAME_POINT = 1e-12
 
 
 class Corners(NamedTuple):
-    """Ground corners that a camera sees, in the order of `CORNERS`; arrays (n, 4), degrees.
+    """Ground points at the corners of images, in the order of `CORNERS`; arrays (n, 4), degrees.
 
-    Longitudes are continuous with the camera's. Where ``hit`` is False the corner looks past the Earth, and the
-    point is the one of the horizon below it.
+    Longitudes are continuous with the camera's. Where ``hit`` is False the ray misses the Earth, and the point is that
+    of the horizon below it.
     """
 
     lat_deg: Floats
@@ -48,14 +40,15 @@ class Corners(NamedTuple):
 
 
 def exact(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid = WGS84) -> Corners:
-    """Ground seen at image points by the exact camera, (n, k); of the horizon where a ray misses the Earth."""
+    """Ground points that the exact camera sees at image points, (n, k); on the horizon where a ray misses the Earth."""
     lat, agl = poses.lat_deg[:, np.newaxis], poses.agl_m[:, np.newaxis]
     rays = camera.rays_enu(points, *poses.attitude)
     seen = trace(lat, agl, rays, ground)
     if not seen.hit.all():
         missed = ~seen.hit
         towards = rays[missed]
-        vertical = np.hypot(towards[:, 0], towards[:, 1]) <= _VERTICAL * np.abs(towards[:, 2])
+        # The azimuth of a vertical ray is rounding.
+        vertical = np.hypot(towards[:, 0], towards[:, 1]) <= 1e-15 * np.abs(towards[:, 2])
         towards[vertical] = (0.0, 1.0, 0.0)
         at = np.nonzero(missed)[0]
         edge = limb(poses.lat_deg[at], poses.agl_m[at], towards, ground)
@@ -63,16 +56,16 @@ def exact(camera: Camera, poses: Poses, points: ImagePoints, ground: Ellipsoid =
     return Corners(seen.lat_deg, poses.lon_deg[:, np.newaxis] + seen.dlon_deg, seen.hit)
 
 
-#: A way to work out where image points see the ground.
+#: Function that computes the ground points seen at image points.
 Footprint = Callable[[Camera, Poses, ImagePoints, Ellipsoid], Corners]
 
 
 def ground_corners(
     camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, footprint: Footprint = exact
 ) -> Corners:
-    """Ground corners of each pose's image, worked out once for each run of poses that share them.
+    """Ground corners of each pose's image, computed once for each run of poses that differ in longitude alone.
 
-    ``footprint`` is only another than `exact` where that is compared with others.
+    ``footprint`` is `exact` except where methods are compared.
     """
     first, run = poses.runs()
     at_zero = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
@@ -83,9 +76,9 @@ def ground_corners(
 
 
 def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tuple[Floats, Floats]:
-    """Ground in the middle of images: where the exact camera's axis meets it, (n,) each.
+    """Ground points on the optical axes of exact cameras, (n,) each.
 
-    Where the axis looks past the Earth it is the middle of the part of the image that does not.
+    Where the axis misses the Earth, the point at the middle of the part of the image that shows ground.
 
     Returns
     -------
@@ -95,11 +88,11 @@ def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tu
     Raises
     ------
     InvalidInput
-        A camera none of whose rays meets the Earth.
+        No ray of a camera meets the Earth.
     """
     first, run = poses.runs()
     each = poses.take(first)._replace(lon_deg=np.zeros(len(first)))
-    seen = exact(camera, each, _MIDDLE, ground)
+    seen = exact(camera, each, ((0.0, 0.0),), ground)
     lat, dlon = seen.lat_deg[:, 0], seen.lon_deg[:, 0]
     for at in np.flatnonzero(~seen.hit[:, 0]).tolist():
         one = each.take(slice(at, at + 1))
@@ -113,19 +106,19 @@ def image_centres(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> tu
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The ring of ground a camera sees, counter-clockwise seen from above.
+    """Ring around the ground that a camera sees, counter-clockwise seen from above.
 
     Attributes
     ----------
     lat_deg, dlon_deg : array (k,)
-        Vertices; the last is joined to the first. Longitudes count from the camera's and are continuous, also
-        around a pole, where the last vertex is a turn away from the first.
+        Vertices; the last is joined to the first. Longitudes count from the camera's and are continuous, also around a
+        pole, where the last vertex is a full turn away from the first.
     horizon : array (k,) of bool
-        Whether the edge from a vertex to the next one is a piece of the horizon.
+        Whether the edge from a vertex to the next one lies on the horizon.
     image_xy : array (k, 2)
         Image points of the vertices.
     pole : int
-        1 or -1 where the north or south pole is seen inside the ring, else 0.
+        1 or -1 if the north or south pole lies inside the ring, else 0.
     """
 
     lat_deg: Floats
@@ -136,9 +129,9 @@ class Outline:
 
 
 def poles_seen(camera: Camera, poses: Poses, ground: Ellipsoid = WGS84) -> NDArray[np.int64]:
-    """For each pose 1 or -1 where the north or south pole is in its image, else 0; (n,).
+    """1 or -1 for each pose whose image shows the north or south pole, else 0; (n,).
 
-    A pole is above the horizon of whatever stands above the plane that touches the ellipsoid there.
+    A camera sees a pole only from above the tangent plane of the ellipsoid there.
     """
     found = np.zeros(len(poses.lat_deg), np.int64)
     for pole in (1, -1):
@@ -161,8 +154,8 @@ def outline(
 ) -> Outline:
     """Outline of the ground that one camera sees.
 
-    What a camera sees of the Earth is convex in its image (a rectangle cut by a cone), so that the vertices
-    follow each other by their angle about a point inside.
+    The Earth's part of an image is convex (a rectangle cut by a cone), so vertices are sorted by their angle about a
+    point inside.
 
     Parameters
     ----------
@@ -172,12 +165,12 @@ def outline(
     Raises
     ------
     InvalidInput
-        Where no ray of the image meets the Earth.
+        No ray of the image meets the Earth.
     """
     view = _View(camera, lat_deg, agl_m, attitude, ground)
     edge = view.frame_points()
     lat, dlon, hit = view.seen(edge)
-    # Ground that holds all four corners of the image holds all of it, as it is convex there.
+    # Without the horizon in a corner it is nowhere in the image, as the Earth's part is convex.
     arc = _NO_ARC if hit.all() else view.limb_points()
     points = np.concatenate([edge[hit], arc.image_xy])
     on_limb = np.concatenate([np.zeros(int(hit.sum()), bool), np.ones(len(arc.lat_deg), bool)])
@@ -205,8 +198,9 @@ def outline(
 
 
 def _distinct(points: Floats) -> Flags:
+    """Whether each image point differs from the one before."""
     gap = np.abs(points - np.roll(points, 1, axis=0)).max(axis=1)
-    return np.asarray(gap > _SAME_POINT)
+    return np.asarray(gap > 1e-12)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,7 +217,7 @@ _NO_ARC = _Arc(np.empty(0), np.empty(0), np.empty((0, 2)))
 
 @dataclass(frozen=True)
 class _View:
-    """One camera, and questions about points of its image and of the horizon."""
+    """One camera over the Earth: points of its image and of the horizon."""
 
     camera: Camera
     lat_deg: float
@@ -236,29 +230,32 @@ class _View:
         return np.asarray(self.lat_deg), np.asarray(self.agl_m)
 
     def seen(self, points: Floats) -> tuple[Floats, Floats, Flags]:
-        """Latitude, longitude from the camera's, and whether the ray hits, of image points (k, 2)."""
+        """Latitude, difference of longitude to the camera, and whether the ray hits, of image points (k, 2)."""
         return trace(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)
 
-    def clearance_at(self, points: Floats) -> Floats:
-        """The first number of `clearance` at image points (k, 2)."""
+    def discriminants(self, points: Floats) -> Floats:
+        """Discriminant of `clearance` at image points (k, 2)."""
         return clearance(*self._where, self.camera.rays_enu(points, *self.attitude), self.ground)[0]
 
     def frame_points(self) -> Floats:
-        """Points along the edges of the image, corners included, (4·pieces, 2)."""
+        """16 points along each edge of the image, corners included, (64, 2)."""
         corners = np.array(CORNERS)
-        shares = np.arange(_EDGE_PIECES) / _EDGE_PIECES
+        shares = np.arange(16) / 16
         start, way = corners, np.roll(corners, -1, axis=0) - corners
         points = start[:, np.newaxis] + shares[:, np.newaxis] * way[:, np.newaxis]
         return np.asarray(points.reshape(-1, 2), np.float64)
 
     def limb_points(self) -> _Arc:
-        """Points of the horizon inside the image: where it enters, along each arc, and where it leaves."""
+        """Points of the horizon inside the image: where it enters and leaves, and along each arc.
+
+        An arc has 72 pieces, so that a full circle is within 0.1 % of its radius.
+        """
         cuts = np.sort(self._crossing_azimuths())
         if len(cuts) == 0:
             cuts = np.array([0.0])
         ends = np.append(cuts[1:], cuts[0] + 2.0 * np.pi)
         middle_inside = self._on_limb((cuts + ends) / 2.0)[3]
-        shares = np.linspace(0.0, 1.0, _ARC_PIECES + 1)
+        shares = np.linspace(0.0, 1.0, 73)
         azimuths = [
             start + shares * (end - start) for start, end in zip(cuts[middle_inside], ends[middle_inside])
         ]
@@ -268,7 +265,7 @@ class _View:
         return _Arc(lat, dlon, np.clip(points, -1.0, 1.0))
 
     def _on_limb(self, azimuth: Floats) -> tuple[Floats, Floats, Floats, Flags]:
-        """Horizon below azimuths (radians from north): ground, image points, and which are in the image."""
+        """Horizon at azimuths (radians from north): ground points, image points, and whether they are in the image."""
         towards = np.stack([np.sin(azimuth), np.cos(azimuth), np.zeros_like(azimuth)], axis=-1)
         ground = limb(*self._where, towards, self.ground)
         vectors = sight_lines(*self._where, ground.lat_deg, ground.dlon_deg, self.ground)
@@ -280,7 +277,7 @@ class _View:
         """Azimuths, radians from north, at which the horizon crosses the edges of the image."""
         corners = np.array(CORNERS)
         start, way = corners, np.roll(corners, -1, axis=0) - corners
-        first, middle, last = (self.clearance_at(start + share * way) for share in (0.0, 0.5, 1.0))
+        first, middle, last = (self.discriminants(start + share * way) for share in (0.0, 0.5, 1.0))
         square = 2.0 * (first - 2.0 * middle + last)
         slope = 4.0 * middle - 3.0 * first - last
         shares, edges = [], []

@@ -1,4 +1,4 @@
-"""Rectangles that lie wholly inside what cameras see: what covering an area counts on."""
+"""Rectangles that lie wholly inside the ground seen by cameras, on which coverage of an area is based."""
 
 from __future__ import annotations
 
@@ -16,69 +16,46 @@ from .mercator import lat_to_v, lon_to_u, u_to_lon, v_to_lat
 from .planes import ProjectedPlane, TurnedPlane
 from .projections import NOISE_M, LocalPlane
 
-#: A plane in metres that rows of captures lie in.
+#: Plane in metres in which rows of captures lie.
 RowsPlane = Union[LocalPlane, TurnedPlane]
-#: Ratios that are tried where the horizon cuts an image, each by halving.
-_TRIED_RATIOS = 7
-#: Rounding an edge to the grid may move it outward by half a pixel; the rest is for what float64 does to positions.
+#: Room for the rounding of an edge to the grid, which may move it outward by half a pixel, and for that of positions.
 _MARGIN_PX = 0.5 + 1e-3
-#: Poles are infinitely far up and down the map; this far, in world fractions, is far enough.
-_BEYOND = 1.0
-#: Longitudes within this of a level camera's are not beyond a pole.
-_SAME_SIDE_DEG = 90.0
-#: Halvings to find how much smaller a rectangle has to be that the image shows it.
+#: Halvings that find the largest rectangle that fits, to the last digit that matters.
 _HALVINGS = 40
-#: Halvings, and points along each side, where rectangles of several shapes are compared.
-_ROUGHLY, _ROUGH_POINTS = 10, 5
-#: Half images by which a rectangle may leave its image to be made smaller in one step.
-_LITTLE = 1e-2
-#: Rounding of a position on the map, in world fractions.
-_ROUNDING = 2.0**-51
-#: No camera sees half of the Earth, and so none shows a rectangle of this width.
+#: World width beyond all that a camera sees, which is less than half of the Earth.
 _WIDEST = 0.5
-#: World widths up to which images of level cameras need no second look.
-_SMALL = 0.05
-#: A ring of the map whose ends are this far apart goes around a pole.
-_HALF_TURN = 0.5
-#: Poses worked on in one go, to bound memory.
+#: Poses processed at a time, to bound memory.
 _BATCH = 1024
-#: Half images by which a rectangle may leave its image and still be inside it: the noise of ground positions in the
-#: smallest images there are.
-_NOISE_OF_SIDES = 1e-9
 #: Points along each edge of the image.
 _EDGE_POINTS = 12
-#: Ratios of height to width that are tried, and how far they reach from that of the ground itself.
-_RATIOS, _RATIO_REACH = 33, 16.0
-#: Points along each side of a rectangle at which it is asked whether the image shows it.
-_BORDER_POINTS = 13
-#: The same where fields of view are wider than this, degrees: a half image is a small angle at their sides.
-_WIDE_DEG, _WIDE_BORDER_POINTS = 120.0, 65
+#: Reach of the ratios of height to width that are tried, from the shape of the ground seen.
+_RATIO_REACH = 16.0
 
 
 def inscribed_edges(
     camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
 ) -> FrameEdges:
-    """Rectangles inside what cameras see, as large as their centre allows.
+    """Largest rectangles inside the ground seen by cameras, about the centres of the images.
 
-    The centre is where the image's centre sees the ground; where that looks past the Earth, the middle of the part
-    of the image that does not.
+    The centre is the ground point at the image's centre; where that looks past the Earth, the middle of the part of the
+    image that shows ground.
 
     Parameters
     ----------
     poses : Poses
         (n,), of any attitude.
     pixel : float
-        Size of a source pixel as a world fraction: the rectangles leave room for the rounding of their edges.
+        Size of a source pixel as a world fraction: the rectangles leave room for rounding their edges.
 
     Returns
     -------
     FrameEdges
-        Of no extent where nothing of the map lies inside.
+        Empty where no part of the map lies inside.
 
     Raises
     ------
     InvalidInput
-        A camera none of whose rays meets the Earth.
+        No ray of a camera meets the Earth.
     """
     if len(poses.lat_deg) > _BATCH:
         starts = range(0, len(poses.lat_deg), _BATCH)
@@ -90,19 +67,20 @@ def inscribed_edges(
     seen = exact(camera, at_zero, tuple((x, y) for x, y in _image_frame().tolist()), ground)
     ring = _map_positions(seen)
     whole = seen.hit.all(axis=1)
-    level = whole & (np.abs(seen.lon_deg) < _SAME_SIDE_DEG).all(axis=1)
+    # Longitudes further than a quarter turn from a level camera's lie beyond a pole.
+    level = whole & (np.abs(seen.lon_deg) < 90.0).all(axis=1)
     for angle in poses.attitude:
         level &= angle == 0.0
-    # Rings that the horizon cuts, or that go around a pole, are no polygons of the map.
-    polygon = whole & (np.abs(ring[:, -1, 0] - ring[:, 0, 0]) < _HALF_TURN)
-    edges, centre = _about_centres(camera, at_zero, ring, polygon & ~level, ~polygon & ~level, ground)
+    # Rings that the horizon cuts, or whose ends are half a world apart as they go around a pole, are no polygons.
+    polygon = whole & (np.abs(ring[:, -1, 0] - ring[:, 0, 0]) < 0.5)
+    edges, centre = _centred_edges(camera, at_zero, ring, polygon & ~level, ~polygon & ~level, ground)
     for side, straight in zip(edges, _level_edges(ring)):
         side[level] = straight[level]
     centre[level, 0] = 0.0
     centre[level, 1] = (edges.top_v + edges.bottom_v)[level] / 2.0
     inside = _narrowed(edges, np.where(polygon | level, _sag(ring), 0.0))
-    # Small images of level cameras are all but rectangles of the map.
-    asked = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > _SMALL))
+    # Images of level cameras below a twentieth of the world are nearly rectangles of the map.
+    asked = np.flatnonzero(~level | (np.ptp(ring[..., 0], axis=1) > 0.05))
     if len(asked):
         some = FrameEdges(*(side[asked] for side in inside))
         for side, shown in zip(inside, _shown(camera, at_zero.take(asked), some, centre[asked], ground)):
@@ -110,10 +88,10 @@ def inscribed_edges(
     return _narrowed(inside, _MARGIN_PX * pixel)
 
 
-def _about_centres(
+def _centred_edges(
     camera: Camera, poses: Poses, ring: Floats, polygon: Flags, cut: Flags, ground: Ellipsoid
 ) -> tuple[FrameEdges, Floats]:
-    """Edges and centres (n, 2) of rectangles inside rings that are polygons, and of such that are tried; else zero."""
+    """Edges and centres (n, 2) of rectangles inside rings: polygons, or cut by the horizon; 0 for other rings."""
     count = len(ring)
     centre, half_u, half_v = np.zeros((count, 2)), np.zeros(count), np.zeros(count)
     if polygon.any():
@@ -128,19 +106,20 @@ def _about_centres(
 
 
 def _narrowed(edges: FrameEdges, room: Floats | float) -> FrameEdges:
-    """Edges moved inward; those that would pass each other meet in the middle."""
+    """Edges moved inward; opposite edges that would cross meet in the middle."""
     across, down = (np.minimum(room, size / 2.0) for size in edges.size)
     west, east, top, bottom = edges
     return FrameEdges(west + across, east - across, top + down, bottom - down)
 
 
 def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, ground: Ellipsoid) -> FrameEdges:
-    """Rectangles that images show whole: those that are not get smaller about their centre (n, 2) until they are.
+    """Shrink rectangles about their centres (n, 2) until images show them whole.
 
-    What a camera sees of the Earth is convex in its image and less than half of the Earth, so that a rectangle whose
-    border is seen is seen.
+    The Earth's part of an image is convex and less than half of the Earth, so a rectangle is visible where its border
+    is.
     """
-    beyond, moved = (_leaving(camera, poses, edges, ground, shift) for shift in (0.0, _ROUNDING))
+    rounding = 2.0**-51  # of a position on the map, in world fractions
+    beyond, moved = (_border_excess(camera, poses, edges, ground, shift) for shift in (0.0, rounding))
     finite = np.isfinite(beyond) & np.isfinite(moved)
     noise = np.abs(np.where(finite, moved, 0.0) - np.where(finite, beyond, 0.0))
     at = np.flatnonzero(beyond > noise)
@@ -152,12 +131,12 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
     def scaled(share: Floats) -> FrameEdges:
         return FrameEdges(*(middle + share * way for way, middle in zip(reach, (u, u, v, v))))
 
-    # What leaves by little is a little smaller; the rest is found by halving.
-    inside = np.where(beyond[at] < _LITTLE, 1.0 - 2.0 * beyond[at], 0.0)
-    little = (inside > 0.0) & (_leaving(camera, some, scaled(inside), ground) <= limit)
+    # A small excess, in half images, needs one step; the rest is found by halving.
+    inside = np.where(beyond[at] < 1e-2, 1.0 - 2.0 * beyond[at], 0.0)
+    little = (inside > 0.0) & (_border_excess(camera, some, scaled(inside), ground) <= limit)
     if not little.all():
         halved = _largest_share(
-            lambda share: np.asarray(_leaving(camera, some, scaled(share), ground) <= limit),
+            lambda share: np.asarray(_border_excess(camera, some, scaled(share), ground) <= limit),
             len(at),
             _HALVINGS,
         )
@@ -167,7 +146,7 @@ def _shown(camera: Camera, poses: Poses, edges: FrameEdges, centre: Floats, grou
     return edges
 
 
-def _leaving(
+def _border_excess(
     camera: Camera,
     poses: Poses,
     edges: FrameEdges,
@@ -175,15 +154,15 @@ def _leaving(
     moved: float = 0.0,
     points: int | None = None,
 ) -> Floats:
-    """How far the borders of rectangles leave their images, (n,) in half images, infinite where the Earth hides them.
+    """Excess of the borders of rectangles over their images, (n,) in half images; infinite where the Earth hides them.
 
-    ``moved`` shifts the rectangles by so much, in world fractions; ``points`` are looked at along each side.
+    ``moved`` shifts the rectangles, in world fractions; ``points`` is the number of points tested along each side.
     """
     points = _border_points(camera) if points is None else points
     across, down = _unit_border(points)
     west, _, top, _ = (side[:, np.newaxis, np.newaxis] for side in edges)
     width, height = (size[:, np.newaxis, np.newaxis] for size in edges.size)
-    # Longitudes here count from the camera's meridian, whose world fraction is a half.
+    # Longitudes count from the camera's meridian, whose world fraction is a half.
     dlon = u_to_lon(west + width * across + moved + 0.5)
     lat = v_to_lat(top + height * down + moved)
     camera_lat, agl = (values[:, np.newaxis, np.newaxis] for values in (poses.lat_deg, poses.agl_m))
@@ -196,7 +175,7 @@ def _leaving(
 
 
 def _level_edges(ring: Floats) -> FrameEdges:
-    """Edges inside the rings (n, k, 2) of level, north-up cameras, whose own edges are nearly the map's."""
+    """Edges inside the rings (n, k, 2) of level, north-up cameras, whose image edges nearly follow the map's axes."""
     north, east, south, west = (
         np.take(ring, range(start, start + _EDGE_POINTS + 1), axis=1, mode="wrap")
         for start in range(0, 4 * _EDGE_POINTS, _EDGE_POINTS)
@@ -210,16 +189,17 @@ def _level_edges(ring: Floats) -> FrameEdges:
 
 
 def _map_positions(seen: Corners) -> Floats:
-    """World fractions of ground points from the camera's meridian and from the map's north, (n, k, 2).
+    """World fractions of ground points from the camera's meridian and the map's north edge, (n, k, 2).
 
-    Points follow each other without a jump where the camera's far meridian lies between them.
+    Consecutive points are continuous across the meridian opposite the camera. Poles, infinitely far away on the map,
+    are put one world beyond its edges.
     """
-    v = np.clip(lat_to_v(seen.lat_deg), -_BEYOND, 1.0 + _BEYOND)
+    v = np.clip(lat_to_v(seen.lat_deg), -1.0, 2.0)
     return np.stack([np.unwrap(lon_to_u(seen.lon_deg) - 0.5, axis=1, period=1.0), v], axis=-1)
 
 
 def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
-    """Points of the map about which the rectangles lie, (n, 2)."""
+    """Centres of the rectangles on the map, (n, 2)."""
     lat, lon = (angle[:, np.newaxis] for angle in image_centres(camera, poses, ground))
     return _map_positions(Corners(lat, lon, np.ones(lat.shape, bool)))[:, 0]
 
@@ -227,8 +207,8 @@ def _centres(camera: Camera, poses: Poses, ground: Ellipsoid) -> Floats:
 def _searched(
     camera: Camera, poses: Poses, ring: Floats, centre: Floats, ground: Ellipsoid
 ) -> tuple[Floats, Floats]:
-    """Half width and height, (n,) each, of the largest rectangles about their centres that are found by trying."""
-    ratios = np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _TRIED_RATIOS)
+    """Half width and height, (n,) each, of the largest rectangles about centres, by search over ratios and sizes."""
+    ratios = np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, 7)
     every = np.repeat(np.arange(len(centre)), len(ratios))
     u, v = centre[every].T
     reach = np.minimum(np.abs(ring - centre[:, np.newaxis]).max(axis=(1, 2)), _WIDEST / 2.0)[every]
@@ -239,9 +219,9 @@ def _searched(
     def fits(share: Floats) -> Flags:
         across, down = share * half_u, share * half_v
         tried = FrameEdges(u - across, u + across, v - down, v + down)
-        return np.asarray(_leaving(camera, some, tried, ground, points=_ROUGH_POINTS) <= 0.0)
+        return np.asarray(_border_excess(camera, some, tried, ground, points=5) <= 0.0)
 
-    inside = _largest_share(fits, len(every), _ROUGHLY)
+    inside = _largest_share(fits, len(every), 10)
     width, height = ((inside * half).reshape(len(centre), len(ratios)) for half in (half_u, half_v))
     best = np.argmax(width * height, axis=1)[:, np.newaxis]
     return np.take_along_axis(width, best, axis=1)[:, 0], np.take_along_axis(height, best, axis=1)[:, 0]
@@ -264,13 +244,13 @@ class Sides(NamedTuple):
 def image_rings(
     camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84
 ) -> tuple[Floats, Floats, Flags]:
-    """Where images lie in a plane, from the place of the camera: their frames (n, k, 2) and their centres (n, 2).
+    """Frames (n, k, 2) and centres (n, 2) of images in a plane, relative to the camera's position.
 
     Returns
     -------
     rings, centres
     whole : array (n,) of bool
-        Whether all of the image sees ground.
+        Whether the whole image shows ground.
     """
     frame = _image_frame()
     seen = exact(camera, poses, ((0.0, 0.0), *((x, y) for x, y in frame.tolist())), ground)
@@ -280,17 +260,17 @@ def image_rings(
 
 
 def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
-    """Sides of one rectangle, from the place of the camera, that the images of all poses show whole.
+    """Sides of one rectangle, relative to the camera's position, that the images of all poses show whole.
 
     Parameters
     ----------
     poses : Poses
-        (n,); all of their images see ground in all their parts.
+        (n,); their whole images show ground.
 
     Returns
     -------
     Sides
-        (1,); of no extent where nothing is common to the images.
+        (1,); empty where the images have no ground in common.
     """
     rings, centres, _ = image_rings(camera, poses, plane, ground)
     centre = centres.mean(axis=0)
@@ -308,9 +288,9 @@ def common_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipso
 
 
 def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid = WGS84) -> Sides:
-    """Sides of the rectangle inside each image, in the plane, (n,): as large as the image's centre allows.
+    """Sides of the largest rectangle inside each image about its centre, in the plane, (n,).
 
-    Of no extent where an image does not see ground in all its parts.
+    Empty where part of an image shows no ground.
     """
     count = len(poses.lat_deg)
     if count > _BATCH:
@@ -339,7 +319,7 @@ def own_sides(camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid 
 def inscribed_edges_on(
     own: ProjectedPlane, camera: Camera, poses: Poses, ground: Ellipsoid = WGS84, pixel: float = 0.0
 ) -> FrameEdges:
-    """`inscribed_edges` on a plane of a source's own; of no extent where an image sees ground in not all its parts."""
+    """`inscribed_edges` on the plane of a source's CRS; empty where part of an image shows no ground."""
     plane = TurnedPlane(own, own.west, own.north, float(poses.lon_deg[0]), 0.0)
     sides = own_sides(camera, poses, plane, ground)
     place = np.stack(plane.forward(poses.lat_deg, poses.lon_deg))
@@ -353,10 +333,7 @@ def inscribed_edges_on(
 def _sides_shown(
     camera: Camera, poses: Poses, plane: RowsPlane, ground: Ellipsoid, centre: Floats, half: Floats
 ) -> Flags:
-    """Whether images show the whole borders, and so all, of rectangles about centres (n, 2), from the camera's place.
-
-    What a camera sees is convex in its image, and less than half of the Earth.
-    """
+    """Whether images show rectangles about centres (n, 2), relative to the camera's position, whole; see `_shown`."""
     points = _border_points(camera)
     across, up = (2.0 * share - 1.0 for share in _unit_border(points))
     place = plane.forward(poses.lat_deg, poses.lon_deg)
@@ -370,12 +347,13 @@ def _sides_shown(
     )
     vectors = sight_lines(camera_lat, agl, lat, lon - camera_lon, ground)
     sides = camera.side_excess(vectors.reshape(len(lat), -1, 3), *poses.attitude)
-    inside: Flags = _reach(sides.reshape(len(lat), 4, points, 4)).max(axis=1) <= _NOISE_OF_SIDES
+    # The rounding of ground positions in the smallest images, in half images.
+    inside: Flags = _reach(sides.reshape(len(lat), 4, points, 4)).max(axis=1) <= 1e-9
     return inside
 
 
 def _image_frame() -> Floats:
-    """Points of the image's frame, (4·points, 2), corners first of each edge."""
+    """Points of the image's frame, (4·points, 2), each edge beginning with its corner."""
     corners = np.array([[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
     shares = np.arange(_EDGE_POINTS)[:, np.newaxis] / _EDGE_POINTS
     edges = [start + shares * (end - start) for start, end in zip(corners, np.roll(corners, -1, axis=0))]
@@ -383,31 +361,31 @@ def _image_frame() -> Floats:
 
 
 def _border_points(camera: Camera) -> int:
-    """Points along each side of a rectangle that say whether an image shows it."""
-    return _BORDER_POINTS if camera.fov_deg <= _WIDE_DEG else _WIDE_BORDER_POINTS
+    """Number of points tested along each side of a rectangle; wide images need more near their sides."""
+    return 13 if camera.fov_deg <= 120.0 else 65
 
 
 def _unit_border(points: int) -> tuple[Floats, Floats]:
     """Shares of width and height, (4, points) each, along the four sides of a rectangle."""
-    # Closest at the corners, where images of straight lines bend the most; along such a side a curve starts level.
+    # Points are densest at the corners, where images of straight lines bend most.
     share = (1.0 - np.cos(np.linspace(0.0, np.pi, points))) / 2.0
     low, high = np.zeros_like(share), np.ones_like(share)
     return np.stack([share, share, low, high]), np.stack([low, high, share, share])
 
 
 def _sag(ring: Floats) -> Floats:
-    """How far the rings (n, k, 2) bend inward between their points, (n,)."""
+    """Sagitta of the rings (n, k, 2) between their points, (n,)."""
     sides = ring.reshape(len(ring), 4, _EDGE_POINTS, 2)
     second, chord = np.diff(sides, n=2, axis=2), sides[:, :, 2:] - sides[:, :, :-2]
     length = np.hypot(chord[..., 0], chord[..., 1])
-    # Across its chord a curve leaves it by an eighth of its second difference; along it, points are only spaced.
+    # A curve leaves its chord by an eighth of its second difference across it.
     aside = np.abs(second[..., 0] * chord[..., 1] - second[..., 1] * chord[..., 0])
     sag: Floats = (aside / np.where(length > 0.0, length, 1.0)).max(axis=(1, 2)) / 8.0
     return sag
 
 
 def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -> Floats:
-    """Largest shares (count,) of 0 to 1 that are known to fit, by halving; what fits does so at every smaller share."""
+    """Largest shares (count,) in 0 to 1 that fit, by halving; every share below one that fits does fit."""
     inside, outside = np.zeros(count), np.ones(count)
     for _ in range(halvings):
         share = (inside + outside) / 2.0
@@ -417,10 +395,10 @@ def _largest_share(fits: Callable[[Floats], Flags], count: int, halvings: int) -
 
 
 def _reach(size: Floats) -> Floats:
-    """Largest values (...) of smooth curves known at points, (..., points, k).
+    """Bounds (...) on the largest values of smooth curves sampled at points, (..., points, k).
 
-    Between points a curve is above all of them only beside a point that is above both its neighbours: by what the
-    parabola through the three is, and as much again for what is no parabola.
+    Between points a curve exceeds all of them only next to a point above both its neighbours: by the height of the
+    parabola through the three, and as much again for its difference from a parabola.
     """
     before, middle, after = size[..., :-2, :], size[..., 1:-1, :], size[..., 2:, :]
     bend = before - 2.0 * middle + after
@@ -433,7 +411,7 @@ def _reach(size: Floats) -> Floats:
 def _half_sizes(ring: Floats) -> tuple[Floats, Floats]:
     """Half width and height, (n,) each, of the largest centred rectangle inside each ring (n, k, 2).
 
-    0 for rings without extent, as those have that lie beyond the map.
+    0 for rings without extent, such as those beyond the map.
     """
     ratios = _ratios(ring)
     half_u = _rooms(ring, ratios)
@@ -451,11 +429,11 @@ def _common_half_sizes(ring: Floats) -> tuple[float, float]:
 
 
 def _ratios(ring: Floats) -> Floats:
-    """Ratios of height to width that are tried for each ring, (n, r)."""
+    """Ratios of height to width to try for each ring, (n, r)."""
     extent = np.ptp(ring, axis=1)
     flat = (extent <= 0.0).any(axis=1)
     shape = np.where(flat, 1.0, extent[:, 1]) / np.where(flat, 1.0, extent[:, 0])
-    ratios: Floats = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, _RATIOS)
+    ratios: Floats = shape[:, np.newaxis] * np.geomspace(1.0 / _RATIO_REACH, _RATIO_REACH, 33)
     return ratios
 
 
@@ -463,10 +441,10 @@ def _rooms(ring: Floats, ratios: Floats) -> Floats:
     """Half widths (n, r) of the centred rectangles of given ratios of height to width (n, r) inside rings (n, k, 2)."""
     flat = (np.ptp(ring, axis=1) <= 0.0).any(axis=1)
     start, way = ring, np.roll(ring, -1, axis=1) - ring
-    # A line through two vertices leaves the rectangle on its side while |way × corner| stays below |way × start|.
+    # The rectangle lies on one side of a line through two vertices while |way × corner| < |way × start|.
     distance = np.abs(way[..., 0] * start[..., 1] - way[..., 1] * start[..., 0])[:, :, np.newaxis]
     reach_u, reach_v = (np.abs(way[..., axis])[:, :, np.newaxis] for axis in (1, 0))
     need = reach_u + reach_v * ratios[:, np.newaxis]
-    # Vertices that coincide make no line.
+    # Coincident vertices define no line.
     room = np.where(need > 0.0, distance / np.where(need > 0.0, need, 1.0), np.inf)
     return np.where(flat[:, np.newaxis], 0.0, room.min(axis=1))
