@@ -1,17 +1,18 @@
 """Where pixels come from: sources, how missions name them, their transport and cache.
 
-source       what a source is to the rest: windows, parts, tiles, pixels
-policy       what a provider allows
+source       the protocol of a source: windows, parts, pixels
+policy       the terms of a provider
 systems      coordinate reference systems that services offer
-template     URL templates of tiles, and the keys in addresses
-entry        a source by name: where its tiles are, their dates, grid and terms
-opening      from the text in a mission to one value that tells all of the source, and opens it
-catalogue    the sources known by name, shipped and the user's own; terms are checked here
+tiles        tiles of a grid, their URL templates, and keys in addresses
+placeholder  images by which providers say that they have no imagery
+entry        a source of the catalogue: URLs, dates, grid and terms
+opening      from the text in a mission to a source: described, then opened
+catalogue    the sources known by name, shipped and the user's; terms are checked here
 xyz          tiles by URL template
 staticmap    Google Static Maps
-mbtiles      a user's own MBTiles file
+mbtiles      a user's MBTiles file
 decode       from the bytes of an answer to pixels
-placeholder  pictures by which providers say that they have none
+trial        one tile of a source, to try it
 
-services, raster, http and cache are rooms of their own.
+Further rooms: services, raster, http and cache.
 """

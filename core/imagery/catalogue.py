@@ -24,7 +24,7 @@ from .entry import (
 from .opening import EntrySource, NamedSource, kind_of
 from .placeholder import Placeholder
 from .source import Source
-from .template import KEY_ENV, Template, environment_key
+from .tiles import KEY_ENV, Template, environment_key
 
 FILE = "sources.json"
 #: Kind of the sources that go by a name, as `opening` has it.

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import re
 import sys
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 
@@ -17,6 +19,8 @@ from ..errors import Message, PartError
 from ..limits import MAX_JPEG_SCANS, MAX_JPEG_SEGMENTS, MAX_PICTURE_EXTRA_BYTES
 from ..text import first_words, one_line
 from .http.client import BrokenPictureError
+from .http.transport import Response
+from .placeholder import PLACEHOLDER_REASON, Placeholder
 from .source import over_white
 
 #: What must not follow 0xFF within the entropy-coded data of a JPEG (ITU-T T.81, B.1.1.5), and what may.
@@ -112,7 +116,48 @@ def decode(
         raise _broken(broken) from broken
 
 
-def size_of(body: bytes) -> tuple[int, int]:
+def read_answer(
+    response: Response,
+    width_px: int,
+    height_px: int,
+    placeholder: Placeholder,
+    *,
+    alpha: bool = False,
+    any_size: bool = False,
+) -> PixelValues:
+    """Pixels of a provider's answer, as `decode` returns them.
+
+    Raises
+    ------
+    PartError
+        As `decode` does, and for the provider's placeholder.
+    """
+    refuse_marked(response.body, response.headers, placeholder)
+    content_type = response.headers.get("content-type", "")
+    pixels = decode(response.body, width_px, height_px, content_type, alpha=alpha, any_size=any_size)
+    refuse_flat(pixels, placeholder)
+    return pixels
+
+
+def refuse_marked(body: bytes, headers: Mapping[str, str], placeholder: Placeholder) -> None:
+    """Raise PartError for a body or header that is the placeholder's."""
+    for name, value in placeholder.header:
+        if name.lower() in headers and value in ("*", headers[name.lower()]):
+            raise PartError(
+                "no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()])
+            )
+    if placeholder.sha256 and hashlib.sha256(body).hexdigest().startswith(placeholder.sha256):
+        raise PartError(PLACEHOLDER_REASON)
+
+
+def refuse_flat(pixels: PixelValues, placeholder: Placeholder) -> None:
+    """Raise PartError for a picture of one of the placeholder's flat colours."""
+    for colour in placeholder.flat_rgb:
+        if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):
+            raise PartError("no imagery here: an image of one colour, rgb({0}, {1}, {2})", *colour)
+
+
+def picture_size(body: bytes) -> tuple[int, int]:
     """Width and height of a picture, px, from its header; raises PartError where it has none."""
     try:
         return _open(body, "", whole=False).size

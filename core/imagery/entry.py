@@ -21,7 +21,7 @@ from ..text import listed
 from .placeholder import Placeholder
 from .policy import BULK, Policy
 from .systems import WORLD_DEG, Bounds, box_on, plane_of
-from .template import KEY_ENV, Template, host_of
+from .tiles import KEY_ENV, Template, host_of
 
 DATE_KINDS = ("day", "year", "listed", "any")
 #: Dates that an error names; `terrainav sources show` names more.

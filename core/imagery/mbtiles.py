@@ -26,11 +26,12 @@ from ..limits import (
 )
 from ..numbers import real_number
 from ..text import one_line, whole_number
-from .cache.tilefile import FILE_ERRORS, connect, fault
-from .decode import decode, size_of
+from .cache.database import FILE_ERRORS, connect, fault
+from .decode import decode, picture_size
 from .opening import FileSource
 from .policy import Policy
-from .source import Part, Tile, Window, tile_address, tile_parts
+from .source import Part, Window, tile_parts
+from .tiles import Tile, tile_address
 
 #: Seconds one wait for a program that writes the file takes, so that a close is seen in between.
 _WAIT_S = 0.25
@@ -180,7 +181,7 @@ class MBTilesSource:
         return bytes(row[0]) if row and isinstance(row[0], bytes) else None
 
     def _row(self, tile: Tile) -> int:
-        return tile.y if self._from_north else (1 << tile.zoom) - 1 - tile.y
+        return tile.y if self._from_north else tile.tms[2]
 
 
 def open_mbtiles(path: str | os.PathLike[str], *, alpha: bool = False) -> MBTilesSource:
@@ -411,7 +412,7 @@ def _zooms(connection: sqlite3.Connection, rows: Mapping[str, str]) -> tuple[int
 def _tile_px(sample: bytes) -> int:
     """Width of a picture, from its header."""
     try:
-        width_px, height_px = size_of(sample)
+        width_px, height_px = picture_size(sample)
     except PartError as reason:
         raise InvalidInput("its tiles are no images ({0}); must be png, jpg or webp", reason) from None
     if width_px != height_px or width_px > MAX_TILE_PX:

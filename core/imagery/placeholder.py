@@ -12,10 +12,8 @@ from typing import Callable, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import PixelValues
-from ..errors import InvalidInput, Message, PartError
+from ..errors import InvalidInput, Message
 from ..geodesy.mercator import PixelGrid
-from ..text import one_line
 from .source import Window
 
 #: Why a picture fails that needs a placeholder.
@@ -72,24 +70,8 @@ class Placeholder:
         return replace(self, sha256=tuple(dict.fromkeys((*self.sha256, *known))))
 
     def knows(self, digest: str) -> bool:
-        """Whether a file is a placeholder by its hash, or the first digits of that."""
+        """Whether a file is a placeholder, by its hash or the first digits of it."""
         return any(digest.startswith(known) or known.startswith(digest) for known in self.sha256)
-
-    def refuse(self, body: bytes, headers: Mapping[str, str]) -> None:
-        """Raise PartError for a body or header that is the placeholder's."""
-        for name, value in self.header:
-            if name.lower() in headers and value in ("*", headers[name.lower()]):
-                raise PartError(
-                    "no imagery here, the provider says ({0}: {1})", name, one_line(headers[name.lower()])
-                )
-        if self.sha256 and self.knows(hashlib.sha256(body).hexdigest()):
-            raise PartError(PLACEHOLDER_REASON)
-
-    def refuse_flat(self, pixels: PixelValues) -> None:
-        """Raise PartError for a picture of one of the flat colours."""
-        for colour in self.flat_rgb:
-            if tuple(pixels[0, 0, :3]) == colour and bool((pixels == pixels[0, 0]).all()):
-                raise PartError("no imagery here: an image of one colour, rgb({0}, {1}, {2})", *colour)
 
 
 @runtime_checkable

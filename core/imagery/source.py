@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Floats, PixelValues
-from ..errors import InvalidInput, Message, PartError
 from ..geodesy.mercator import PixelGrid
 from .policy import Policy
 
@@ -123,52 +122,6 @@ def tile_parts(window: Window, grid: PixelGrid) -> list[Part]:
         for row in range(top // size, (top + window.height_px - 1) // size + 1)
         for column in range(left // size, (left + window.width_px - 1) // size + 1)
     ]
-
-
-class Tile(NamedTuple):
-    """A tile: zoom, column counted from 180° W, row counted from the north."""
-
-    zoom: int
-    x: int
-    y: int
-
-    def __str__(self) -> str:
-        return Message("tile {0}/{1}/{2}", self.zoom, self.x, self.y)
-
-
-def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
-    """Address of the tile of ``grid`` that a part is.
-
-    Parameters
-    ----------
-    part : Window
-    grid : PixelGrid
-    title : str
-        The source, as errors name it.
-
-    Raises
-    ------
-    InvalidInput
-        The part is no tile of the grid, or of a zoom the source does not have.
-    PartError
-        The tile would be beyond the edge of the map.
-    """
-    size = grid.tile_px
-    x, left = divmod(part.left_px, size)
-    y, top = divmod(part.top_px, size)
-    if left or top or (part.width_px, part.height_px) != (size, size):
-        raise InvalidInput("{0}: is no tile of {1} px", part, size)
-    tile = Tile(int(part.zoom), int(x), int(y))
-    check_zoom(tile.zoom, grid, title)
-    if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
-        raise PartError("{0}: beyond the edge of the map", tile)
-    return tile
-
-
-def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
-    """Refuse a zoom that a source of a grid, which errors name by its title, does not have."""
-    if not grid.min_zoom <= zoom <= grid.max_zoom:
-        raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
 
 
 def over_white(colour: NDArray[np.uint8], alpha: NDArray[np.uint8]) -> NDArray[np.uint8]:

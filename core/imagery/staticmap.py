@@ -10,6 +10,7 @@ import base64
 import hashlib
 import hmac
 import os
+from functools import partial
 from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
@@ -19,15 +20,16 @@ from ..errors import InvalidInput, Message
 from ..geodesy.frames import Windows, window_centres
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES, SATELLITE
-from .decode import decode
+from .decode import read_answer
 from .entry import CatalogueEntry
 from .http.client import Client
 from .http.requests_transport import RequestsTransport
-from .http.transport import Response, Transport
+from .http.transport import Transport
 from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
-from .source import Part, Window, check_zoom
+from .source import Part, Window
+from .tiles import check_zoom
 
 GOOGLE_URL = "https://maps.googleapis.com/maps/api/staticmap"
 #: Longest side of a picture, before ``scale``.
@@ -133,13 +135,9 @@ class StaticMapSource:
         """
         lat_deg, lon_deg = self.centre(part)
         what = Message("image at {0},{1} zoom {2}", lat_deg, lon_deg, part.zoom)
-
-        def read(response: Response) -> PixelValues:
-            self.placeholder.refuse(response.body, response.headers)
-            return decode(
-                response.body, part.width_px, part.height_px, response.headers.get("content-type", "")
-            )
-
+        read = partial(
+            read_answer, width_px=part.width_px, height_px=part.height_px, placeholder=self.placeholder
+        )
         response, pixels = self._client.picture(self._request(map_type, part, lat_deg, lon_deg), what, read)
         received = self.received
         if received is not None:

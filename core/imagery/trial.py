@@ -13,7 +13,8 @@ from ..arrays import PixelValues
 from ..geodesy.mercator import PixelGrid
 from .opening import NamedSource
 from .placeholder import Provided
-from .source import Tile, Window
+from .source import Window
+from .tiles import Tile
 
 #: Finest zoom at which a tile is asked for where no other is: streets and houses can be told apart.
 _USUAL_ZOOM = 16

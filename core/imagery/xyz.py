@@ -6,27 +6,25 @@ import threading
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import astuple
-from typing import Callable
+from functools import partial
+from http import HTTPStatus
 
 from ..arrays import PixelValues
 from ..errors import InvalidInput, Message, PartError, SourceError
 from ..geodesy.mercator import PixelGrid
 from ..map_types import MAP_TYPES
 from .cache.tile_cache import TileCache
-from .cache.tilestore import TileStore
-from .decode import WrongSizeError, decode
+from .cache.tilestore import Kept, NoStore
+from .decode import WrongSizeError, read_answer
 from .entry import CatalogueEntry, serving
-from .http.client import Client, NotThere
+from .http.client import Client, NotThere, OutOfReach
 from .http.requests_transport import RequestsTransport
 from .http.transport import Response, Transport
 from .opening import SourceOptions
 from .placeholder import Placeholder, Received
 from .policy import Policy
-from .source import Part, Window, tile_address, tile_parts
-from .template import Template, host_of
-
-#: Hosts whose terms are kept at hand; a template has a few.
-_HOSTS = 64
+from .source import Part, Window, tile_parts
+from .tiles import Template, Tile, host_of, tile_address
 
 
 class XYZSource:
@@ -103,7 +101,7 @@ class XYZSource:
         self.grid = grid
         self.date = date
         self.policy = policy
-        self.map_types = self._map_types_of_templates()
+        self.map_types = self._template_map_types()
         self.placeholder = placeholder
         self._alpha, self._encoded = alpha or encoded, encoded
         self._any_size = any_size and not encoded
@@ -118,7 +116,7 @@ class XYZSource:
         self._terms: dict[str, tuple[str, Policy]] = {}
         self._lock = threading.Lock()
         self._cache = cache if policy.cache_allowed else None
-        self._stores: dict[str, TileStore] = {}
+        self._stores: dict[str, NoStore] = {}
         connections = policy.connections(connections)
         self._client = client or Client(
             transport or RequestsTransport(connections),
@@ -162,29 +160,7 @@ class XYZSource:
         url = self._template(map_type).url(
             *tile, scale=self.grid.scale, map_type=map_type, date=self.date, key=self._key_needed(map_type)
         )
-
-        counted: set[str] = set()
-
-        def ask(
-            headers: Mapping[str, str], read: Callable[[Response], PixelValues]
-        ) -> tuple[Response, PixelValues]:
-            return self._client.picture(
-                url, str(tile), read, headers, lambda asked: self._count(asked, counted)
-            )
-
-        # What was read last, of the cache or of an answer, is what is returned.
-        file = b""
-
-        def read(body: bytes, headers: Mapping[str, str]) -> PixelValues:
-            nonlocal file
-            pixels, file = self._read(body, headers), body
-            return pixels
-
-        store = self._store(map_type)
-        if store is not None:
-            pixels = store.fetch(tile, ask, read, self._client.out_of_reach)
-        else:
-            _, pixels = ask({}, lambda response: read(response.body, response.headers))
+        file, pixels = self._tile(tile, url, self._store(map_type))
         received = self.received
         if received is not None:
             received(part, file)
@@ -200,42 +176,88 @@ class XYZSource:
         for store in stores:
             store.close()
 
-    def _read(self, body: bytes, headers: Mapping[str, str]) -> PixelValues:
-        """Pixels of an answer or of a stored tile; raises PartError for what is no imagery."""
-        self.placeholder.refuse(body, headers)
-        size, kind = self.grid.tile_px, headers.get("content-type", "")
+    def _tile(self, tile: Tile, url: str, store: NoStore) -> tuple[bytes, PixelValues]:
+        """File and pixels of a tile: stored ones while they are fresh, else the server's, which may confirm them."""
+        kept = store.find(tile)
+        stored = None if kept is None else self._stored_pixels(tile, kept, store)
+        allow = partial(self._count, set())
+        if kept is None or stored is None:
+            response, pixels = self._client.picture(url, tile, self._read, allow=allow)
+            store.keep(tile, response)
+            return response.body, pixels
+        stale_allowed = kept.freshness.stale_allowed
+        if not store.is_fresh(kept) and not (stale_allowed and self._client.out_of_reach()):
+            try:
+                conditions = kept.freshness.conditions()
+                response, changed = self._client.picture(url, tile, self._read_change, conditions, allow)
+            except OutOfReach:
+                if not stale_allowed:
+                    raise
+            except NotThere:
+                store.remove(tile)
+                raise
+            else:
+                if changed is not None:
+                    store.keep(tile, response)
+                    return response.body, changed
+                store.renew(tile, kept, response.headers)
+                return kept.body, stored
+        store.note_use(tile, kept)
+        return kept.body, stored
+
+    def _stored_pixels(self, tile: Tile, kept: Kept, store: NoStore) -> PixelValues | None:
+        """Pixels of a stored tile; one that is no imagery is removed."""
         try:
-            pixels = decode(body, size, size, kind, alpha=self._alpha, any_size=self._any_size)
+            return self._read(Response(HTTPStatus.OK, {}, kept.body))
+        except PartError:
+            store.remove(tile)
+            return None
+
+    def _read_change(self, response: Response) -> PixelValues | None:
+        """Pixels of an answer; None where it confirms the stored tile (304)."""
+        return None if response.status == HTTPStatus.NOT_MODIFIED else self._read(response)
+
+    def _read(self, response: Response) -> PixelValues:
+        """Pixels of a tile; raises PartError for what is no imagery."""
+        size = self.grid.tile_px
+        try:
+            return read_answer(
+                response, size, size, self.placeholder, alpha=self._alpha, any_size=self._any_size
+            )
         except WrongSizeError as wrong:
             if not self._encoded:
                 raise
             raise PartError(
                 wrong, remedy=Message("write #tilesize={0} behind its address", wrong.message.values[0])
             ) from wrong
-        self.placeholder.refuse_flat(pixels)
-        return pixels
 
-    def _store(self, map_type: str) -> TileStore | None:
-        """Tiles kept of a map type; None where none are to be kept."""
-        # A source without map types has the same tiles whatever they are asked for as.
+    def _store(self, map_type: str) -> NoStore:
+        """Stored tiles of a map type."""
+        # A source without map types has the same tiles whatever they are requested as.
         kept_as = map_type if self.map_types else ""
         with self._lock:
-            if kept_as not in self._stores and self._cache is not None:
-                own = self.grid.own
-                self._stores[kept_as] = self._cache.store(
-                    # A tile of the same number is another one in another plane.
-                    self._template(map_type).text + (f"\n{astuple(own)}" if own else ""),
-                    # A template may hold in its path what is not for everyone to see.
-                    source=self._template(map_type).host if "{" in self.name else self.name,
-                    title=f"{self.title} ({own.crs})" if own else self.title,
-                    attribution=self.attribution,
-                    map_type=kept_as,
-                    date=self.date,
-                    tile_px=self.grid.tile_px,
-                )
-            return self._stores.get(kept_as)
+            store = self._stores.get(kept_as)
+            if store is None:
+                store = self._stores[kept_as] = self._opened_store(kept_as)
+            return store
 
-    def _map_types_of_templates(self) -> tuple[str, ...]:
+    def _opened_store(self, map_type: str) -> NoStore:
+        if self._cache is None:
+            return NoStore()
+        template, own = self._template(map_type), self.grid.own
+        return self._cache.store(
+            # In another plane, the same numbers name another tile.
+            template.text + (f"\n{astuple(own)}" if own else ""),
+            # The path of a template may hold secrets.
+            source=template.host if "{" in self.name else self.name,
+            title=f"{self.title} ({own.crs})" if own else self.title,
+            attribution=self.attribution,
+            map_type=map_type,
+            date=self.date,
+            tile_px=self.grid.tile_px,
+        )
+
+    def _template_map_types(self) -> tuple[str, ...]:
         if "" not in self._templates:
             return tuple(self._templates)
         return MAP_TYPES if "map_type" in self._templates[""].names else ()
@@ -250,17 +272,17 @@ class XYZSource:
             raise SourceError("{0}: needs an API key, and none is set", self.title)
         return self._key
 
-    def _count(self, url: str, counted: set[str]) -> None:
-        """Hold to the limit of the provider who is asked: a library's caller, odd templates and redirects, too.
+    def _count(self, counted: set[str], url: str) -> None:
+        """Check a request against the limit of the provider it goes to, whatever template or redirect led there.
 
         Parameters
         ----------
+        counted : set of str
+            Providers that were asked for the same tile before: further attempts and redirects do not count.
         url : str
             As it is sent.
-        counted : set of str
-            Providers of whom the tile was asked before, as attempts and redirects of theirs are no further tile.
         """
-        title, policy = self._terms_of(host_of(url))
+        title, policy = self._host_terms(host_of(url))
         if policy.bulk_allowed != "no" or title in counted:
             return
         counted.add(title)
@@ -268,11 +290,12 @@ class XYZSource:
             self._fetched[title] += 1
             policy.check(title, self._fetched[title])
 
-    def _terms_of(self, host: str) -> tuple[str, Policy]:
-        """Who is asked at a host, and under which terms: the source's own, but for a provider who allows no bulk."""
+    def _host_terms(self, host: str) -> tuple[str, Policy]:
+        """Provider at a host, and its terms: the source's, unless the host's provider forbids bulk downloads."""
         found = self._terms.get(host)
         if found is None:
-            if len(self._terms) >= _HOSTS:
+            # A template has a few hosts; redirects may lead to any number.
+            if len(self._terms) >= 64:
                 self._terms.clear()
             provider = serving(host)
             if provider is None or provider.policy.bulk_allowed != "no" or provider.policy == self.policy:

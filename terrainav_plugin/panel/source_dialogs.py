@@ -483,7 +483,7 @@ class AddSourceDialog(QDialog):
     def _check(self) -> None:
         """Say what is wrong, and under which limits it would be used."""
         from ...core.imagery.entry import CatalogueEntry, under_provider
-        from ...core.imagery.template import check_address
+        from ...core.imagery.tiles import check_address
 
         service, busy = self._is_service(), self._task is not None
         shown = {

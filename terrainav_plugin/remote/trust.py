@@ -17,7 +17,7 @@ from urllib.parse import unquote
 from ...core.errors import InvalidInput
 from ...core.imagery.catalogue import shelf
 from ...core.imagery.entry import serving
-from ...core.imagery.template import host_of
+from ...core.imagery.tiles import host_of
 from ...core.limits import MAX_AGREED_PLACES, MAX_DECODINGS, MAX_PLACE_CHARACTERS
 from ...core.safe_json import parse_json
 from ..settings import Settings

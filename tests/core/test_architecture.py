@@ -307,7 +307,7 @@ OWN_READS = {
         "Image.open(opened.enter_context(file), formats=_FORMATS)": "of open_foreign, and asked for its size",
     },
     "core/dataset/loading/streaming.py": {"partial.open('r+b')": "a copy in a folder of ours"},
-    "core/imagery/cache/tilefile.py": {
+    "core/imagery/cache/database.py": {
         "sqlite3.connect(database_uri(path, mode), uri=True, timeout=wait_s, isolation_level=None, "
         "check_same_thread=False)": "callers ask whether it is a file; SQLite itself reads as it needs"
     },

@@ -19,6 +19,7 @@ from terrainav.core.dataset.labels import Labels, labels_of
 from terrainav.core.dataset.stored import Range, StoredImage
 from terrainav.core.dataset.table import Table, other_columns
 from terrainav.core.imagery.catalogue import described, shelf
+from terrainav.core.imagery.decode import refuse_flat, refuse_marked
 from terrainav.core.mission.cameras import camera_shelf
 from terrainav.core.poses.logs import read_dataflash, read_ulog
 from terrainav.core.safe_json import parse_json
@@ -136,8 +137,8 @@ def sources(data: bytes) -> None:
         entry.policy.stops(1000)
         if entry.dates:
             entry.dates.text()
-        entry.placeholder.refuse(b"body", {"a": "b"})
-        entry.placeholder.refuse_flat(np.zeros((2, 2, 3), np.uint8))
+        refuse_marked(b"body", {"a": "b"}, entry.placeholder)
+        refuse_flat(np.zeros((2, 2, 3), np.uint8), entry.placeholder)
         entry.credit("2024")
 
 

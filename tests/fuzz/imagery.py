@@ -14,10 +14,9 @@ from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
-from terrainav.core.imagery.cache.freshness import freshness
 from terrainav.core.imagery.decode import decode
 from terrainav.core.imagery.http.client import Client, joined, redirect_target
-from terrainav.core.imagery.http.transport import Response, check_length, unpacked
+from terrainav.core.imagery.http.transport import Response, check_length, freshness, unpacked
 from terrainav.core.imagery.mbtiles import open_mbtiles
 from terrainav.core.imagery.opening import SourceOptions, named_source
 from terrainav.core.imagery.raster.trust import drivers_for

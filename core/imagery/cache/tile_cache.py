@@ -1,4 +1,4 @@
-"""Tiles kept from run to run: a folder with an MBTiles file for each source, map type, date and size of tiles."""
+"""The tile cache: a folder with an MBTiles file for each source, map type, date and tile size."""
 
 from __future__ import annotations
 
@@ -19,24 +19,17 @@ from typing import Any, Callable
 
 from ...errors import InvalidInput, OutputError
 from ...text import whole_number
-from . import tilefile
-from .tilefile import FILE_ERRORS, About, TileFile
-from .tilestore import TileStore
+from . import database
+from .database import FILE_ERRORS, About
+from .tilestore import TileFile, TileStore
 
 FOLDER_ENV = "TERRAINAV_CACHE_DIR"
-#: Bytes of all files together, where nothing else is said.
+#: Default limit of all files together, bytes.
 LIMIT_BYTES = 4 << 30
-#: Share of the limit that is left when tiles have to go, so that they do not have to with every write.
-_TRIMMED_SHARE = 0.9
-#: Longest time for that at once, seconds; the next write goes on with it.
+#: Longest time that one `TileCache.trim` takes, seconds; the next goes on with it.
 _TRIM_S = 1.0
-#: Later than any time, seconds since 1970.
-_EVER = 1 << 62
-#: Enters the files' names, so that files of another form are left alone.
-_FORM = "1"
-#: Files are told from others by their names: words, a hash, and a number where one before was damaged.
+#: Names of the cache's files: words, a hash, and a number where an earlier file was damaged.
 _NAME = re.compile(r"(?P<stem>.+-[0-9a-f]{12})(~(?P<number>\d+))?\.mbtiles(?P<corrupt>\.corrupt)?")
-_SLUG_CHARACTERS = 60
 
 _log = logging.getLogger(__name__)
 
@@ -51,7 +44,7 @@ def default_folder() -> Path:
     if sys.platform == "darwin":
         return Path.home() / "Library" / "Caches" / "terrainav"
     xdg = os.environ.get("XDG_CACHE_HOME", "")
-    # A relative path there is to be ignored (XDG Base Directory Specification).
+    # The XDG Base Directory Specification has relative paths ignored.
     return (Path(xdg) if Path(xdg).is_absolute() else Path.home() / ".cache") / "terrainav"
 
 
@@ -84,9 +77,9 @@ class TileCache:
     Parameters
     ----------
     folder : path or None
-        Made when the first tile is stored; None for `default_folder`.
+        Created with the first store; None for `default_folder`.
     limit_bytes : int
-        Of all files together; the tiles used least recently go first.
+        Of all files together; the least recently used tiles are removed first.
     clock : callable
         Seconds since 1970.
     """
@@ -107,7 +100,7 @@ class TileCache:
         self._clock = clock
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """On another machine the usual folder is another one."""
+        """Pickle the folder as it was given: the default differs between machines."""
         return TileCache, (self._given, self.limit_bytes, self._clock)
 
     def store(
@@ -121,19 +114,20 @@ class TileCache:
         date: str = "",
         tile_px: int = 256,
     ) -> TileStore:
-        """Tiles of a source, to be closed after use. A folder that cannot be used is warned of, no error.
+        """Return the store of a source's tiles, to be closed after use; an unusable folder is logged, no error.
 
         Parameters
         ----------
         key : str
-            What tells the source's tiles from all others: its URL template, without the user's key.
+            Identifies the source's tiles: its URL template, without the user's key.
         source, title, attribution : str
         map_type, date : str
-            Empty where the source has but one.
+            Empty where the source has only one.
         tile_px : int
         """
         about = About(source, title, attribution, map_type, date, tile_px)
-        digest = hashlib.sha256("\n".join((_FORM, key, map_type, date, str(tile_px))).encode()).hexdigest()
+        # The number is the version of the files' tables: files of another are left alone.
+        digest = hashlib.sha256("\n".join(("1", key, map_type, date, str(tile_px))).encode()).hexdigest()
         slug = "-".join(filter(None, (_slug(text) for text in (source, map_type, date, str(tile_px)))))
         stem = f"{slug}-{digest[:12]}"
 
@@ -145,7 +139,7 @@ class TileCache:
             try:
                 return TileFile(path, about)
             except FILE_ERRORS as wrong:
-                if tilefile.fault(wrong) != "corrupt":
+                if database.fault(wrong) != "corrupt":
                     raise
                 self._set_aside(path)
             return TileFile(self._current(stem), about)
@@ -153,11 +147,11 @@ class TileCache:
         return TileStore(open_file, self.trim, self._clock)
 
     def list(self) -> tuple[CacheFile, ...]:
-        """Files that hold tiles, by name."""
+        """Return the files that hold tiles, by name."""
         found = []
         for path in self._paths():
             try:
-                rows, tiles = tilefile.metadata(path)
+                rows, tiles = database.metadata(path)
             except FILE_ERRORS as wrong:
                 _log.warning("cache %s: cannot be read (%s)", path, wrong)
                 continue
@@ -166,9 +160,7 @@ class TileCache:
         return tuple(found)
 
     def clear(self, names: Iterable[str] | None = None) -> int:
-        """Remove files, and return how many bytes that freed.
-
-        A file that another capture has open is emptied instead.
+        """Remove files and return the bytes freed; a file that another capture has open is emptied instead.
 
         Parameters
         ----------
@@ -178,20 +170,20 @@ class TileCache:
         Raises
         ------
         InvalidInput
-            A name that is not there.
+            An unknown name.
         OutputError
             A file cannot be removed.
         """
         before = self._folder_bytes()
         everything = (*self._paths(), *self._paths(corrupt=True))
-        # Where one cannot be removed, the others go all the same.
+        # All are tried before the first failure is raised.
         failures = [_failure(path) for path in (everything if names is None else self._named(names))]
         for failure in filter(None, failures):
             raise failure
         return max(before - self._folder_bytes(), 0)
 
     def trim(self) -> None:
-        """Remove the tiles used least recently until the files are within the limit, a second's worth at most."""
+        """Remove the least recently used tiles until the files are within the limit, for a second at most."""
         if self._folder_bytes() <= self.limit_bytes:
             return
         for path in self._paths(corrupt=True):
@@ -203,14 +195,15 @@ class TileCache:
         for path in self._paths():
             with (
                 suppress(*FILE_ERRORS),
-                closing(tilefile.connect(path, wait_s=tilefile.READ_WAIT_S)) as connection,
+                closing(database.connect(path, wait_s=database.READ_WAIT_S)) as connection,
             ):
-                tilefile.shrink(connection, until_s)
-                sizes[path] = tilefile.live_bytes(connection)
+                database.shrink(connection, until_s)
+                sizes[path] = database.live_bytes(connection)
                 ages.extend((age_s, path) for age_s in _oldest(connection))
         excess = sum(sizes.values()) - self.limit_bytes
         if excess > 0:
-            goal = excess + (1.0 - _TRIMMED_SHARE) * self.limit_bytes
+            # A tenth more, so that not every write has tiles removed.
+            goal = excess + 0.1 * self.limit_bytes
             with suppress(*FILE_ERRORS):
                 _remove_oldest(ages, goal, until_s)
 
@@ -218,7 +211,7 @@ class TileCache:
         listed = self.list()
         chosen: dict[Path, None] = {}
         for name in names:
-            own = [
+            found = [
                 file.path
                 for file in listed
                 if name.casefold()
@@ -229,14 +222,14 @@ class TileCache:
                     file.path.stem.casefold(),
                 )
             ]
-            if not own:
+            if not found:
                 known = ", ".join(sorted({file.source for file in listed})) or "nothing"
                 raise InvalidInput("cache {0!r}: is not there; {1} holds {2}", name, self.folder, known)
-            chosen.update(dict.fromkeys(own))
+            chosen.update(dict.fromkeys(found))
         return tuple(chosen)
 
     def _paths(self, *, corrupt: bool = False) -> tuple[Path, ...]:
-        """Files of the cache, or those that were set aside; files of others are left alone."""
+        """Files of the cache, or those that were set aside; other files of the folder are ignored."""
         try:
             with os.scandir(self.folder) as entries:
                 names = sorted(entry.name for entry in entries if entry.is_file())
@@ -255,10 +248,10 @@ class TileCache:
             return 0
 
     def _current(self, stem: str) -> Path:
-        """Path of a file that is not damaged.
+        """Path for a file that is not damaged.
 
-        One that is set aside keeps its number, and the next takes another: a program that still has the old one open
-        must not come across the log (WAL) of the new one when it closes.
+        A file that was set aside keeps its number and its successor takes the next: a program that still has the old
+        file open must not find the log (WAL) of the new one when it closes.
         """
         highest, corrupt = 1, False
         for path in self._paths() + self._paths(corrupt=True):
@@ -276,10 +269,10 @@ class TileCache:
         try:
             os.replace(path, aside)
         except FileNotFoundError:
-            # Another program has set it aside already.
+            # Another program has already set it aside.
             return
         except OSError:
-            # Windows does not rename what another program has open. The mark alone has the next number taken.
+            # Windows renames no open file. The marker alone makes the next file take another number.
             aside.touch()
         for ending in ("-wal", "-shm"):
             with suppress(OSError):
@@ -287,9 +280,9 @@ class TileCache:
 
 
 def _slug(text: str) -> str:
-    """Letters, digits, dots and hyphens that any file system takes."""
+    """Text as up to 60 letters, digits, dots and hyphens, which any file system takes."""
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
-    return re.sub(r"[^a-z0-9.]+", "-", plain).strip("-.")[:_SLUG_CHARACTERS]
+    return re.sub(r"[^a-z0-9.]+", "-", plain).strip("-.")[:60]
 
 
 def _bytes(path: Path) -> int:
@@ -313,11 +306,11 @@ def _described(path: Path, rows: Mapping[str, str], tiles: int) -> CacheFile:
 
 
 def _failure(path: Path) -> OutputError | None:
-    """Remove a file, or empty it where another program has it open; return why that was not possible."""
+    """Remove a file, or empty it where another program has it open; return the error, if any."""
     try:
         if path.suffix == ".mbtiles" and _has_tiles(path):
-            if not tilefile.remove(path):
-                tilefile.empty(path, time.monotonic() + _TRIM_S)
+            if not database.remove(path):
+                database.empty(path, time.monotonic() + _TRIM_S)
         else:
             path.unlink(missing_ok=True)
     except (*FILE_ERRORS, OSError) as wrong:
@@ -326,33 +319,33 @@ def _failure(path: Path) -> OutputError | None:
 
 
 def _has_tiles(path: Path) -> bool:
-    """Whether a file is whole enough to be asked for its tiles."""
+    """Whether a file is sound enough to count its tiles."""
     try:
-        tilefile.metadata(path)
+        database.metadata(path)
     except FILE_ERRORS as wrong:
-        return tilefile.fault(wrong) != "corrupt"
+        return database.fault(wrong) != "corrupt"
     return True
 
 
 def _oldest(connection: sqlite3.Connection) -> list[int]:
-    """When the tile of a file that was used least recently was used, seconds since 1970; none where it is empty."""
+    """Last use of a file's least recently used tile, seconds since 1970; empty without tiles."""
     (used_s,) = connection.execute("SELECT min(used_s) FROM freshness").fetchone()
     return [] if used_s is None else [int(used_s)]
 
 
 def _remove_oldest(ages: list[tuple[int, Path]], goal: float, until_s: float) -> None:
-    """Remove tiles, oldest first over all files, until ``goal`` bytes are gone or the time is over."""
+    """Remove tiles, oldest first among all files, until ``goal`` bytes are removed or the time is over."""
     heapq.heapify(ages)
     while ages and goal > 0 and time.monotonic() < until_s:
         _, path = heapq.heappop(ages)
-        with closing(tilefile.connect(path, wait_s=tilefile.READ_WAIT_S)) as connection:
-            with tilefile.transaction(connection):
+        with closing(database.connect(path, wait_s=database.READ_WAIT_S)) as connection:
+            with database.transaction(connection):
                 rows = connection.execute(
                     "SELECT zoom_level, tile_column, tile_row, coalesce(length(tile_data), 0) FROM freshness "
                     "LEFT JOIN tiles USING (zoom_level, tile_column, tile_row) WHERE used_s <= ? "
                     "ORDER BY used_s LIMIT ?",
-                    # As far as the next file's oldest, and always one.
-                    (ages[0][0] if ages else _EVER, tilefile.BATCH_TILES),
+                    # Up to the oldest of the next file; of the last file, any.
+                    (ages[0][0] if ages else 1 << 62, database.BATCH_TILES),
                 ).fetchall()
                 gone = []
                 for *row, size in rows:
@@ -360,7 +353,7 @@ def _remove_oldest(ages: list[tuple[int, Path]], goal: float, until_s: float) ->
                     goal -= size
                     if goal <= 0:
                         break
-                tilefile.delete(connection, gone)
-            tilefile.shrink(connection, until_s)
+                database.delete(connection, gone)
+            database.shrink(connection, until_s)
             for age_s in _oldest(connection):
                 heapq.heappush(ages, (age_s, path))

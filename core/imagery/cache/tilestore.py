@@ -1,55 +1,177 @@
-"""The tiles of one file of the cache, between a source and its server: what is asked for, kept, and used again."""
+"""The tiles of one source, map type and date: read from their file, kept in memory until a thread writes them."""
 
 from __future__ import annotations
 
 import logging
 import threading
 import time
+import zlib
 from collections.abc import Mapping
-from http import HTTPStatus
 from itertools import islice
-from typing import Callable
+from pathlib import Path
+from typing import Callable, NamedTuple
 
-from ...arrays import PixelValues
-from ...errors import PartError
-from ..http.client import NotThere, OutOfReach
-from ..http.transport import Response
-from ..source import Tile
-from .freshness import Freshness, freshness
-from .tilefile import BATCH_TILES, FILE_ERRORS, BrokenTileError, Kept, TileFile, fault
+from ..http.transport import Freshness, Response, freshness
+from ..tiles import Tile
+from .database import (
+    BATCH_TILES,
+    FILE_ERRORS,
+    READ_WAIT_S,
+    About,
+    connect,
+    create,
+    delete,
+    describe,
+    fault,
+    transaction,
+)
 
-#: Seconds that tiles wait to be written together: what a killed run may lose.
+#: Longest time that tiles wait to be written together, seconds: a killed run may lose so much.
 FLUSH_S = 1.0
-#: Bytes waiting that are written without waiting longer.
-_FLUSH_BYTES = 4 << 20
-#: Bytes waiting beyond which no more are stored, where the disk is slower than the network or locked by another.
-_MOST_WAITING_BYTES = 64 << 20
-#: When a tile was last used is noted to the hour: finer would have every warm run rewrite every row.
-USED_STEP_S = 3600
-#: Files set aside in one run until the disk counts as broken.
-_MOST_SET_ASIDE = 3
-#: Times another program may have held the file when tiles were to be written, one after the other.
-_MOST_BUSY = 10
 
 _log = logging.getLogger(__name__)
 
-#: Turns body and headers into pixels, or raises PartError.
-Read = Callable[[bytes, Mapping[str, str]], PixelValues]
-#: Sends a request with these headers; an answer with status 200, or 304 where there were headers, and what the
-#: callable reads of it.
-Ask = Callable[[Mapping[str, str], Callable[[Response], PixelValues]], tuple[Response, PixelValues]]
+
+class Kept(NamedTuple):
+    """A stored tile."""
+
+    body: bytes
+    freshness: Freshness
+    fetched_s: int
+    used_s: int
+
+    def seal(self, tile: Tile) -> int:
+        """Checksum of picture, place and freshness: JPEG has none, and any byte of a file may be wrong."""
+        return zlib.crc32(repr((*tile, *self.freshness)).encode(), zlib.crc32(self.body))
 
 
-class TileStore:
+class BrokenTileError(Exception):
+    """A stored tile differs from what was written."""
+
+
+class TileFile:
+    """An open file of tiles; safe to use from several threads and processes.
+
+    Reading and writing have a connection each: in WAL mode neither waits for the other.
+
+    Parameters
+    ----------
+    path : Path
+        Created if it does not exist.
+    about : About
+
+    Raises
+    ------
+    sqlite3.Error
+        As all methods do; see `fault`.
+    """
+
+    def __init__(self, path: Path, about: About) -> None:
+        self.path = path
+        self._reading, self._writing = threading.Lock(), threading.Lock()
+        self._writer = create(path, about)
+        try:
+            self._reader = connect(path, wait_s=READ_WAIT_S)
+        except FILE_ERRORS:
+            self._writer.close()
+            raise
+
+    def read(self, tile: Tile) -> Kept | None:
+        """Return a stored tile, or None.
+
+        Raises
+        ------
+        BrokenTileError
+        """
+        with self._reading:
+            rows = self._reader.execute(
+                "SELECT tile_data, seal, expires_s, lifetime_s, stale_allowed, etag, last_modified, fetched_s, "
+                "used_s FROM tiles JOIN freshness USING (zoom_level, tile_column, tile_row) "
+                "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
+                tile.tms,
+            ).fetchall()
+        if not rows:
+            return None
+        body, seal, expires_s, lifetime_s, stale_allowed, etag, last_modified, fetched_s, used_s = rows[0]
+        if not isinstance(body, bytes):
+            raise BrokenTileError
+        fresh = Freshness(expires_s, lifetime_s, bool(stale_allowed), etag, last_modified)
+        kept = Kept(body, fresh, fetched_s, used_s)
+        if seal != kept.seal(tile):
+            raise BrokenTileError
+        return kept
+
+    def write(self, changes: Mapping[Tile, Kept | None], used: Mapping[Tile, int]) -> None:
+        """Write tiles, remove those that are None, and note when others were last used."""
+        with self._writing, transaction(self._writer):
+            for tile, kept in changes.items():
+                if kept is None:
+                    delete(self._writer, [tile.tms])
+                else:
+                    self._put(tile, kept)
+            self._writer.executemany(
+                "UPDATE freshness SET used_s = ? WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?",
+                [(used_s, *tile.tms) for tile, used_s in used.items()],
+            )
+            written = {tile: kept.body for tile, kept in changes.items() if kept is not None}
+            if written:
+                describe(self._writer, written)
+
+    def close(self) -> None:
+        """Close both connections, once other threads have finished with them."""
+        with self._reading:
+            self._reader.close()
+        with self._writing:
+            self._writer.close()
+
+    def _put(self, tile: Tile, kept: Kept) -> None:
+        self._writer.execute(
+            "INSERT OR REPLACE INTO tiles (zoom_level, tile_column, tile_row, tile_data) VALUES (?, ?, ?, ?)",
+            (*tile.tms, kept.body),
+        )
+        self._writer.execute(
+            "INSERT OR REPLACE INTO freshness VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+            (*tile.tms, kept.seal(tile), *kept.freshness, kept.fetched_s, kept.used_s),
+        )
+
+
+class NoStore:
+    """The store of a source whose tiles are not kept."""
+
+    def find(self, tile: Tile) -> Kept | None:  # noqa: ARG002
+        """Return nothing."""
+        return None
+
+    def is_fresh(self, kept: Kept) -> bool:  # noqa: ARG002
+        """Return False."""
+        return False
+
+    def keep(self, tile: Tile, response: Response) -> None:
+        """Drop an answer."""
+
+    def renew(self, tile: Tile, kept: Kept, headers: Mapping[str, str]) -> None:
+        """Drop a confirmation."""
+
+    def note_use(self, tile: Tile, kept: Kept) -> None:
+        """Note nothing."""
+
+    def remove(self, tile: Tile) -> None:
+        """Remove nothing."""
+
+    def close(self) -> None:
+        """Close nothing."""
+
+
+class TileStore(NoStore):
     """Tiles of one source, map type and date, kept from run to run; safe to use from several threads.
 
-    Nothing that goes wrong with the file fails a picture: tiles are asked for as if there were no cache.
-    They are written by a thread of its own, a second's worth at a time.
+    No fault of the file fails a picture: without the file, nothing is found and nothing kept. A thread writes what is
+    new, a second's worth at a time.
 
     Parameters
     ----------
     open_file : callable
-        Opens the file; called with the file that is of no use any more where there was one, to set it aside.
+        Opens the file; takes a damaged file that is to be set aside first, or None.
     written : callable
         Called after tiles were written, to keep the cache within its size.
     clock : callable
@@ -76,56 +198,53 @@ class TileStore:
         self._file: TileFile | None = None
         self._open(None)
 
-    def fetch(self, tile: Tile, ask: Ask, read: Read, out_of_reach: Callable[[], bool]) -> PixelValues:
-        """Pixels of a tile: from the file while they are fresh, else from the server, which may confirm them.
-
-        Parameters
-        ----------
-        tile : Tile
-        ask, read : callable
-        out_of_reach : callable
-            Whether the server was out of reach a moment ago: then a copy that may be used stale is used unasked.
-
-        Raises
-        ------
-        PartError, SourceError, Cancelled
-            As ``ask`` and ``read`` do.
-        """
-
-        def new(response: Response) -> PixelValues:
-            return read(response.body, response.headers)
-
-        kept, pixels = self._usable(tile, read)
-        if kept is None or pixels is None:
-            return self._received(tile, *ask({}, new))
-        stored = pixels
-        stale_allowed = kept.freshness.stale_allowed
-        now_s = self._clock()
-        # One that is stored in the future was stored by a clock that was wrong, and so is the time it expires.
-        fresh = kept.freshness.is_fresh(now_s) and kept.fetched_s <= now_s
-        if fresh or (stale_allowed and out_of_reach()):
-            self._note_use(tile, kept)
-            return stored
+    def find(self, tile: Tile) -> Kept | None:
+        """Stored tile, or None; a broken one is removed."""
+        with self._lock:
+            if self._closed:
+                return None
+            if tile in self._changes:
+                return self._changes[tile]
+            file = self._file
+        if file is None:
+            return None
         try:
-            response, pixels = ask(
-                kept.freshness.conditions(),
-                lambda response: stored if response.status == HTTPStatus.NOT_MODIFIED else new(response),
-            )
-        except OutOfReach:
-            if not stale_allowed:
-                raise
-            self._note_use(tile, kept)
-            return stored
-        except NotThere:
-            self._change(tile, None)
-            raise
-        if response.status != HTTPStatus.NOT_MODIFIED:
-            return self._received(tile, response, pixels)
-        self._keep(tile, kept.body, kept.freshness.renewed(response.headers, self._clock()))
-        return stored
+            return file.read(tile)
+        except BrokenTileError:
+            self.remove(tile)
+        except FILE_ERRORS as wrong:
+            self._failed(wrong, file)
+        return None
+
+    def is_fresh(self, kept: Kept) -> bool:
+        """Whether a stored tile may be used without a request."""
+        now_s = self._clock()
+        # A tile from the future was stored by a wrong clock, so its expiry is wrong, too.
+        return kept.freshness.is_fresh(now_s) and kept.fetched_s <= now_s
+
+    def keep(self, tile: Tile, response: Response) -> None:
+        """Store an answer that was decoded, if it may be stored."""
+        self._keep(tile, response.body, freshness(response.headers, self._clock()))
+
+    def renew(self, tile: Tile, kept: Kept, headers: Mapping[str, str]) -> None:
+        """Store a tile again that the server has confirmed (304)."""
+        self._keep(tile, kept.body, kept.freshness.renewed(headers, self._clock()))
+
+    def note_use(self, tile: Tile, kept: Kept) -> None:
+        """Note that a tile was used, to the hour: finer, every run would write every row again."""
+        now_s = int(self._clock())
+        if now_s - kept.used_s >= 3600:
+            with self._lock:
+                if self._storing():
+                    self._used[tile] = now_s
+                    self._start_writer()
+
+    def remove(self, tile: Tile) -> None:
+        """Remove a tile."""
+        self._change(tile, None)
 
     def flush(self) -> None:
-        """Write what is waiting; where another program holds the file, it goes on waiting."""
+        """Write what is waiting; it goes on waiting while another program has the file locked."""
         with self._flushing:
             with self._lock:
                 file, changes, used = self._file, dict(self._changes), dict(self._used)
@@ -146,7 +265,7 @@ class TileStore:
         self._written()
 
     def close(self) -> None:
-        """Write what is waiting and close the file; from here on nothing is found nor kept."""
+        """Write what is waiting and close the file; from then on nothing is found and nothing kept."""
         with self._lock:
             self._closed = True
             writer = self._writer
@@ -156,7 +275,7 @@ class TileStore:
         before = self._file
         self.flush()
         if self._file is not before:
-            # Its damage showed now, and there is a new one.
+            # Damage that showed in writing has opened another file.
             self.flush()
         with self._lock:
             file, self._file = self._file, None
@@ -164,60 +283,20 @@ class TileStore:
         if file is not None:
             file.close()
 
-    def _usable(self, tile: Tile, read: Read) -> tuple[Kept | None, PixelValues | None]:
-        """Return the stored tile and its pixels; what is broken is dropped."""
-        kept = self._stored(tile)
-        if kept is None:
-            return None, None
-        try:
-            return kept, read(kept.body, {})
-        except PartError:
-            self._change(tile, None)
-            return None, None
-
-    def _stored(self, tile: Tile) -> Kept | None:
-        with self._lock:
-            if self._closed:
-                return None
-            if tile in self._changes:
-                return self._changes[tile]
-            file = self._file
-        if file is None:
-            return None
-        try:
-            return file.read(tile)
-        except BrokenTileError:
-            self._change(tile, None)
-        except FILE_ERRORS as wrong:
-            self._failed(wrong, file)
-        return None
-
-    def _received(self, tile: Tile, response: Response, pixels: PixelValues) -> PixelValues:
-        """Keep an answer that has shown to be a picture, and return its pixels."""
-        self._keep(tile, response.body, freshness(response.headers, self._clock()))
-        return pixels
-
     def _keep(self, tile: Tile, body: bytes, fresh: Freshness | None) -> None:
         now_s = int(self._clock())
         self._change(tile, None if fresh is None else Kept(body, fresh, now_s, now_s))
 
-    def _note_use(self, tile: Tile, kept: Kept) -> None:
-        now_s = int(self._clock())
-        if now_s - kept.used_s >= USED_STEP_S:
-            with self._lock:
-                if self._storing():
-                    self._used[tile] = now_s
-                    self._start_writer()
-
     def _change(self, tile: Tile, kept: Kept | None) -> None:
         size = 0 if kept is None else len(kept.body)
         with self._lock:
-            if not self._storing() or self._waiting_bytes + size > _MOST_WAITING_BYTES:
+            # Nothing more is stored where the disk is slower than the network, or locked.
+            if not self._storing() or self._waiting_bytes + size > 64 << 20:
                 return
             self._changes[tile] = kept
             self._waiting_bytes += size
             self._start_writer()
-            if self._waiting_bytes > _FLUSH_BYTES:
+            if self._waiting_bytes > 4 << 20:
                 self._hurry.set()
 
     def _storing(self) -> bool:
@@ -226,12 +305,12 @@ class TileStore:
     def _start_writer(self) -> None:
         if self._writer is None:
             self._hurry.clear()
-            # No daemon: at the end of the program it has a second's worth of tiles to write, and ends.
+            # Not a daemon, so that the program ends after the last tiles are written.
             self._writer = threading.Thread(target=self._write_behind, name="terrainav-cache", daemon=False)
             self._writer.start()
 
     def _write_behind(self) -> None:
-        """Write each second for as long as there is something to write."""
+        """Write each second while there is something to write."""
         while True:
             self._hurry.wait(FLUSH_S)
             self._hurry.clear()
@@ -244,7 +323,7 @@ class TileStore:
     def _done(self, batch: Mapping[Tile, Kept | None]) -> None:
         with self._lock:
             for tile, kept in batch.items():
-                # What came for the same tile in the meantime stays.
+                # A tile that was stored again in the meantime still waits.
                 if tile in self._changes and self._changes[tile] is kept:
                     del self._changes[tile]
             self._waiting_bytes = sum(len(kept.body) for kept in self._changes.values() if kept is not None)
@@ -252,24 +331,25 @@ class TileStore:
     def _failed(self, wrong: Exception, file: TileFile, *, writing: bool = False) -> None:
         kind = fault(wrong)
         with self._lock:
-            # Several threads may come upon the same damage.
+            # Several threads may meet the same damage.
             if kind == "corrupt" and self._file is file:
                 self._open(file)
             elif kind == "unwritable":
                 self._stop_storing(f"cache {file.path}: {wrong}; nothing more is stored in this run")
             elif kind == "busy" and writing:
                 self._busy += 1
-                if self._busy > _MOST_BUSY:
+                if self._busy > 10:
                     self._stop_storing(f"cache {file.path}: another program holds it; nothing more is stored")
 
     def _open(self, broken: TileFile | None) -> None:
-        """Open the file, or the one that takes the place of a broken one; the lock is held by the caller."""
+        """Open the file, or one in place of a broken file; the caller holds the lock."""
         self._file = None
         try:
             if broken is not None:
                 self._set_aside += 1
                 broken.close()
-            if self._set_aside <= _MOST_SET_ASIDE:
+            # With the fourth damaged file in one run, the disk counts as broken.
+            if self._set_aside <= 3:
                 self._file = self._open_file(broken)
         except (*FILE_ERRORS, OSError) as wrong:
             self._stop_storing(f"cache: {wrong}; this run goes without it")

@@ -1,6 +1,6 @@
-"""Well-mannered requests to providers.
+"""Polite requests to providers.
 
-transport           what one attempt at one URL has to be, over whatever stack of HTTP
-client              requests of many threads: limits, trying again, what an answer's status means
-requests_transport  the transport of the headless core, which can be ended while it waits
+transport           one attempt at one URL, over any HTTP library; what the headers of a response mean
+client              requests of many threads: limits, retries, redirects, the meaning of a status
+requests_transport  the transport of the headless core, which can be cancelled while it waits
 """

@@ -1,4 +1,4 @@
-"""Well-mannered requests: limits of connections and rate, trying again, and what an answer's status means."""
+"""Polite requests: limits of connections and rate, retries, redirects, and the meaning of a status."""
 
 from __future__ import annotations
 
@@ -20,41 +20,29 @@ from .transport import Response, Transport, TransportError, http_date_s
 
 #: Attempts at one part, the first included.
 TRIES = 5
-#: Seconds before the second attempt; each further wait is twice as long, up to `LONGEST_WAIT_S`.
+#: Wait before the second attempt, seconds; each further wait is twice as long, up to `LONGEST_WAIT_S`.
 FIRST_WAIT_S = 0.5
 LONGEST_WAIT_S = 30.0
-#: A server that asks for a longer wait than this is not waited for: the run stops, to be resumed later.
-LONGEST_RETRY_AFTER_S = 120.0
-#: A server that gave no answer is taken to be out of reach for so long, where that saves asking in vain.
-OUT_OF_REACH_S = 30.0
-#: Seconds between two looks at whether the client was closed.
-_LOOK_S = 0.1
 
-_REFUSED = frozenset({401, 402, 403, 407, 451})
-_REDIRECTS = frozenset({301, 302, 303, 307, 308})
-_NOT_THERE = frozenset({404, 410})
-_AGAIN = frozenset({408, 425, 429, 500, 502, 503, 504})
 _QUOTA = re.compile(
     r"quota|over_query_limit|(limit|allowance)\W+(is |was |has been )?(exceed|reach)"
     r"|api[ _-]?key|access[ _-]?token",
     re.IGNORECASE,
 )
-#: Asks every cache on the way for the server's own answer (RFC 9111, 5.2.1.4); the second is for those of HTTP/1.0.
-_PAST_CACHES = {"Cache-Control": "no-cache", "Pragma": "no-cache"}
 
 Picture = TypeVar("Picture")
 
 
 class OutOfReach(PartError):
-    """No answer came, or none but failures of the server (5xx), however often it was tried."""
+    """No attempt had an answer, or only server errors (5xx)."""
 
 
 class NotThere(PartError):
-    """The provider has no such part (404, 410)."""
+    """The provider lacks this part (404, 410)."""
 
 
 class BrokenPictureError(PartError):
-    """An answer came whole and cannot be decoded: what a cache on the way holds may be a bad copy."""
+    """A complete answer cannot be decoded: a cache on the way may hold a bad copy."""
 
 
 class Pace:
@@ -73,7 +61,7 @@ class Pace:
         self._held_until_s = 0.0
 
     def turn_s(self) -> float:
-        """Take the next turn; return how many seconds from now it is."""
+        """Take the next turn and return the seconds until then."""
         with self._lock:
             now_s = time.monotonic()
             at_s = max(now_s, self._next_s, self._held_until_s)
@@ -81,22 +69,19 @@ class Pace:
             return at_s - now_s
 
     def held_s(self) -> float:
-        """Seconds the server still wants to be left alone."""
+        """Seconds for which the server still wants no request."""
         with self._lock:
             return max(self._held_until_s - time.monotonic(), 0.0)
 
     def hold(self, seconds: float) -> None:
-        """Start no request for so long."""
+        """Start no request for some seconds."""
         with self._lock:
             self._held_until_s = max(self._held_until_s, time.monotonic() + seconds)
 
 
 @dataclass
 class _Request:
-    """A part that is asked for: what goes with each request for it, and what has become of these.
-
-    Seconds they have taken, and what the last of them has failed of: in words, its status, the transport's failure.
-    """
+    """A requested part: headers and check of each attempt, their seconds, and how the last one failed."""
 
     headers: Mapping[str, str] | None
     allow: Callable[[str], object] | None
@@ -121,9 +106,13 @@ class Client:
     first_after_s : float
         Seconds from now to the first request.
     secrets : tuple of str
-        Keys that no error may quote, even where the provider's own words do, however these spell them.
-    tries, first_wait_s, longest_retry_after_s
-        As the constants of this module.
+        Keys masked in every error, in whatever spelling the provider quotes them.
+    tries : int
+        Attempts at one part.
+    first_wait_s : float
+        As `FIRST_WAIT_S`.
+    longest_retry_after_s : float
+        Where the server asks for a longer wait, the run stops, to be resumed later.
     """
 
     def __init__(
@@ -137,7 +126,7 @@ class Client:
         secrets: tuple[str, ...] = (),
         tries: int = TRIES,
         first_wait_s: float = FIRST_WAIT_S,
-        longest_retry_after_s: float = LONGEST_RETRY_AFTER_S,
+        longest_retry_after_s: float = 120.0,
     ) -> None:
         self._transport = transport
         self._title = title
@@ -150,43 +139,42 @@ class Client:
         self._first_wait_s = first_wait_s
         self._longest_retry_after_s = longest_retry_after_s
         self._closed = threading.Event()
-        #: The last part found the server out of reach: until it answers, others are tried once only.
+        #: Set when the server was out of reach: until it answers, each part is tried once.
         self._away = threading.Event()
         self._silent_until_s = 0.0
-        #: Parts in a row that were waited for in vain: with so many the server is left alone for a while.
+        #: Parts in a row that timed out.
         self._late_parts = 0
 
     def get(
         self,
         url: str,
-        what: str,
+        what: object,
         headers: Mapping[str, str] | None = None,
         allow: Callable[[str], object] | None = None,
     ) -> Response:
-        """Answer with status 200; 304 where ``headers`` are conditions, 206 where they ask for a part of a file.
+        """Return the answer of status 200; 304 where ``headers`` are conditions, 206 where they name a range.
 
         Redirects are followed.
 
         Parameters
         ----------
         url : str
-        what : str
-            The part that is asked for, as errors name it.
+        what : object
+            The part that is requested, as errors name it.
         headers : mapping or None
-            To be sent with the request, such as conditions under which an answer is wanted.
+            Sent with the request, such as conditions.
         allow : callable or None
-            Called with the URL of each request before it is sent, also of those that redirects lead to; what it raises
-            goes through.
+            Called with the URL of each attempt and redirect before it is sent; raises to refuse it.
 
         Raises
         ------
         PartError
-            This part cannot be had; `OutOfReach` and `NotThere` tell two of the reasons.
+            This part is not available, with `OutOfReach` and `NotThere` for two of the reasons.
         SourceError
-            The provider refuses: nothing can be had.
+            The provider refuses all requests.
         Cancelled
         """
-        if self._left_alone():
+        if self._is_rested():
             raise OutOfReach(
                 "{0}: not requested, as the last {1} requests had no answer in time",
                 what,
@@ -217,7 +205,7 @@ class Client:
                 request.reason, request.status = self._judge(response, what), response.status
                 request.failure = None
                 wait_s = self._asked_wait_s(response, request.reason)
-            if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._left_alone():
+            if attempt == tries - 1 or request.taken_s > MAX_PART_S or self._is_rested():
                 request.reason = Message("{0}{1}", request.reason, _tried(attempt + 1))
                 break
             self._pause(max(wait_s, self._backoff_s(url, attempt)))
@@ -226,44 +214,44 @@ class Client:
     def picture(
         self,
         url: str,
-        what: str,
+        what: object,
         read: Callable[[Response], Picture],
         headers: Mapping[str, str] | None = None,
         allow: Callable[[str], object] | None = None,
     ) -> tuple[Response, Picture]:
-        """Answer as of `get`, and what is read of it: a picture that is broken is asked for once more.
-
-        The second request gets round the caches on the way, any of which may hold a bad copy.
+        """Return an answer as `get` does, and the picture read from it; a broken picture is requested once more.
 
         Parameters
         ----------
         read : callable
-            Makes a picture of an answer, or raises PartError.
+            Decodes an answer, or raises PartError.
 
         Raises
         ------
         PartError, SourceError, Cancelled
-            As `get` does; PartError also where the answer is no picture.
+            As `get` does; PartError also where ``read`` raises it.
         """
         response, times = self.get(url, what, headers, allow), 1
         picture = self._picture_or_problem(response, read)
         if isinstance(picture, BrokenPictureError):
-            response, times = self.get(url, what, _PAST_CACHES, allow), 2
+            # Past the caches on the way, which may hold a bad copy (RFC 9111, 5.2.1.4); HTTP/1.0 has Pragma.
+            past_caches = {"Cache-Control": "no-cache", "Pragma": "no-cache"}
+            response, times = self.get(url, what, past_caches, allow), 2
             picture = self._picture_or_problem(response, read)
         if isinstance(picture, PartError):
             raise PartError("{0}: {1}{2}", what, picture, _tried(times)).with_texts(self.redacted)
         return response, picture
 
     def out_of_reach(self) -> bool:
-        """Whether a part found no answer a moment ago, and none has come since."""
+        """Whether the last part had no answer, within the last half minute."""
         return time.monotonic() < self._silent_until_s
 
     def redacted(self, text: str) -> str:
-        """Return ``text`` without the keys, however they are written in it."""
+        """Return ``text`` with the keys masked, in whatever spelling."""
         return self._secrets.masked(text)
 
     def message(self, response: Response) -> str:
-        """Return the first line of what a provider says, for people, without the keys."""
+        """Return the first line of a provider's message, with the keys masked."""
         return first_words(response.body, response.headers.get("content-type", ""), self._secrets.masked)
 
     def close(self) -> None:
@@ -271,8 +259,8 @@ class Client:
         self._closed.set()
         self._transport.close()
 
-    def _given_up(self, what: str, request: _Request) -> TerrAInavError:
-        """Error of a part that is not asked for any more."""
+    def _given_up(self, what: object, request: _Request) -> TerrAInavError:
+        """Error of a part after its last attempt."""
         if request.status == HTTPStatus.TOO_MANY_REQUESTS:
             return SourceError(
                 "{0}: {1}", self._title, request.reason, remedy="ask for less at a time, or resume later"
@@ -282,16 +270,16 @@ class Client:
         if failure is not None and failure.late:
             self._late_parts += 1
         if silent:
-            self._silent_until_s = time.monotonic() + OUT_OF_REACH_S
+            self._silent_until_s = time.monotonic() + 30.0
         kind = OutOfReach if silent or request.status >= HTTPStatus.INTERNAL_SERVER_ERROR else PartError
         return kind("{0}: {1}", what, request.reason)
 
-    def _left_alone(self) -> bool:
-        """Whether the server has kept part after part waiting in vain, and the last one a moment ago."""
+    def _is_rested(self) -> bool:
+        """Whether several parts in a row have timed out, the last a moment ago: the server is given a rest."""
         return self._late_parts >= MAX_LATE_PARTS and self.out_of_reach()
 
-    def _followed(self, url: str, what: str, request: _Request) -> Response:
-        """Answer of any status that is no redirect; a redirect is a request as any other, with its turn."""
+    def _followed(self, url: str, what: object, request: _Request) -> Response:
+        """Return the answer at the end of the redirects, each of which waits for its turn."""
         first = url
         for _ in range(MAX_REDIRECTS + 1):
             if request.allow is not None:
@@ -303,14 +291,14 @@ class Client:
             url = joined(url, target)
         raise TransportError("more than {0} redirects", MAX_REDIRECTS, again=False)
 
-    def _attempt(self, url: str, origin: str, what: str, request: _Request) -> Response:
-        # The turn comes last: requests that had theirs, and wait for a connection, would go off all at once.
-        while not self._free.acquire(timeout=_LOOK_S):
+    def _attempt(self, url: str, origin: str, what: object, request: _Request) -> Response:
+        # A connection first, then the turn: requests whose turn has passed would start all at once.
+        while not self._free.acquire(timeout=0.1):
             self._refuse_closed()
         began_s = time.monotonic()
         try:
             self._pause(self._pace.turn_s())
-            # The server may have asked for a rest while this request waited for its turn.
+            # The server may have asked for a wait in the meantime.
             while self._pace.held_s():
                 self._pause(self._pace.turn_s())
             self._refuse_closed()
@@ -319,49 +307,51 @@ class Client:
             return self._transport.get(url, request.headers or None, **more)
         except TerrAInavError:
             raise
-        except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
+        except Exception as wrong:  # noqa: BLE001  (any error fails this part only)
             failure = self._unexpected.failure(wrong, self.redacted)
         finally:
             self._free.release()
             request.taken_s += time.monotonic() - began_s
-        # Out here, where what was raised, which may quote a key, is no part of it.
+        # Raised outside `except` so that an error that may quote a key is not chained.
         raise PartError("{0}: {1}", what, failure)
 
     def _picture_or_problem(
         self, response: Response, read: Callable[[Response], Picture]
     ) -> Picture | PartError:
-        """What is read; a problem is returned, so that one which quotes a key is no part of what is raised of it."""
+        """Read a picture; an error is returned, so that the caller can raise it without a chain that quotes a key."""
         try:
             return read(response)
         except PartError as wrong:
             return wrong
         except TerrAInavError:
             raise
-        except Exception as wrong:  # noqa: BLE001  (of whatever kind: it is one part's failure)
+        except Exception as wrong:  # noqa: BLE001  (any error fails this part only)
             return self._unexpected.failure(wrong, self.redacted)
 
     def _without_secrets(self, response: Response) -> Response:
-        """Leave out headers that quote a key: some are kept in files."""
+        """Remove headers that quote a key: some are written to files."""
         written = "\n".join(response.headers.values())
         if self.redacted(written) == written:
             return response
         kept = {name: value for name, value in response.headers.items() if self.redacted(value) == value}
         return response._replace(headers=kept)
 
-    def _judge(self, response: Response, what: str) -> str:
-        """Reason to ask again; raises where asking again is of no use."""
+    def _judge(self, response: Response, what: object) -> str:
+        """Return the reason to try again; raises where that is pointless."""
         message = self.message(response)
         line = _status_line(response.status) + (f": {message}" if message else "")
-        if response.status in _REFUSED or (response.status >= 400 and _is_quota(response.status, message)):
+        if response.status in (401, 402, 403, 407, 451) or (
+            response.status >= 400 and _is_quota(response.status, message)
+        ):
             raise SourceError("{0} refuses: {1}", self._title, line)
-        if response.status in _NOT_THERE:
+        if response.status in (404, 410):
             raise NotThere("{0}: {1}", what, line)
-        if response.status not in _AGAIN:
+        if response.status not in (408, 425, 429, 500, 502, 503, 504):
             raise PartError("{0}: {1}", what, line)
         return line
 
     def _asked_wait_s(self, response: Response, reason: str) -> float:
-        """Seconds the server asks to wait, which then hold for every request; 0 where it asks for none."""
+        """Seconds that the server asks to wait, which hold for every request; 0 without such a wish."""
         seconds = retry_after_s(response, time.time())
         if seconds > self._longest_retry_after_s:
             raise SourceError(
@@ -372,7 +362,7 @@ class Client:
         return seconds
 
     def _backoff_s(self, url: str, attempt: int) -> float:
-        """Seconds between attempts, spread by the URL so that parts that failed together do not return so."""
+        """Seconds between attempts, spread by the URL so that parts that failed together are not retried together."""
         digest = hashlib.sha256(f"{attempt} {url}".encode()).digest()
         spread = int.from_bytes(digest[:4], "big") / 2**32
         return min(self._first_wait_s * 2.0**attempt, LONGEST_WAIT_S) * (0.5 + spread)
@@ -398,9 +388,9 @@ def _is_conditional(headers: Mapping[str, str] | None) -> bool:
 
 
 def retry_after_s(response: Response, now_s: float) -> float:
-    """Seconds a response's Retry-After asks to wait (RFC 9110, 10.2.3), 0 without one.
+    """Seconds to wait by a response's Retry-After (RFC 9110, 10.2.3); 0 without one.
 
-    A date is read against the response's own Date, so that the clocks need not agree.
+    A date is compared with the response's Date, so that the clocks need not agree.
 
     Parameters
     ----------
@@ -420,7 +410,7 @@ def retry_after_s(response: Response, now_s: float) -> float:
 
 
 def _is_quota(status: int, message: str) -> bool:
-    # Too many requests is what a rate limit says at first; only a spent quota ends the run at once.
+    # 429 is a rate limit first of all; only a used-up quota ends the run at once.
     if status == HTTPStatus.TOO_MANY_REQUESTS:
         return "quota" in message.lower() or "daily" in message.lower()
     return bool(_QUOTA.search(message))
@@ -434,23 +424,24 @@ def _status_line(status: int) -> str:
 
 
 def redirect_target(answer: Response) -> str | None:
-    """Where an answer points to, as it says it; None where it is not a redirect."""
-    return (answer.headers.get("location") or None) if answer.status in _REDIRECTS else None
+    """Location of a redirect, as it is stated; None for other answers."""
+    is_redirect = answer.status in (301, 302, 303, 307, 308)
+    return (answer.headers.get("location") or None) if is_redirect else None
 
 
 def joined(url: str, target: str) -> str:
-    """URL that a redirect from ``url`` leads to.
+    """Absolute URL of a redirect from ``url``.
 
     Raises
     ------
     TransportError
-        It is none, or of something else than http or https.
+        Not a URL, or neither http nor https.
     """
     try:
-        led_to = urljoin(url, target)
-        scheme = urlsplit(led_to).scheme
+        absolute = urljoin(url, target)
+        scheme = urlsplit(absolute).scheme
     except ValueError:
         raise TransportError("redirect to something that is not a URL", again=False) from None
     if scheme not in ("http", "https"):
         raise TransportError("redirect to an address that is neither http nor https", again=False)
-    return led_to
+    return absolute

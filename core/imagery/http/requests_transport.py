@@ -1,4 +1,4 @@
-"""The transport of the headless core: requests, with deadlines and cancelling of its own."""
+"""The transport of the headless core: over requests and urllib3, with deadlines and cancelling."""
 
 from __future__ import annotations
 
@@ -35,19 +35,16 @@ from .transport import (
     user_agent,
 )
 
-_CHUNK_BYTES = 1 << 16
-#: Hosts with a pool of connections each: a template's subdomains, and those that redirects lead to.
+#: Most hosts with a pool of connections: a template's subdomains, and targets of redirects.
 _HOSTS = 64
-#: Seconds between two looks at the requests under way: well within the half second that closing may take.
+#: Seconds between checks of the requests under way: closing may take half a second.
 _LOOK_S = 0.1
-#: Looks at nothing before the thread goes.
-_IDLE_LOOKS = 20
 
 
 class _Host(NamedTuple):
-    """What every request to one host needs: looked up once, because that takes longer than a request does.
+    """Connections and headers for one host, looked up once, as that takes longer than a request.
 
-    ``prefix`` stands before the path of each request: a proxy wants all of an http URL.
+    ``prefix`` stands before the path of each request: a proxy takes whole http URLs.
     """
 
     pool: HTTPConnectionPool
@@ -56,10 +53,10 @@ class _Host(NamedTuple):
 
 
 class RequestsTransport:
-    """Transport with a pool as large as the connections: requests' settings, urllib3's connections.
+    """Transport over urllib3's connection pools with the settings of requests.
 
-    What the environment says of proxies and certificates is asked of requests, once for each host; each request is
-    then made on urllib3's pool, which takes two fifths of the processor time that it takes through a Session.
+    Requests finds the proxies and certificates of the environment, once for each host. Each request then uses urllib3's
+    pool directly, which takes two fifths of the processor time of a Session.
 
     Parameters
     ----------
@@ -67,7 +64,7 @@ class RequestsTransport:
         Connections kept open to a host.
     timeouts : Timeouts
     max_body_bytes : int
-        Bodies beyond this are given up.
+        Longer bodies are refused.
     """
 
     def __init__(
@@ -80,7 +77,7 @@ class RequestsTransport:
         self._timeout = urllib3.Timeout(connect=timeouts.connect_s, read=timeouts.read_s)
         self._max_body_bytes = max_body_bytes
         self._watch = Watch()
-        # Pictures do not compress further, so their Content-Length may as well be that of the picture.
+        # Images do not compress further; without an encoding, Content-Length is their length.
         self._headers = {
             "User-Agent": user_agent(),
             "Accept": "image/*,*/*;q=0.1",
@@ -91,7 +88,7 @@ class RequestsTransport:
         self._session.mount("http://", self._adapter)
         self._session.mount("https://", self._adapter)
         self._hosts: dict[tuple[str, str], _Host] = {}
-        # Also where nobody closes it, so that no connection and no filter stays behind.
+        # Also without `close`, so that no connection and no log filter is left.
         self._free = weakref.finalize(self, _free, self._session, _quiet(self._watch))
 
     def get(
@@ -99,18 +96,18 @@ class RequestsTransport:
         url: str,
         headers: Mapping[str, str] | None = None,
         *,
-        origin: str = "",  # noqa: ARG002  (credentials of its own it has none)
+        origin: str = "",  # noqa: ARG002  (it sends no credentials)
     ) -> Response:
-        """Answer of any status; see `Transport.get`."""
+        """Return an answer of any status; see `Transport.get`."""
         problem: TransportError
-        with self._watch.over(time.monotonic() + self._timeouts.whole_s) as exchange:
+        with self._watch.exchange(time.monotonic() + self._timeouts.whole_s) as exchange:
             try:
                 return self._answer(urlsplit(url), headers or {})
             except TransportError as failure:
                 problem = failure
             except (requests.RequestException, urllib3.exceptions.HTTPError, OSError, ValueError) as failure:
                 problem = self._problem(failure, urlsplit(url).hostname)
-        # Raised out here, where the failure that holds the URL is no part of it any more.
+        # Raised outside `except` so that an error that quotes the URL is not chained.
         if exchange.ended == "cancelled":
             raise Cancelled("cancelled while waiting for the network")
         if exchange.ended == "late":
@@ -139,18 +136,18 @@ class RequestsTransport:
         ) as answer:
             named = {name.lower(): value for name, value in answer.headers.items()}
             body = self._body(answer)
-        # What an unchanged picture would be long is not the length of this answer (RFC 9110, 8.6).
+        # A 304 may state the length of the image it confirms (RFC 9110, 8.6).
         if answer.status != HTTPStatus.NOT_MODIFIED:
-            # urllib3 before 2 takes the end of the connection for the end of the body.
+            # urllib3 before 2 accepts a body cut off by the end of the connection.
             check_length(len(body), named)
         return Response(answer.status, named, unpacked(body, named, self._max_body_bytes))
 
     def _host(self, parts: SplitResult) -> _Host:
-        """Pool, headers and prefix for a URL's host, with the proxy and certificates the environment names."""
+        """Pool, headers and prefix for a URL's host, with the environment's proxy and certificates."""
         named = parts.scheme, parts.netloc
         found = self._hosts.get(named)
         if found is None:
-            # No more than urllib3 keeps: those it drops it closes.
+            # As many as urllib3 keeps: it closes those that it drops.
             if len(self._hosts) >= _HOSTS:
                 self._hosts.clear()
             found = self._hosts[named] = self._opened(parts)
@@ -167,18 +164,18 @@ class RequestsTransport:
         if proxy:
             managers = self._adapter.proxy_manager_for(proxy if "://" in proxy else f"http://{proxy}")
         pool = managers.connection_from_url(url)
-        # By name also where it is the usual one: not every version of requests finds that itself here.
+        # The default is named, too: not every version of requests finds it here.
         bundle = DEFAULT_CA_BUNDLE_PATH if settings["verify"] is True else settings["verify"]
         self._adapter.cert_verify(pool, url, bundle, settings["cert"])  # type: ignore[no-untyped-call]
-        # That is all of the URL where a proxy is asked for it, and the path elsewhere.
+        # The whole URL for a proxy, otherwise the path.
         prefix = str(self._adapter.request_url(request, settings["proxies"]))  # type: ignore[no-untyped-call]
         return _Host(pool, dict(request.headers), prefix.rstrip("/"))
 
     def _body(self, answer: urllib3.HTTPResponse) -> bytes:
-        """Body as it is sent: unpacked it may be any length."""
+        """Body as it is sent, up to the limit."""
         chunks, size = [], 0
-        # Not `stream`: of a body in chunks that reads lines of any length.
-        while chunk := answer.read(_CHUNK_BYTES, decode_content=False):
+        # Not `stream`, which reads lines of any length from a chunked body.
+        while chunk := answer.read(1 << 16, decode_content=False):
             chunks.append(chunk)
             size += len(chunk)
             if size > self._max_body_bytes:
@@ -186,18 +183,18 @@ class RequestsTransport:
         return b"".join(chunks)
 
     def _problem(self, failure: Exception, host: str | None) -> TransportError:
-        """Say what failed in words of our own: those of the libraries quote the URL."""
+        """Error without the words of the libraries, which quote the URL."""
         if isinstance(failure, (urllib3.exceptions.SSLError, requests.exceptions.SSLError)):
             return TransportError("no trusted connection to {0} (TLS)", host, again=False, away=True)
-        # urllib3 hands on what it has met with as an argument of its own errors.
-        met = {type(one) for one in (failure, *failure.args)}
-        if _EndlessError in met:
+        # urllib3 wraps errors as arguments of others.
+        wrapped = {type(one) for one in (failure, *failure.args)}
+        if _EndlessError in wrapped:
             return too_long(self._max_body_bytes)
-        if HTTPException in met:
+        if HTTPException in wrapped:
             return too_many_headers()
         if isinstance(failure, urllib3.exceptions.ProxyError):
             return TransportError("the proxy does not answer", away=True)
-        # Before the timeouts, which they are among.
+        # Before the timeouts, of which it is one.
         if isinstance(
             failure, (urllib3.exceptions.NewConnectionError, urllib3.exceptions.ConnectTimeoutError)
         ):
@@ -216,10 +213,10 @@ def _free(session: requests.Session, undo: Callable[[], None]) -> None:
 
 
 def _quiet(watch: Watch) -> Callable[[], None]:
-    """Keep urllib3 from logging the URLs of watched requests, which hold keys; return what undoes it."""
+    """Keep urllib3 from logging URLs of watched requests, which may hold keys; return a function that undoes it."""
 
     def others(_record: logging.LogRecord) -> bool:
-        return not watch.here()
+        return not watch.is_active()
 
     loggers = [logging.getLogger(f"urllib3.{name}") for name in ("connection", "connectionpool", "response")]
     for logger in loggers:
@@ -229,12 +226,12 @@ def _quiet(watch: Watch) -> Callable[[], None]:
         for logger in loggers:
             logger.removeFilter(others)
 
-    # A request that is given up logs its URL while it ends.
+    # An abandoned request logs its URL while it ends.
     return lambda: watch.when_idle(undo)
 
 
 class _Adapter(HTTPAdapter):
-    """Adapter whose connections can be given up while they wait."""
+    """Adapter whose connections can be abandoned while they wait."""
 
     def __init__(self, connections: int, watch: Watch, max_answer_bytes: int) -> None:
         self._pools = _pool_classes(watch, max_answer_bytes)
@@ -251,11 +248,11 @@ class _Adapter(HTTPAdapter):
 
 
 class _EndlessError(OSError):
-    """An answer has gone on beyond what is read of one."""
+    """An answer exceeds the limit."""
 
 
 class _Counted(io.RawIOBase):
-    """What comes from a socket for one answer, up to a limit: a line or a chunk in it may claim any length."""
+    """Stream of one answer from a socket, up to a limit: a line or chunk of it may claim any length."""
 
     def __init__(self, raw: io.RawIOBase, most_bytes: int) -> None:
         self._raw, self._left_bytes = raw, most_bytes
@@ -276,7 +273,7 @@ class _Counted(io.RawIOBase):
 
 
 def _pool_classes(watch: Watch, max_answer_bytes: int) -> dict[str, type[HTTPConnectionPool]]:
-    """Make connection pools of urllib3 whose connections tell ``watch`` what they wait on, and end endless answers."""
+    """Connection pools of urllib3 whose connections report their sockets to ``watch`` and limit their answers."""
 
     class Limited(HTTPResponse):
         def __init__(self, sock: Any, *args: Any, **kwargs: Any) -> None:
@@ -315,7 +312,7 @@ def _pool_classes(watch: Watch, max_answer_bytes: int) -> dict[str, type[HTTPCon
 
 
 class EndedError(OSError):
-    """A request was given up before it had a connection."""
+    """A request was abandoned before it had a connection."""
 
 
 class Exchange:
@@ -324,7 +321,7 @@ class Exchange:
     Attributes
     ----------
     ended : str
-        Why it was given up: ``cancelled`` or ``late``; empty while it was not.
+        ``cancelled`` or ``late``; empty while the request goes on.
     """
 
     def __init__(self, deadline_s: float) -> None:
@@ -333,7 +330,7 @@ class Exchange:
         self._socket: socket.socket | None = None
 
     def look(self, closed: bool) -> None:
-        """Give the request up if it is time to."""
+        """Abandon the request if the transport is closed or the deadline past."""
         if not self.ended:
             if closed:
                 self.ended = "cancelled"
@@ -343,7 +340,7 @@ class Exchange:
             _shut_down(self._socket)
 
     def attach(self, waits_on: socket.socket | None) -> None:
-        """Note the socket the request waits on."""
+        """Note the socket that the request waits on."""
         self._socket = waits_on
         if self.ended:
             raise EndedError(self.ended)
@@ -351,10 +348,10 @@ class Exchange:
 
 def _shut_down(waited_on: socket.socket) -> None:
     try:
-        # The class's own method: that of a TLS socket drops its state under the thread that reads it.
+        # The base class's method: that of a TLS socket drops the state that another thread is reading.
         socket.socket.shutdown(waited_on, socket.SHUT_RDWR)
     except OSError:
-        return  # closed already, which is as good
+        return  # already closed
 
 
 class Watch:
@@ -369,8 +366,8 @@ class Watch:
         self._when_idle: list[Callable[[], None]] = []
 
     @contextmanager
-    def over(self, deadline_s: float) -> Iterator[Exchange]:
-        """Watch over the request the calling thread makes within."""
+    def exchange(self, deadline_s: float) -> Iterator[Exchange]:
+        """Watch the request that the calling thread makes in this context."""
         exchange = Exchange(deadline_s)
         self._current.exchange = exchange
         with self._lock:
@@ -382,7 +379,7 @@ class Watch:
             yield exchange
         finally:
             with self._lock:
-                # From here on the socket may serve another request.
+                # From now on the socket may serve another request.
                 self._running.discard(exchange)
                 left = [] if self._running else self._when_idle
                 self._when_idle = self._when_idle if self._running else []
@@ -391,7 +388,7 @@ class Watch:
                 call()
 
     def when_idle(self, call: Callable[[], None]) -> None:
-        """Call once no request is under way: now, or in the thread whose request is the last to end."""
+        """Call a function once no request is under way: now, or in the thread whose request ends last."""
         with self._lock:
             if self._running:
                 self._when_idle.append(call)
@@ -399,30 +396,30 @@ class Watch:
         call()
 
     def close(self) -> None:
-        """Give up what is under way and all that comes."""
+        """Abandon all requests, under way and to come."""
         with self._lock:
             self._closed = True
             for exchange in self._running:
                 exchange.look(closed=True)
 
-    def here(self) -> bool:
-        """Whether the calling thread is within a request."""
+    def is_active(self) -> bool:
+        """Whether the calling thread is making a request."""
         return getattr(self._current, "exchange", None) is not None
 
     def attach(self, waits_on: socket.socket | None) -> None:
-        """Note the socket the calling thread's request waits on."""
+        """Note the socket that the calling thread's request waits on."""
         exchange: Exchange | None = getattr(self._current, "exchange", None)
         if exchange is not None:
             with self._lock:
                 exchange.attach(waits_on)
 
     def run(self, connect: Callable[[], None], drop: Callable[[], None]) -> None:
-        """Run ``connect`` (name, TCP, TLS), which nothing can interrupt, on a thread that can be left behind.
+        """Run ``connect`` (name, TCP, TLS), which cannot be interrupted, on a thread that can be abandoned.
 
         Raises
         ------
         EndedError
-            The request was given up; ``drop`` is called once ``connect`` comes back.
+            The request was abandoned; ``drop`` is called once ``connect`` returns.
         """
         exchange: Exchange | None = getattr(self._current, "exchange", None)
         if exchange is None:
@@ -434,7 +431,7 @@ class Watch:
         def work() -> None:
             try:
                 connect()
-            except BaseException as failure:  # noqa: BLE001 (handed to the thread that asked)
+            except BaseException as failure:  # noqa: BLE001 (raised in the calling thread)
                 failures.append(failure)
             done.set()
             if left.is_set():
@@ -454,7 +451,8 @@ class Watch:
             time.sleep(_LOOK_S)
             with self._lock:
                 idle = 0 if self._running else idle + 1
-                if idle > _IDLE_LOOKS:
+                # The thread ends after two seconds without a request.
+                if idle > 20:
                     self._thread = None
                     return
                 for exchange in self._running:

@@ -1,28 +1,29 @@
-"""HTTP as the sources need it: one attempt at one URL gives a whole body, or says what went wrong.
+"""HTTP as the sources need it: one attempt at one URL gives a whole response or an error, and how responses are read.
 
-Trying again, redirects, limits of rate and what a status means are in `client`, so that another transport (QGIS's own
-network stack) has only `Transport` to fulfil; the one over requests is `requests_transport`.
+Retries, redirects, rate limits and the meaning of a status are in `client`, so that another HTTP library (QGIS's
+network stack) has only `Transport` to implement; `requests_transport` is the one over requests.
 """
 
 from __future__ import annotations
 
 import datetime as dt
+import re
 import zlib
 from collections.abc import Mapping
 from email.utils import parsedate_to_datetime
 from typing import NamedTuple, Protocol
 
 from ...errors import TerrAInavError
-from ...limits import MAX_HEADERS
+from ...limits import MAX_HEADER_CHARACTERS, MAX_HEADERS
 from ...resources import version
 from ...text import one_line, whole_number
 
 PROJECT_URL = "https://github.com/terrainav/terrainav"
-#: What a body may be packed as although that was not asked for.
-_ZLIB = frozenset({"gzip", "x-gzip", "deflate"})
-_LONGEST_CODING = 40
-#: A date of HTTP has 29 to 33 characters.
-_DATE_CHARACTERS = 64
+#: Lifetime of an answer that states none, seconds: a week, the least that the tile usage policy of OpenStreetMap asks.
+HEURISTIC_LIFETIME_S = 7 * 86400
+#: Longest lifetime, seconds (RFC 9111, 1.2.2).
+LONGEST_LIFETIME_S = 2**31
+_DIRECTIVE = re.compile(r"([\w!#$%&'*+.^`|~-]+)(?:\s*=\s*(\"(?:[^\"\\]|\\.)*\"|[^\s,]*))?")
 
 
 class Response(NamedTuple):
@@ -34,19 +35,19 @@ class Response(NamedTuple):
 
 
 class TransportError(TerrAInavError):
-    """An attempt without an answer. Its text names no URL, because URLs hold keys.
+    """An attempt without an answer. Its text contains no URL, as URLs may hold keys.
 
     Parameters
     ----------
     template : str or TerrAInavError
     *values : object
-        As of any error.
+        As for any error.
     again : bool
-        Whether another attempt may fare better.
+        Whether another attempt may succeed.
     away : bool
-        Whether the server could not be reached at all.
+        Whether the server could not be reached.
     late : bool
-        Whether it had been waited for as long as is waited at all.
+        Whether the attempt timed out.
     """
 
     def __init__(
@@ -67,26 +68,25 @@ class Transport(Protocol):
     """One attempt at one URL; safe to call from several threads at once."""
 
     def get(self, url: str, headers: Mapping[str, str] | None = None, *, origin: str = "") -> Response:
-        """Answer of any status, redirects too; its body as long as its Content-Length says, and unpacked.
+        """Return an answer of any status, redirects too; its body complete by Content-Length, and unpacked.
 
         Parameters
         ----------
         url : str
         headers : mapping or None
         origin : str
-            URL that was asked first, where a redirect led from it to this one: credentials that a transport has of its
-            own are for that server only.
+            First URL of a chain of redirects: a transport sends its credentials to that server only.
 
         Raises
         ------
         TransportError
-            No whole answer.
+            No complete answer.
         Cancelled
             Within half a second of `close`.
         """
 
     def close(self) -> None:
-        """Free the connections and end what is under way."""
+        """Close the connections and end the requests under way."""
 
 
 class Timeouts(NamedTuple):
@@ -98,24 +98,24 @@ class Timeouts(NamedTuple):
 
 
 def too_long(max_body_bytes: int) -> TransportError:
-    """Error of a body beyond its limit."""
+    """Error for a body above the limit."""
     return TransportError("an answer of more than {0} bytes", max_body_bytes, again=False)
 
 
 def too_many_headers() -> TransportError:
-    """Error of an answer with more header lines than any server means to send; `http.client` has the same limit."""
+    """Error for an answer with too many header lines; `http.client` has the same limit."""
     return TransportError("an answer of more than {0} header lines", MAX_HEADERS, again=False)
 
 
 def check_length(received_bytes: int, headers: Mapping[str, str]) -> None:
-    """Raise TransportError for a body that is shorter than its Content-Length says; names in lower case."""
+    """Raise TransportError for a body shorter than its Content-Length; names of headers in lower case."""
     length = whole_number(headers.get("content-length", ""))
     if length is not None and "transfer-encoding" not in headers and received_bytes < length:
         raise TransportError("an answer cut off after {0} of {1} bytes", received_bytes, length)
 
 
 def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> bytes:
-    """Body as it was before a server packed it, which nobody asks for: unpacked no further than to the limit.
+    """Body without a Content-Encoding, which no request asks for, decompressed up to a limit.
 
     Parameters
     ----------
@@ -127,18 +127,18 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
     Raises
     ------
     TransportError
-        It is too long then, broken, or packed in a way that has no such limit.
+        The body is too long, damaged, or compressed in another way than gzip or deflate.
     """
     coding = headers.get("content-encoding", "").strip().lower()
     if coding in ("", "identity") or not body:
         return body
-    if coding not in _ZLIB:
+    if coding not in ("gzip", "x-gzip", "deflate"):
         raise TransportError(
             "an answer compressed as {0}, which was not requested",
-            one_line(coding, _LONGEST_CODING),
+            one_line(coding, 40),
             again=False,
         )
-    # 32: zlib or gzip by its header. Some servers leave the header of zlib out.
+    # 32: zlib or gzip, by the header. Some servers omit the header of zlib.
     for window_bits in (32 + zlib.MAX_WBITS, -zlib.MAX_WBITS):
         unpacking = zlib.decompressobj(window_bits)
         try:
@@ -153,17 +153,133 @@ def unpacked(body: bytes, headers: Mapping[str, str], max_body_bytes: int) -> by
 
 
 def user_agent() -> str:
-    """Return the name TerrAInav gives itself to servers."""
+    """Return the User-Agent of every request."""
     return f"TerrAInav/{version()} (+{PROJECT_URL})"
 
 
 def http_date_s(text: str) -> float | None:
-    """Seconds since 1970 of a date as HTTP writes it, None of anything else."""
-    if len(text) > _DATE_CHARACTERS:
+    """Seconds since 1970 of a date of HTTP; None for other text."""
+    # The three forms have 24 to 33 characters.
+    if len(text) > 64:
         return None
     try:
         moment = parsedate_to_datetime(text)
-        # The oldest of the three forms names no zone, and means UTC (RFC 9110, 5.6.7).
+        # The oldest of the three forms has no zone and means UTC (RFC 9110, 5.6.7).
         return (moment if moment.tzinfo else moment.replace(tzinfo=dt.timezone.utc)).timestamp()
     except (TypeError, ValueError, IndexError, OverflowError):
         return None
+
+
+class Freshness(NamedTuple):
+    """How long a stored answer is fresh, and how it is confirmed afterwards (RFC 9111, for a private cache).
+
+    Parameters
+    ----------
+    expires_s : int
+        Seconds since 1970.
+    lifetime_s : int
+        Applies again after a confirmation (304) that states none.
+    stale_allowed : bool
+        Whether the answer may be used after it expires while the provider is out of reach.
+    etag, last_modified : str
+        Validators as received; empty without.
+    """
+
+    expires_s: int
+    lifetime_s: int
+    stale_allowed: bool
+    etag: str
+    last_modified: str
+
+    def is_fresh(self, now_s: float) -> bool:
+        """Whether the answer may be used without a request."""
+        return now_s < self.expires_s
+
+    def conditions(self) -> dict[str, str]:
+        """Headers that request the answer only if it has changed; empty without a validator."""
+        headers = {"If-None-Match": self.etag, "If-Modified-Since": self.last_modified}
+        return {name: value for name, value in headers.items() if value}
+
+    def renewed(self, headers: Mapping[str, str], now_s: float) -> Freshness | None:
+        """Freshness after a 304 with ``headers``; None where the answer may no longer be stored."""
+        new = freshness(headers, now_s, self.lifetime_s)
+        if new is None:
+            return None
+        states_all = "cache-control" in headers
+        return new._replace(
+            stale_allowed=new.stale_allowed if states_all else self.stale_allowed,
+            etag=new.etag or self.etag,
+            last_modified=new.last_modified or self.last_modified,
+        )
+
+
+def freshness(
+    headers: Mapping[str, str], now_s: float, otherwise_s: float = HEURISTIC_LIFETIME_S
+) -> Freshness | None:
+    """Freshness of an answer that has just arrived; None where it must not be stored.
+
+    Requests for tiles differ in their URLs only, so any Vary except ``*`` is met.
+
+    Parameters
+    ----------
+    headers : mapping
+        Names in lower case.
+    now_s : float
+        Seconds since 1970.
+    otherwise_s : float
+        Lifetime where the headers state none.
+    """
+    directives = cache_control(headers.get("cache-control", ""))
+    if "no-store" in directives or "*" in headers.get("vary", ""):
+        return None
+    lifetime_s = min(_lifetime_s(headers, directives, now_s, otherwise_s), LONGEST_LIFETIME_S)
+    return Freshness(
+        int(now_s + lifetime_s - _age_s(headers, now_s)),
+        int(lifetime_s),
+        not directives.keys() & {"no-cache", "must-revalidate"},
+        _sendable(headers.get("etag", "")),
+        _sendable(headers.get("last-modified", "")),
+    )
+
+
+def cache_control(text: str) -> dict[str, str]:
+    """Directives of a Cache-Control header and their values; of repeated ones, the smallest number."""
+    found: dict[str, str] = {}
+    for name, value in _DIRECTIVE.findall(text[:MAX_HEADER_CHARACTERS]):
+        plain = value.strip('"')
+        before, now = whole_number(found.get(name.lower(), "")), whole_number(plain)
+        if before is None or now is None or now < before:
+            found[name.lower()] = plain
+    return found
+
+
+def _sendable(value: str) -> str:
+    """Return the value of a header if it can be sent back, otherwise an empty string."""
+    sound = len(value) <= MAX_HEADER_CHARACTERS and value.isascii() and value.isprintable()
+    return value if sound else ""
+
+
+def _lifetime_s(
+    headers: Mapping[str, str], directives: Mapping[str, str], now_s: float, otherwise_s: float
+) -> float:
+    if "no-cache" in directives:
+        return 0.0
+    if "max-age" in directives:
+        # An invalid number counts as expired (RFC 9111, 4.2.1).
+        return float(whole_number(directives["max-age"]) or 0)
+    if "expires" in headers:
+        expires_s = http_date_s(headers["expires"])
+        sent_s = http_date_s(headers.get("date", ""))
+        return 0.0 if expires_s is None else max(expires_s - (now_s if sent_s is None else sent_s), 0.0)
+    return otherwise_s
+
+
+def _age_s(headers: Mapping[str, str], now_s: float) -> float:
+    """Age of an answer on arrival, by caches on the way or by its Date (RFC 9111, 4.2.3).
+
+    The duration of the request is ignored: it takes seconds, and tiles live for hours.
+    """
+    stated_s = float(whole_number(headers.get("age", "")) or 0)
+    sent_s = http_date_s(headers.get("date", ""))
+    apparent_s = 0.0 if sent_s is None else max(now_s - sent_s, 0.0)
+    return min(max(stated_s, apparent_s), float(LONGEST_LIFETIME_S))

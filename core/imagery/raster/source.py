@@ -27,9 +27,9 @@ from ...text import printable
 from ..http.transport import Transport
 from ..opening import FileSource
 from ..policy import Policy
-from ..source import Part, Window, check_zoom, tile_parts
+from ..source import Part, Window, tile_parts
 from ..systems import MAP
-from ..template import KEY_ENV, environment_key
+from ..tiles import KEY_ENV, check_zoom, environment_key
 from .colours import Colours, colours_of, heights_of
 from .place import TILE_PX, Place
 from .reading import Box, Facts, Pool, ReadError, Values, opener

@@ -41,7 +41,7 @@ from ...limits import (
     MAX_XML_ELEMENTS,
 )
 from ...text import one_line
-from ..template import check_address, host_of
+from ..tiles import check_address, host_of
 from .sizes import check_directories, tag_texts
 
 #: Formats of pictures that name no other data, as GDAL calls them, and VRT, which is looked through.

@@ -29,7 +29,7 @@ from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry
 from ..policy import Policy
 from ..systems import MAP, WORLD_DEG, Bounds, code_of, is_usable, refused, unit_m
-from ..template import BBOX, OWN_BBOX
+from ..tiles import BBOX, OWN_BBOX
 from .capabilities import Document, Offered, chosen_one
 from .json_service import JSONService, items_of, number_of, sound_bounds, text_of, with_query
 from .matrices import SCALE_PX_M, chosen_tiles

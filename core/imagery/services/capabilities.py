@@ -18,7 +18,7 @@ from ..http.client import Client
 from ..http.transport import Transport
 from ..policy import Policy
 from ..systems import WORLD_DEG
-from ..template import check_address
+from ..tiles import check_address
 
 #: Choices after the # of each kind of service.
 CHOICES = {

@@ -16,7 +16,7 @@ from ...text import one_line
 from ..entry import CatalogueEntry, under_provider
 from ..policy import Policy
 from ..systems import WORLD_DEG, Bounds
-from ..template import KEY_ENV
+from ..tiles import KEY_ENV
 from .capabilities import Document, Offered, asked, reading
 from .service import ServiceSource
 

@@ -32,7 +32,7 @@ from ...text import one_line
 from ..catalogue import DEFAULT_MAX_ZOOM
 from ..entry import CatalogueEntry, Dates, dates_of_dimension, under_provider
 from ..systems import MAP, MERCATOR_CODES, Bounds, best_of, code_of, is_usable, northing_first, refused
-from ..template import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX
+from ..tiles import BBOX, KEY_ENV, OWN_BBOX, OWN_BBOX_YX
 from .capabilities import (
     NAMED,
     Document,

@@ -22,7 +22,7 @@ from ..entry import CatalogueEntry
 from ..opening import SourceOptions
 from ..policy import Policy
 from ..systems import MAP, WORLD_DEG, Bounds, code_of
-from ..template import check_address
+from ..tiles import check_address
 from .capabilities import Document, Offered, chosen_format, chosen_one, filled_template
 from .json_service import JSONService, items_of, number_of, sound_bounds, text_of, with_query
 from .matrices import SCALE_PX_M, LayerTiles, chosen_tiles

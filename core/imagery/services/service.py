@@ -7,7 +7,7 @@ from functools import cached_property
 from ...errors import SourceError
 from ..opening import EntrySource
 from ..policy import Policy
-from ..template import KEY_ENV, environment_key
+from ..tiles import KEY_ENV, environment_key
 from .capabilities import Service
 
 

@@ -10,7 +10,7 @@ from terrainav.core.imagery.catalogue import alternatives, check_policy, entry_n
 from terrainav.core.imagery.entry import CatalogueEntry, serving, shipped
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.policy import Policy
-from terrainav.core.imagery.template import Template
+from terrainav.core.imagery.tiles import Template
 from terrainav.core.resources import read_json
 
 ENTRIES = shipped()

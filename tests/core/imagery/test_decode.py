@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from PIL import Image, ImageFile
 from terrainav.core.errors import PartError
 from terrainav.core.imagery import decode as decode_module
-from terrainav.core.imagery.decode import decode
+from terrainav.core.imagery.decode import decode, refuse_flat, refuse_marked
 from terrainav.core.imagery.http.client import BrokenPictureError
 from terrainav.core.imagery.placeholder import Placeholder
 
@@ -184,15 +184,15 @@ def test_what_is_no_picture_is_quoted(body, kind, message):
 
 def test_placeholders():
     placeholder = Placeholder(header=(("X-VE-Tile-Info", "no-tile"),), flat_rgb=((255, 255, 255),))
-    placeholder.refuse(b"", {"x-ve-tile-info": "tile"})
+    refuse_marked(b"", {"x-ve-tile-info": "tile"}, placeholder)
     with pytest.raises(PartError, match=r"X-VE-Tile-Info: no-tile"):
-        placeholder.refuse(b"", {"x-ve-tile-info": "no-tile"})
+        refuse_marked(b"", {"x-ve-tile-info": "no-tile"}, placeholder)
     white = np.full((4, 4, 3), 255, np.uint8)
     with pytest.raises(PartError, match=r"one colour, rgb\(255, 255, 255\)"):
-        placeholder.refuse_flat(white)
-    placeholder.refuse_flat(white - 1)
+        refuse_flat(white, placeholder)
+    refuse_flat(white - 1, placeholder)
     white[3, 3, 0] = 254
-    placeholder.refuse_flat(white)
+    refuse_flat(white, placeholder)
 
 
 def test_jpeg_with_fill_bytes_before_its_end():

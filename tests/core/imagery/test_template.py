@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from terrainav.core.errors import InvalidInput
-from terrainav.core.imagery.template import Template, bbox, check_address, host_of, quadkey
+from terrainav.core.imagery.tiles import Template, bbox, check_address, host_of, quadkey
 
 
 def test_each_placeholder_gets_its_value():

@@ -11,7 +11,7 @@ from terrainav.core.errors import InvalidInput, SourceError
 from terrainav.core.imagery.catalogue import add, described
 from terrainav.core.imagery.opening import open_source
 from terrainav.core.imagery.source import Window
-from terrainav.core.imagery.template import Template
+from terrainav.core.imagery.tiles import Template
 from terrainav.core.mission.settings import mission_from, resolve
 
 from tests.support.tileserver import TileServer
@@ -117,7 +117,7 @@ def test_a_service_of_a_file_does_not_get_the_key(server, kind):
     ],
 )
 def test_hosts_that_are_named(monkeypatch, hosts, host, goes):
-    from terrainav.core.imagery.template import environment_key
+    from terrainav.core.imagery.tiles import environment_key
 
     monkeypatch.setenv("TERRAINAV_KEY_HOSTS", hosts)
     if goes:

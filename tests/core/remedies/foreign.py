@@ -78,7 +78,7 @@ def _old_libwebp(case: Case) -> None:
 
 
 @remedy(
-    "imagery/template.py",
+    "imagery/tiles.py",
     "{}: {} is not sent there, because a file names this host and not you; set {}={} if the key is for it",
 )
 def _host_of_a_file(case: Case) -> None:

@@ -24,7 +24,7 @@ from terrainav.core.imagery.raster import sizes, trust
 from terrainav.core.imagery.raster.source import open_raster
 from terrainav.core.imagery.source import Window
 from terrainav.core.imagery.staticmap import StaticMapSource
-from terrainav.core.imagery.template import check_address
+from terrainav.core.imagery.tiles import check_address
 from terrainav.core.imagery.xyz import XYZSource
 from terrainav.core.limits import MAX_RASTER_BANDS
 
@@ -508,7 +508,7 @@ def _decimals(case: Case) -> None:
 
 
 @remedy(
-    "imagery/template.py",
+    "imagery/tiles.py",
     "{} for {}: holds a key in {}, which would end up in files; write {}={key} and set TERRAINAV_KEY",
 )
 def _key_in_url(case: Case) -> None:
@@ -523,7 +523,7 @@ def _key_in_url(case: Case) -> None:
 @remedy("imagery/xyz.py", "source {}: its URL has a {date}; say which")
 def _date_of_url(case: Case) -> None:
     from terrainav.core.geodesy.mercator import PixelGrid
-    from terrainav.core.imagery.template import Template
+    from terrainav.core.imagery.tiles import Template
 
     templates = {"": Template("https://h.example/{date}/{z}/{x}/{y}.png")}
 

@@ -7,13 +7,13 @@ from email.utils import formatdate
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from terrainav.core.imagery.cache.freshness import (
+from terrainav.core.imagery.http.transport import (
     HEURISTIC_LIFETIME_S,
     LONGEST_LIFETIME_S,
     cache_control,
     freshness,
+    http_date_s,
 )
-from terrainav.core.imagery.http.transport import http_date_s
 
 NOW_S = 1_700_000_000
 WEEK_S = 7 * 86400

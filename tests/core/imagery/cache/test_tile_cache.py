@@ -19,10 +19,12 @@ from osgeo import gdal
 from terrainav.core.capture.runner import capture
 from terrainav.core.errors import InvalidInput, OutputError, PartError, SourceError
 from terrainav.core.geodesy.mercator import PixelGrid
-from terrainav.core.imagery.cache import tilefile
+from terrainav.core.imagery.cache import database
 from terrainav.core.imagery.cache.tile_cache import TileCache, default_folder
+from terrainav.core.imagery.http.transport import Response
 from terrainav.core.imagery.placeholder import Placeholder
 from terrainav.core.imagery.policy import Policy
+from terrainav.core.imagery.tiles import Tile
 from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
@@ -408,14 +410,14 @@ def test_a_file_that_cannot_be_removed_keeps_no_other(cache, monkeypatch):
     with CachingTileServer(headers=HOUR) as server:
         for name in ("ign", "usgs"):
             fetch(server, cache, range(3), name=name, title=name)
-    remove = tilefile.remove
+    remove = database.remove
 
     def held(path):
         if "ign" in path.name:
             raise PermissionError(13, "Permission denied")
         return remove(path)
 
-    monkeypatch.setattr(tilefile, "remove", held)
+    monkeypatch.setattr(database, "remove", held)
     with pytest.raises(OutputError, match=r"ign.*: cannot be removed"):
         cache.clear()
     assert [file.source for file in cache.list()] == ["ign"]
@@ -482,22 +484,11 @@ def test_after_closing_nothing_is_stored(cache):
         store = source._stores[""]
         source.close()
         store.close()
-        pixels = store.fetch(
-            (ZOOM, 1, 0),
-            lambda _, read: (server_answer(), read(server_answer())),
-            lambda body, _: body,
-            lambda: False,
-        )
-        assert pixels == b"body"
+        store.keep(Tile(ZOOM, 1, 0), Response(200, {}, b"body"))
+        assert store.find(Tile(ZOOM, 1, 0)) is None
     assert stored(cache) == 1
     # The server's own thread may still be about to end.
     assert threading.active_count() <= threads + 1
-
-
-def server_answer():
-    from terrainav.core.imagery.http.transport import Response
-
-    return Response(200, {}, b"body")
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from terrainav.core.imagery.opening import open_source  # noqa: E402
 from terrainav.core.imagery.raster.source import open_raster  # noqa: E402
 from terrainav.core.imagery.raster.trust import check_virtual, drivers_for  # noqa: E402
 from terrainav.core.imagery.source import Window  # noqa: E402
-from terrainav.core.imagery.template import check_address  # noqa: E402
+from terrainav.core.imagery.tiles import check_address  # noqa: E402
 
 from tests.support import rasters  # noqa: E402
 from tests.support.services import ServiceServer  # noqa: E402

@@ -1,4 +1,4 @@
-"""URL templates of tiles, with ``{z}``, ``{x}``, ``{y}`` and what else providers write."""
+"""Tiles of a grid, and the URL templates that address them: ``{z}``, ``{x}``, ``{y}`` and other placeholders."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ import os
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 from urllib.parse import quote, unquote, urlsplit
 
 from ..addresses import keys_in
-from ..errors import InvalidInput, Message, SourceError
-from ..geodesy.mercator import HALF_WORLD_M
+from ..errors import InvalidInput, Message, PartError, SourceError
+from ..geodesy.mercator import HALF_WORLD_M, PixelGrid
 from ..geodesy.planes import ProjectedPlane
 from ..map_types import MAP_TYPES
+from .source import Window
 
 #: Environment variable with the key of a user's own address, which goes to hosts that the user has named, and to no
 #: other: an address in a mission file, a config file or a server's document may have been written by anybody.
@@ -48,6 +50,57 @@ _OF_TWO_HOSTS = re.compile("[\u00df\u1e9e\u03c2\u200c\u200d]")
 _RANGE = re.compile(r"\{(\w)-(\w)\}|\[(\w)-(\w)\]|\{switch:([\w,-]+)\}")
 #: Environment variable with the hosts that the key is for, with commas or spaces between them.
 HOSTS_ENV = "TERRAINAV_KEY_HOSTS"
+
+
+class Tile(NamedTuple):
+    """A tile: zoom, column counted from 180° W, row counted from the north."""
+
+    zoom: int
+    x: int
+    y: int
+
+    def __str__(self) -> str:
+        return Message("tile {0}/{1}/{2}", self.zoom, self.x, self.y)
+
+    @property
+    def tms(self) -> tuple[int, int, int]:
+        """Zoom, column, and row counted from the south, as MBTiles stores them (TMS)."""
+        return self.zoom, self.x, (1 << self.zoom) - 1 - self.y
+
+
+def tile_address(part: Window, grid: PixelGrid, title: str) -> Tile:
+    """Address of the tile of ``grid`` that a part is.
+
+    Parameters
+    ----------
+    part : Window
+    grid : PixelGrid
+    title : str
+        The source, as errors name it.
+
+    Raises
+    ------
+    InvalidInput
+        The part is no tile of the grid, or of a zoom the source does not have.
+    PartError
+        The tile would be beyond the edge of the map.
+    """
+    size = grid.tile_px
+    x, left = divmod(part.left_px, size)
+    y, top = divmod(part.top_px, size)
+    if left or top or (part.width_px, part.height_px) != (size, size):
+        raise InvalidInput("{0}: is no tile of {1} px", part, size)
+    tile = Tile(int(part.zoom), int(x), int(y))
+    check_zoom(tile.zoom, grid, title)
+    if not (0 <= tile.x < 1 << tile.zoom and 0 <= tile.y < 1 << tile.zoom):
+        raise PartError("{0}: beyond the edge of the map", tile)
+    return tile
+
+
+def check_zoom(zoom: int, grid: PixelGrid, title: str) -> None:
+    """Refuse a zoom that a source of a grid, which errors name by its title, does not have."""
+    if not grid.min_zoom <= zoom <= grid.max_zoom:
+        raise InvalidInput("zoom {0}: {1} has {2} to {3}", zoom, title, grid.min_zoom, grid.max_zoom)
 
 
 @dataclass(frozen=True)

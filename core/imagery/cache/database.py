@@ -1,12 +1,10 @@
-"""A file of cached tiles: MBTiles 1.3, with what HTTP says of each tile in a table beside them."""
+"""SQLite databases of cached tiles: MBTiles 1.3, and a table with the HTTP freshness of each tile."""
 
 from __future__ import annotations
 
 import os
 import sqlite3
-import threading
 import time
-import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import closing, contextmanager
 from pathlib import Path
@@ -16,20 +14,14 @@ from urllib.parse import quote
 import numpy as np
 
 from ...geodesy.mercator import u_to_lon, v_to_lat
-from ..source import Tile
-from .freshness import Freshness
+from ..tiles import Tile
 
-#: Seconds a reader waits for another program's lock: cancelling must not take longer than half a second.
+#: Seconds that a reader waits for another program's lock: cancelling must take half a second at most.
 READ_WAIT_S = 0.25
-#: Seconds a writer does, which holds no capture up but at its end.
+#: Seconds that a writer waits for it: it delays a capture at the end only.
 WRITE_WAIT_S = 2.0
-#: Tiles in one transaction, so that other captures wait for a few hundredths of a second only.
+#: Tiles in one transaction: other captures wait a few hundredths of a second for it.
 BATCH_TILES = 500
-#: Pages given back to the file system in one transaction.
-_VACUUM_PAGES = 2000
-_RETRY_S = 0.02
-#: "MPBX": what the MBTiles specification has the file's header say.
-_APPLICATION_ID = 0x4D504258
 _SCHEMA = """
 CREATE TABLE IF NOT EXISTS metadata (name text, value text);
 CREATE UNIQUE INDEX IF NOT EXISTS metadata_name ON metadata (name);
@@ -42,24 +34,12 @@ CREATE TABLE IF NOT EXISTS freshness (
 ) WITHOUT ROWID;
 CREATE INDEX IF NOT EXISTS freshness_used ON freshness (used_s)
 """
-_SELECT = (
-    "SELECT tile_data, seal, expires_s, lifetime_s, stale_allowed, etag, last_modified, fetched_s, used_s "
-    "FROM tiles JOIN freshness USING (zoom_level, tile_column, tile_row) "
-    "WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?"
-)
-_NOTE_USE = "UPDATE freshness SET used_s = ? WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?"
-_DELETE_TILE = "DELETE FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?"
-_DELETE_FRESHNESS = "DELETE FROM freshness WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?"
-_FORMATS = ((b"\x89PNG", "png"), (b"\xff\xd8\xff", "jpg"), (b"RIFF", "webp"), (b"GIF8", "image/gif"))
-
-
-#: What reading a file may raise whose bytes anybody may have written: what is wrong with it is said in its own words,
-#: which need not be UTF-8.
+#: Errors of reading a file, whose bytes anybody may have written: SQLite quotes the file, which need not be UTF-8.
 FILE_ERRORS = (sqlite3.Error, ValueError, TypeError, OverflowError, MemoryError)
 
 
 class About(NamedTuple):
-    """What a file of tiles is of."""
+    """Source, style and date of the tiles of a file."""
 
     source: str
     title: str
@@ -84,27 +64,10 @@ class About(NamedTuple):
         }
 
 
-class Kept(NamedTuple):
-    """A tile as it is stored."""
-
-    body: bytes
-    freshness: Freshness
-    fetched_s: int
-    used_s: int
-
-    def seal(self, tile: Tile) -> int:
-        """Checksum over picture, place and freshness: JPEG files have none, and one byte may be wrong anywhere."""
-        return zlib.crc32(repr((*tile, *self.freshness)).encode(), zlib.crc32(self.body))
-
-
-class BrokenTileError(Exception):
-    """A stored tile is not what was written."""
-
-
 def fault(error: Exception) -> str:
-    """Say what an error of SQLite means: ``busy``, ``unwritable`` or ``corrupt``.
+    """Kind of an error of SQLite: ``busy``, ``unwritable`` or ``corrupt``.
 
-    By its words, because Python before 3.11 does not tell SQLite's error codes.
+    Found by its words, as Python has SQLite's error codes from 3.11 on.
     """
     words = str(error)
     if "locked" in words or "schema has changed" in words:
@@ -115,13 +78,13 @@ def fault(error: Exception) -> str:
 
 
 def database_uri(path: Path, mode: str) -> str:
-    """Address of a database file, whatever characters its name has; ``mode`` as in SQLite's URIs."""
+    """URI of a database file, whatever characters its name has; ``mode`` as in SQLite's URIs."""
     shown = quote(path.absolute().as_posix())
     return f"file://{'' if shown.startswith('/') else '/'}{shown}?{mode}"
 
 
 def connect(path: Path, mode: str = "mode=rw", wait_s: float = WRITE_WAIT_S) -> sqlite3.Connection:
-    """Open a database for use by any thread, one at a time; transactions are begun and ended by hand."""
+    """Open a database, for one thread at a time; transactions begin and end explicitly."""
     connection = sqlite3.connect(
         database_uri(path, mode), uri=True, timeout=wait_s, isolation_level=None, check_same_thread=False
     )
@@ -142,92 +105,18 @@ def transaction(connection: sqlite3.Connection) -> Iterator[None]:
         raise
 
 
-class TileFile:
-    """An open file of tiles; safe to use from several threads and processes.
-
-    Reading and writing have a connection each: in WAL mode neither waits for the other.
-
-    Parameters
-    ----------
-    path : Path
-        Made if it is not there.
-    about : About
-
-    Raises
-    ------
-    sqlite3.Error
-        As all methods do; `fault` tells which kind.
-    """
-
-    def __init__(self, path: Path, about: About) -> None:
-        self.path = path
-        self._reading, self._writing = threading.Lock(), threading.Lock()
-        self._writer = _create(path, about)
-        try:
-            self._reader = connect(path, wait_s=READ_WAIT_S)
-        except FILE_ERRORS:
-            self._writer.close()
-            raise
-
-    def read(self, tile: Tile) -> Kept | None:
-        """Return a tile, None where it is not there.
-
-        Raises
-        ------
-        BrokenTileError
-        """
-        with self._reading:
-            rows = self._reader.execute(_SELECT, _row(tile)).fetchall()
-        if not rows:
-            return None
-        body, seal, expires_s, lifetime_s, stale_allowed, etag, last_modified, fetched_s, used_s = rows[0]
-        if not isinstance(body, bytes):
-            raise BrokenTileError
-        freshness = Freshness(expires_s, lifetime_s, bool(stale_allowed), etag, last_modified)
-        kept = Kept(body, freshness, fetched_s, used_s)
-        if seal != kept.seal(tile):
-            raise BrokenTileError
-        return kept
-
-    def write(self, changes: Mapping[Tile, Kept | None], used: Mapping[Tile, int]) -> None:
-        """Write tiles, remove those that are None, note when others were used last."""
-        with self._writing, transaction(self._writer):
-            for tile, kept in changes.items():
-                if kept is None:
-                    delete(self._writer, [_row(tile)])
-                else:
-                    self._put(tile, kept)
-            self._writer.executemany(_NOTE_USE, [(used_s, *_row(tile)) for tile, used_s in used.items()])
-            written = {tile: kept.body for tile, kept in changes.items() if kept is not None}
-            if written:
-                _describe(self._writer, written)
-
-    def close(self) -> None:
-        """Close both connections; what other threads are doing with them ends first."""
-        with self._reading:
-            self._reader.close()
-        with self._writing:
-            self._writer.close()
-
-    def _put(self, tile: Tile, kept: Kept) -> None:
-        self._writer.execute(
-            "INSERT OR REPLACE INTO tiles (zoom_level, tile_column, tile_row, tile_data) VALUES (?, ?, ?, ?)",
-            (*_row(tile), kept.body),
-        )
-        self._writer.execute(
-            "INSERT OR REPLACE INTO freshness VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-            (*_row(tile), kept.seal(tile), *kept.freshness, kept.fetched_s, kept.used_s),
-        )
-
-
 def delete(connection: sqlite3.Connection, rows: list[tuple[int, int, int]]) -> None:
     """Remove tiles by zoom, column and row of the file."""
-    connection.executemany(_DELETE_TILE, rows)
-    connection.executemany(_DELETE_FRESHNESS, rows)
+    connection.executemany(
+        "DELETE FROM tiles WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?", rows
+    )
+    connection.executemany(
+        "DELETE FROM freshness WHERE zoom_level = ? AND tile_column = ? AND tile_row = ?", rows
+    )
 
 
 def live_bytes(connection: sqlite3.Connection) -> int:
-    """Bytes of a file but for its free pages."""
+    """Bytes of a file without its free pages."""
     pages, free, size = (
         connection.execute(f"PRAGMA {name}").fetchone()[0]
         for name in ("page_count", "freelist_count", "page_size")
@@ -238,18 +127,13 @@ def live_bytes(connection: sqlite3.Connection) -> int:
 def shrink(connection: sqlite3.Connection, until_s: float) -> None:
     """Give free pages back to the file system, for as long as `time.monotonic` is before ``until_s``."""
     while connection.execute("PRAGMA freelist_count").fetchone()[0] and time.monotonic() < until_s:
-        connection.execute(f"PRAGMA incremental_vacuum({_VACUUM_PAGES})").fetchall()
-    # Says busy, and does what it can, where others are reading.
+        connection.execute("PRAGMA incremental_vacuum(2000)").fetchall()
+    # Partial, and reported as busy, while others are reading.
     connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
 
 
-def _row(tile: Tile) -> tuple[int, int, int]:
-    """Zoom, column and row as MBTiles counts them: from the south (TMS)."""
-    return tile.zoom, tile.x, (1 << tile.zoom) - 1 - tile.y
-
-
-def _create(path: Path, about: About) -> sqlite3.Connection:
-    """Open a file for writing, made and described where it is new."""
+def create(path: Path, about: About) -> sqlite3.Connection:
+    """Open a file for writing; a new one gets its tables and metadata."""
     until_s = time.monotonic() + WRITE_WAIT_S
     while True:
         connection = connect(path, "mode=rwc")
@@ -264,19 +148,21 @@ def _create(path: Path, about: About) -> sqlite3.Connection:
                 connection.close()
                 raise
         connection.close()
-        time.sleep(_RETRY_S)
+        time.sleep(0.02)
 
 
 def _prepare(connection: sqlite3.Connection, about: About) -> None:
     if connection.execute("PRAGMA page_count").fetchone()[0] == 0:
-        # Before anything else is in the file: it cannot be changed later.
+        # Only an empty file takes it.
         connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
     connection.execute("PRAGMA journal_mode = WAL").fetchall()
-    # After a loss of power the last transactions may be missing; the file stays whole.
+    # A loss of power may cost the last transactions, but not the file.
     connection.execute("PRAGMA synchronous = NORMAL")
-    if connection.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION_ID:
+    # "MPBX", by which the MBTiles specification marks a file's header.
+    application_id = 0x4D504258
+    if connection.execute("PRAGMA application_id").fetchone()[0] != application_id:
         with transaction(connection):
-            connection.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
+            connection.execute(f"PRAGMA application_id = {application_id}")
             for statement in _SCHEMA.split(";"):
                 connection.execute(statement)
     wanted = about.metadata
@@ -289,7 +175,7 @@ def _set_metadata(connection: sqlite3.Connection, rows: Mapping[str, str]) -> No
     connection.executemany("INSERT OR REPLACE INTO metadata (name, value) VALUES (?, ?)", rows.items())
 
 
-def _describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> None:
+def describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> None:
     """Widen format, zooms and bounds of the metadata to tiles that were just written."""
     known = dict(connection.execute("SELECT name, value FROM metadata").fetchall())
     zooms = [tile.zoom for tile in written] + [
@@ -299,10 +185,12 @@ def _describe(connection: sqlite3.Connection, written: Mapping[Tile, bytes]) -> 
     if "bounds" in known:
         before = np.array([float(value) for value in known["bounds"].split(",")])
         bounds = np.concatenate([np.minimum(before, bounds)[:2], np.maximum(before, bounds)[2:]])
+    # The names of MBTiles 1.3, and the media type of another format.
+    formats = ((b"\xff\xd8\xff", "jpg"), (b"RIFF", "webp"), (b"GIF8", "image/gif"))
     body = next(iter(written.values()))
     new = {
         "format": known.get("format")
-        or next((name for magic, name in _FORMATS if body[:4].startswith(magic)), "png"),
+        or next((name for magic, name in formats if body.startswith(magic)), "png"),
         "minzoom": str(min(zooms)),
         "maxzoom": str(max(zooms)),
         "bounds": ",".join(f"{value:.9f}" for value in bounds),
@@ -321,7 +209,7 @@ def _bounds(tiles: Mapping[Tile, bytes]) -> np.ndarray[tuple[int], np.dtype[np.f
 
 
 def metadata(path: Path) -> tuple[dict[str, str], int]:
-    """Metadata of a file of tiles, and how many tiles it has."""
+    """Metadata of a file of tiles, and the number of its tiles."""
     with closing(connect(path)) as connection:
         rows = connection.execute("SELECT name, value FROM metadata").fetchall()
         (count,) = connection.execute("SELECT count(*) FROM freshness").fetchone()
@@ -329,11 +217,11 @@ def metadata(path: Path) -> tuple[dict[str, str], int]:
 
 
 def remove(path: Path) -> bool:
-    """Remove a file unless another program has it open; whether it is gone."""
+    """Remove a file unless another program has it open; return whether it was removed."""
     with closing(connect(path, wait_s=READ_WAIT_S)) as connection:
         try:
             connection.execute("PRAGMA locking_mode = EXCLUSIVE").fetchall()
-            # Merges the log and needs the file for itself; a file out of WAL mode has no companions left.
+            # Merges the log, which takes exclusive access, and removes the -wal and -shm files.
             connection.execute("PRAGMA journal_mode = DELETE").fetchall()
             connection.execute("BEGIN EXCLUSIVE")
         except sqlite3.OperationalError:
@@ -341,12 +229,12 @@ def remove(path: Path) -> bool:
         try:
             os.unlink(path)  # noqa: PTH108
         except OSError:
-            return False  # Windows keeps open files
+            return False  # Windows refuses while the file is open
     return True
 
 
 def empty(path: Path, until_s: float) -> None:
-    """Remove all tiles of a file that others may have open; pages are given back until ``until_s``, as in `shrink`."""
+    """Remove all tiles of a file that others may have open, and `shrink` it until ``until_s``."""
     with closing(connect(path)) as connection:
         with transaction(connection):
             connection.execute("DELETE FROM tiles")
