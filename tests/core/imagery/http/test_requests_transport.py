@@ -172,7 +172,7 @@ def test_a_request_that_outlives_its_transport_logs_nothing_either(caplog):
     logger = logging.getLogger("urllib3.connectionpool")
     filters = len(logger.filters)
     transport = RequestsTransport()
-    with transport._watch.over(time.monotonic() + 60.0):
+    with transport._watch.exchange(time.monotonic() + 60.0):
         transport.close()
         logger.debug("GET /5/1/2.png?token=ours")
     assert "ours" not in caplog.text
