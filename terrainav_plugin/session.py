@@ -40,7 +40,7 @@ from .preview.background import Background, SourceOnMap
 from .preview.preview import Preview
 from .processing.windows import BenchmarkWindows
 from .remote.copies import why_unchangeable
-from .remote.trust import agree, sources_of
+from .remote.trust import agree, source_names
 from .results.compare import Compare
 from .results.viewing import Viewing
 from .settings import Settings
@@ -184,7 +184,7 @@ class Session(QObject):
 
     def group(self) -> MissionGroup:
         """Group of the mission that is entered."""
-        return self.open_project.group_of(folder_of(self.state().folder))
+        return self.open_project.mission_group(folder_of(self.state().folder))
 
     def zoom_to(self, box: Box) -> None:
         """Show an area on the map."""
@@ -252,7 +252,7 @@ class Session(QObject):
         dock.hint_followed.connect(self._follow_hint)
         dock.capture_clicked.connect(self.capture)
         # What is in the panel has been chosen or entered here, or agreed to.
-        self.planning.planned.connect(lambda planned: agree(sources_of(planned.mission)))
+        self.planning.planned.connect(lambda planned: agree(source_names(planned.mission)))
         self.planning.planned.connect(self._show_preview_of)
         self.source_on_map.drawing.connect(form.show_on_map.setDisabled)
         for signal in (self.project.layersAdded, self.project.layersRemoved, self.project.cleared):
@@ -333,7 +333,7 @@ class Session(QObject):
         planned = self.planned
         if planned is None or not self.planning.is_entered(planned.mission):
             return
-        is_here = self.group().is_same(self.open_project.group_of(folder))
+        is_here = self.group().is_same(self.open_project.mission_group(folder))
         if is_here and holds_mission_of(planned.plan, folder):
             self.preview.set_footprints_visible(False)
 

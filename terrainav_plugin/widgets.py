@@ -369,7 +369,7 @@ class NumberBox(QgsDoubleSpinBox):
         super().__init__()
         self._judged: str | None = None
         #: Text that was looked at last, and what came of it: forms ask for all their entries at every key.
-        self._looked_at: tuple[str, str | None] = ("", None)
+        self._checked_features: tuple[str, str | None] = ("", None)
         self._is_typed_into = True
         self.lineEdit().textChanged.connect(self._judge)
         self.editingFinished.connect(self.say_problem)
@@ -385,10 +385,10 @@ class NumberBox(QgsDoubleSpinBox):
         if not self._is_typed_into:
             return None
         shown = self.lineEdit().text()
-        if shown != self._looked_at[0] or not shown:
+        if shown != self._checked_features[0] or not shown:
             text = self._typed(shown)
-            self._looked_at = shown, text if self._read(text) is None else None
-        return self._looked_at[1]
+            self._checked_features = shown, text if self._read(text) is None else None
+        return self._checked_features[1]
 
     def problem(self) -> str:
         """Say what is wrong with what is typed; empty where it is a number of the range."""

@@ -13,7 +13,7 @@ from ...core.errors import TerrAInavError
 from ..dataset.placing import load_test_shot, place_mosaics, show_failed, show_results
 from ..i18n import number_text, tr, translate
 from ..paths import open_in_system
-from .run import CaptureRun, Stage, done_text, with_kept
+from .run import CaptureRun, Stage, done_text, mention_kept_images
 
 if TYPE_CHECKING:
     from ..dataset.placing import OpenProject
@@ -70,7 +70,7 @@ class Endings(QObject):
     def show_failed(self, run: CaptureRun, layer: QgsVectorLayer | None) -> None:
         """Show what has failed so far."""
         if self._is_open(run) and not run.test_shot:
-            group = self._open_project.group_of(run.folder)
+            group = self._open_project.mission_group(run.folder)
             show_failed(group, layer)
             if layer is not None:
                 group.remember_mission(run.mission.to_json())
@@ -127,7 +127,7 @@ class Endings(QObject):
     def _load_results(self, run: CaptureRun) -> None:
         # Images that have failed may be gone: those of tiles that count as missing by now.
         changed = run.result is None or bool(run.result.written or run.result.failed)
-        show_results(self._open_project.group_of(run.folder), run.task.opened, changed=changed)
+        show_results(self._open_project.mission_group(run.folder), run.task.opened, changed=changed)
         # The pictures themselves are there now; plans on top would only hide them. Those of the rest are still wanted.
         if run.stage is not Stage.STOPPED:
             self.shown.emit(run.folder)
@@ -141,7 +141,7 @@ class Endings(QObject):
     def _say(self, run: CaptureRun, is_open: bool) -> None:
         result, name = run.result, run.name
         if run.task.error:
-            self._messages.failed(with_kept(translate(run.task.error), result), run.task.trace)
+            self._messages.failed(mention_kept_images(translate(run.task.error), result), run.task.trace)
         elif run.stage is Stage.STOPPED and result is None:
             self._messages.info(tr("{name}: stopped before the first image.").format(name=name))
         elif run.stage is Stage.STOPPED:

@@ -61,7 +61,7 @@ class Questions:
         self._messages.refused(message, tr("Nothing to capture yet."))
         return False
 
-    def key_is_there(self, source: str) -> bool:
+    def has_usable_key(self, source: str) -> bool:
         """Whether the key or the authentication of a source can be used; says so at the field where it cannot."""
         try:
             problem = credentials_problem(source)
@@ -115,7 +115,7 @@ class Questions:
             action=(tr("Capture into {name}").format(name=other.name), lambda: self._capture_into(other)),
         )
 
-    def within_limits(self, mission: Mission, requests: int) -> bool:
+    def check_limits(self, mission: Mission, requests: int) -> bool:
         """Whether a run is within what the source's terms allow at all, agreed to or not; says so where it is not."""
         problem = terms_problem(mission, requests)
         return problem is None or problem[1] or self.terms_allow(mission, requests)

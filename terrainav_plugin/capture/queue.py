@@ -103,7 +103,7 @@ class Runs(QObject):
     @property
     def waiting(self) -> list[CaptureRun]:
         """Those that are not over, in their order; the first of them is at work."""
-        return [run for run in self.runs if not run.over]
+        return [run for run in self.runs if not run.has_ended]
 
     @property
     def idle(self) -> bool:
@@ -122,13 +122,15 @@ class Runs(QObject):
 
     def can_start(self, state: FormState) -> bool:
         """Whether there is a folder to capture what is entered into, and the key that its source needs; says so."""
-        return self.questions.folder_is_given(state.folder) and self.questions.key_is_there(state.source_name)
+        return self.questions.folder_is_given(state.folder) and self.questions.has_usable_key(
+            state.source_name
+        )
 
     def start(self, planned: PlannedMission, folder: Path, only_failed: bool = False) -> None:
         """Put the capture of a plan into the queue, after what has to be asked has been asked."""
         requests = self._requests(planned.plan)
         # What no folder can change is said before folders are asked about.
-        if not self.questions.within_limits(planned.plan.mission, requests):
+        if not self.questions.check_limits(planned.plan.mission, requests):
             return
         if self.questions.belongs_to_another(planned.plan, folder, may_count_on=not only_failed):
             return
@@ -158,7 +160,7 @@ class Runs(QObject):
 
     def resume_left(self, left: Left) -> None:
         """Plan a capture of an earlier session again, and put it into the queue."""
-        if not self.questions.key_is_there(left.mission.imagery.source):
+        if not self.questions.has_usable_key(left.mission.imagery.source):
             return
         task = PlanTask(left.mission, grid_finder(left.mission))
         self._planning[task] = left
@@ -187,7 +189,7 @@ class Runs(QObject):
 
     def _capture_again(self, run: CaptureRun, images: int, *, only_failed: bool) -> None:
         share = min(images / max(len(run.plan) * len(run.mission.imagery.map_types), 1), 1.0)
-        if not self.questions.key_is_there(run.mission.imagery.source):
+        if not self.questions.has_usable_key(run.mission.imagery.source):
             return
         requests = math.ceil(share * self._requests(run.plan))
         if self._enqueue(run.plan, run.folder, only_failed, requests):
@@ -195,9 +197,9 @@ class Runs(QObject):
 
     def resume(self, run: CaptureRun) -> None:
         """Let a run that is paused go on, or put one that has ended early into the queue again."""
-        if not run.over:
+        if not run.has_ended:
             run.pause(False)
-        elif self.questions.key_is_there(run.mission.imagery.source):
+        elif self.questions.has_usable_key(run.mission.imagery.source):
             self._enqueue(run.plan, run.folder, run.only_failed, self._requests(run.plan))
 
     def start_test_shot(self, state: FormState, lat_deg: float, lon_deg: float) -> None:
@@ -217,14 +219,16 @@ class Runs(QObject):
             self._messages.refused(translate(wrong), tr("No test shot."))
             return
         questions = self.questions
-        if questions.key_is_there(mission.imagery.source) and questions.terms_allow(mission, steps.requests):
+        if questions.has_usable_key(mission.imagery.source) and questions.terms_allow(
+            mission, steps.requests
+        ):
             # QGIS removes its temporary folder when it ends.
             folder = Path(QgsProcessingUtils.generateTempFilename("test-shot"))
             self._add(CaptureRun(steps, folder, key_of(mission.imagery.source), test_shot=True))
 
     def dismiss(self, run: CaptureRun) -> None:
         """Take a run that is over off the list."""
-        if run in self.runs and run.over:
+        if run in self.runs and run.has_ended:
             self.runs.remove(run)
             self.dismissed.emit(run)
             run.deleteLater()
@@ -274,21 +278,21 @@ class Runs(QObject):
         run.mosaic_refused.connect(self._endings.warn_of_mosaic)
         run.ended.connect(self._ended)
         # What was made of the same folder before is told by the new run.
-        for old in [old for old in self.runs if old.over and old.folder == run.folder]:
+        for old in [old for old in self.runs if old.has_ended and old.folder == run.folder]:
             self.dismiss(old)
         self.runs.append(run)
         self._unfinished.note(run)
         self.listed.emit(run)
-        self._move_on()
+        self._advance()
 
     def _ended(self, run: CaptureRun) -> None:
         self._unfinished.forget(run)
         self._endings.tell(run)
         if run.test_shot:
             self.dismiss(run)
-        self._move_on()
+        self._advance()
 
-    def _move_on(self) -> None:
+    def _advance(self) -> None:
         waiting = self.waiting
         if waiting and not waiting[0].under_way:
             waiting[0].begin()

@@ -109,7 +109,7 @@ class CaptureRun(QObject):
         return self.task.result
 
     @property
-    def over(self) -> bool:
+    def has_ended(self) -> bool:
         """Whether it has come to its end."""
         return self.stage is not Stage.WAITING and not self.under_way
 
@@ -134,7 +134,7 @@ class CaptureRun(QObject):
     def begin(self) -> None:
         """Hand it to QGIS's task manager: its turn has come."""
         self.task.progressed.connect(self._progressed)
-        self.task.progressChanged.connect(self._moved_on)
+        self.task.progressChanged.connect(self._show_progress)
         self.task.failed_changed.connect(lambda layer: self.failed_changed.emit(self, layer))
         self.task.mosaic_refused.connect(lambda reason: self.mosaic_refused.emit(self, reason))
         self._become(Stage.RUNNING)
@@ -179,7 +179,7 @@ class CaptureRun(QObject):
         self.progress = progress
         self.changed.emit()
 
-    def _moved_on(self, percent: float) -> None:
+    def _show_progress(self, percent: float) -> None:
         self.percent = percent
         self.changed.emit()
 
@@ -200,7 +200,7 @@ class CaptureRun(QObject):
         self.changed.emit()
 
 
-def title_of(run: CaptureRun) -> str:
+def run_title(run: CaptureRun) -> str:
     """Name that a run goes by."""
     if run.test_shot:
         return tr("Test shot")
@@ -221,7 +221,7 @@ def row_text(run: CaptureRun, place: int = 0) -> str:
         return tr("Waiting: next") if place <= 1 else tr("Waiting: {place} ahead of it").format(place=place)
     if run.stage is Stage.STOPPING:
         return tr("Stopping…") if run.result is None else tr("Stopped; making the mosaic…")
-    if run.over:
+    if run.has_ended:
         return _end_text(run)
     if run.progress is None:
         if run.stage is Stage.PAUSED:
@@ -254,7 +254,7 @@ def done_text(result: CaptureResult) -> str:
     return tr("{written} images captured in {time}.").format(written=number_text(result.written), time=time)
 
 
-def with_kept(error: str, result: CaptureResult | None) -> str:
+def mention_kept_images(error: str, result: CaptureResult | None) -> str:
     """Error of a run, and that its images are there all the same."""
     return error if result is None else tr("{error} (the images were saved)").format(error=error)
 
@@ -283,7 +283,7 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
 def _end_text(run: CaptureRun) -> str:
     result = run.result
     if run.task.error:
-        return with_kept(translate(run.task.error), result)
+        return mention_kept_images(translate(run.task.error), result)
     if result is None:
         return tr("Stopped before the first image")
     there = number_text(result.written + result.skipped)

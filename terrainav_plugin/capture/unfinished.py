@@ -58,7 +58,7 @@ class Unfinished:
         except (OSError, TerrAInavError) as wrong:
             log(tr("The capture could not be noted: {error}").format(error=wrong))
             return
-        self._locks[run] = _lock_of(path)
+        self._locks[run] = _make_lock(path)
         self._locks[run].tryLock(0)
 
     def forget(self, run: CaptureRun) -> None:
@@ -125,7 +125,7 @@ class FindTask(Task):
     def work(self) -> None:
         """Read the notes, and look how far each capture has come; nothing is changed."""
         for path in sorted(_notes().glob(f"*{_NOTE}"), key=lambda path: path.stat().st_mtime):
-            lock = _lock_of(path)
+            lock = _make_lock(path)
             if not lock.tryLock(0):
                 continue
             lock.unlock()
@@ -177,7 +177,7 @@ def _digest(folder: Path) -> str:
     return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
 
 
-def _lock_of(path: Path) -> QLockFile:
+def _make_lock(path: Path) -> QLockFile:
     lock = QLockFile(str(path.with_suffix(_LOCK)))
     # However old: a capture may take days. QGIS that has crashed is found by its process.
     lock.setStaleLockTime(0)

@@ -64,7 +64,7 @@ class FootprintFile:
 
     def __init__(self, folder: Path, cancelled: Callable[[], bool] = lambda: False) -> None:
         self.path = folder / FOOTPRINTS_FILE
-        self.stamp = stamp_of(self.path)
+        self.stamp = file_stamp(self.path)
         offsets, bounds = [np.zeros(0, np.int64)], [np.zeros((0, 4))]
         try:
             with open_foreign(self.path, MAX_TABLE_BYTES) as file:
@@ -85,7 +85,7 @@ class FootprintFile:
     def __len__(self) -> int:
         return len(self._offsets)
 
-    def near(self, lat_deg: float, lon_deg: float) -> list[int]:
+    def covering(self, lat_deg: float, lon_deg: float) -> list[int]:
         """Numbers of the footprints in whose bounds a place is."""
         west, south, east, north = self._bounds.T
         inside = (west <= lon_deg) & (lon_deg <= east) & (south <= lat_deg) & (lat_deg <= north)
@@ -96,7 +96,7 @@ class FootprintFile:
         try:
             with open_foreign(self.path, MAX_TABLE_BYTES) as file:
                 file.seek(int(self._offsets[number]))
-                return feature_of(read_line(file))
+                return read_feature(read_line(file))
         except OSError as wrong:
             raise _unreadable(self.path, wrong.strerror) from wrong
         except (ValueError, IndexError) as wrong:
@@ -142,7 +142,7 @@ class Outlines:
             ) from wrong
         return Outlines(self.stems, np.asarray(x), np.asarray(y), self.starts, self.owners)
 
-    def bounds_of(self, stem: str) -> Bounds | None:
+    def bounds(self, stem: str) -> Bounds | None:
         """West, south, east and north of an image; None where it has no outline here."""
         if stem not in self.stems:
             return None
@@ -173,10 +173,10 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
     starts, owners = [0], []
     try:
         # Images from elsewhere have none.
-        for feature in map(feature_of, feature_lines(path) if path.is_file() else ()):
+        for feature in map(read_feature, feature_lines(path) if path.is_file() else ()):
             if len(stems) % _LOOK == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
-            for ring in chain.from_iterable(rings_of(feature)):
+            for ring in chain.from_iterable(polygon_rings(feature)):
                 x += [at[0] for at in ring]
                 y += [at[1] for at in ring]
                 starts.append(len(x))
@@ -195,7 +195,7 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
     )
 
 
-def stamp_of(path: Path) -> tuple[int, int]:
+def file_stamp(path: Path) -> tuple[int, int]:
     """What changes with a file: its time and length; zeros where it is not there."""
     try:
         found = path.stat()
@@ -204,7 +204,7 @@ def stamp_of(path: Path) -> tuple[int, int]:
     return found.st_mtime_ns, found.st_size
 
 
-def rings_of(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
+def polygon_rings(feature: dict[str, Any]) -> list[list[list[list[float]]]]:
     """Polygons of a feature, each a list of closed rings of longitudes and latitudes."""
     geometry = feature["geometry"]
     coordinates = geometry["coordinates"]
@@ -222,7 +222,7 @@ def feature_lines(path: Path) -> Iterator[bytes]:
                 yield line
 
 
-def feature_of(line: bytes) -> dict[str, Any]:
+def read_feature(line: bytes) -> dict[str, Any]:
     """Feature of a line; raises InvalidInput where the line is none."""
     feature = parse_json(line.rstrip().rstrip(b","))
     return feature if isinstance(feature, dict) else {}

@@ -31,7 +31,7 @@ from ..i18n import tr, translate
 from ..map.canvas import LON_LAT
 from ..map.outlines import CUTS_WKT
 from ..tasks import CRS_IDS, crs_named, held_crs
-from .footprints import feature_lines, feature_of
+from .footprints import feature_lines, read_feature
 from .mosaic import MosaicRaster
 
 if TYPE_CHECKING:
@@ -73,14 +73,14 @@ def open_results(folder: Path, mission: Mission, mosaics: list[MosaicRaster]) ->
     # Of a mission they stay where they are: a project that is opened need not read them for their extent. Newer QGIS
     # (3.40) leaves that to the project's own setting, which is the user's.
     footprints.setReadExtentFromXml(True)
-    footprints = _for_main_thread(footprints)
+    footprints = _move_to_main_thread(footprints)
     opened = [None if mosaic.is_made else _opened(mosaic) for mosaic in mosaics]
     return OpenedResults(folder, mission, footprints, list(zip(mosaics, opened)))
 
 
 def _opened(mosaic: MosaicRaster) -> QgsRasterLayer | None:
     crs = mosaic.crs()
-    return _for_main_thread(open_raster(mosaic.path, mosaic.title), crs) if held_crs(crs) else None
+    return _move_to_main_thread(open_raster(mosaic.path, mosaic.title), crs) if held_crs(crs) else None
 
 
 def open_footprints(path: Path, title: str) -> QgsVectorLayer:
@@ -138,7 +138,7 @@ def open_raster(path: Path, title: str) -> QgsRasterLayer:
 def open_failed(folder: Path) -> QgsVectorLayer | None:
     """Open what has failed of a dataset, on any thread; None where nothing has."""
     path = folder / FAILED_FILE
-    return _for_main_thread(open_footprints(path, tr("Failed images"))) if is_there(path) else None
+    return _move_to_main_thread(open_footprints(path, tr("Failed images"))) if is_there(path) else None
 
 
 class FailedImages:
@@ -241,7 +241,7 @@ class FailedImages:
         return [b'{"type": "FeatureCollection", "features": [\n', b",\n".join(features), b"\n]}\n"]
 
 
-def _for_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
+def _move_to_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
     main = QgsApplication.instance().thread()
     if QThread.currentThread() != main:
         # The same CRS, but as the main thread has read it (see `tasks`); one that is equal would not be taken.
@@ -254,7 +254,7 @@ def _for_main_thread(layer: QgsMapLayer, crs: str = LON_LAT) -> QgsMapLayer:
 def _footprint(line: bytes) -> dict[str, Any] | None:
     """Feature of a line, or None where the file is not as a capture leaves it."""
     try:
-        feature = feature_of(line)
+        feature = read_feature(line)
     except InvalidInput:
         return None
     return feature if isinstance(feature.get("properties"), dict) else None

@@ -173,12 +173,12 @@ def check_mosaics(plan: Plan, open_heights: OpenHeights) -> None:
         return
     open_heights(captured_mission(plan))
     # What one of them shows is enough for a mosaic.
-    problems = [_problem_of(plan, index) for index in sorted({0, len(plan) // 2, len(plan) - 1})]
+    problems = [_find_problem(plan, index) for index in sorted({0, len(plan) // 2, len(plan) - 1})]
     if problems[0] is not None and None not in problems:
         raise problems[0]
 
 
-def _problem_of(plan: Plan, index: int) -> InvalidInput | None:
+def _find_problem(plan: Plan, index: int) -> InvalidInput | None:
     """Why an image shows nothing that a mosaic could be made of; None where it does."""
     try:
         raster_of(CameraFrames.of_plan(plan, index, Path(plan.names[index])))
@@ -277,7 +277,7 @@ def build_mosaic(plan: Plan, target: Path, placed: Placed, progress: Progress) -
         raise
 
 
-def mosaics_there(folder: Path, mission: Mission) -> list[MosaicRaster] | None:
+def existing_mosaics(folder: Path, mission: Mission) -> list[MosaicRaster] | None:
     """Mosaics of a dataset as an earlier run has left them; None where they do not show its pictures as they are."""
     found: list[MosaicRaster] = []
     try:
@@ -295,7 +295,7 @@ def mosaics_there(folder: Path, mission: Mission) -> list[MosaicRaster] | None:
             paths = [folder / f"{map_type}.vrt"]
             parts = [folder / f"{map_type}_{number}.vrt" for number in (1, 2)]
             paths = paths if paths[0].is_file() else [path for path in parts if path.is_file()]
-            shown = {name for path in paths for name in _shown_in(path)}
+            shown = {name for path in paths for name in _shown_files(path)}
             if not paths or shown != _pictures(folder / map_type, mission.output.image_format):
                 return None
             if any(_made_s(path) < newest_s for path in paths):
@@ -470,7 +470,7 @@ def _sources(plan: Plan, placed: Placed, data_type: str, folder: Path) -> Iterat
         )
 
 
-def _shown_in(mosaic: Path) -> set[str]:
+def _shown_files(mosaic: Path) -> set[str]:
     """Files' names of the pictures that a virtual raster shows, of its last band."""
     text = read_limited(mosaic, MAX_VRT_BYTES)
     band = text[text.rfind(b"<VRTRasterBand") :]

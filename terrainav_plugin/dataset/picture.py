@@ -83,12 +83,12 @@ class Depth(NamedTuple):
     image: QImage | None
     problem: str = ""
 
-    def at(self, x: float, y: float) -> float:
+    def metres_at_point(self, x: float, y: float) -> float:
         """Metres at a place of the picture, in shares of its width and height from 0 to 1; NaN for no ground."""
         height, width = self.metres.shape
         return float(self.metres[min(int(y * height), height - 1), min(int(x * width), width - 1)])
 
-    def metres_of(self, share: float) -> float:
+    def to_metres(self, share: float) -> float:
         """Depth that has the colour at a share of the way from near to far."""
         return float(self.least_m ** (1.0 - share) * self.most_m**share)
 

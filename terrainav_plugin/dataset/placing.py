@@ -51,13 +51,13 @@ class OpenProject:
         """End for good."""
         self.project.cleared.disconnect(self._closed)
 
-    def group_of(self, folder: Path) -> MissionGroup:
+    def mission_group(self, folder: Path) -> MissionGroup:
         """Group of the mission that is captured into a folder."""
         return MissionGroup(self.project, folder)
 
     def shows(self, number: int | None, folder: Path) -> bool:
         """Whether results of a folder are shown that were begun in the project of a number."""
-        return number == self.number or self.group_of(folder).find() is not None
+        return number == self.number or self.mission_group(folder).find() is not None
 
     def _closed(self) -> None:
         self.number += 1

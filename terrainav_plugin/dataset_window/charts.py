@@ -107,7 +107,7 @@ class Chart(QWidget):
         self.setAccessibleName(tr("Threshold {bits} bits").format(bits=f"{threshold:.{DECIMALS}f}"))
         self.update()
 
-    def place_of(self, bits: float, frame: PlotArea | None = None) -> float:
+    def axis_px(self, bits: float, frame: PlotArea | None = None) -> float:
         """Where an entropy is along the axis of the threshold, in px; ``frame`` is that of now where it is known."""
         frame = frame or self.frame()
         share = (bits - LOWEST) / (HIGHEST - LOWEST)
@@ -115,7 +115,7 @@ class Chart(QWidget):
             return frame.left + share * (frame.right - frame.left)
         return frame.bottom - share * (frame.bottom - frame.top)
 
-    def bits_at(self, x: float, y: float) -> float:
+    def bits_from_point(self, x: float, y: float) -> float:
         """Entropy at a place of the chart, in range and rounded as thresholds are."""
         frame = self.frame()
         share = (
@@ -175,7 +175,7 @@ class Chart(QWidget):
         """Take the line."""
         if event.button() == Qt.MouseButton.LeftButton:
             self._held = True
-            self._move_to(event)
+            self._drag(event)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         """Drag the line."""
@@ -184,7 +184,7 @@ class Chart(QWidget):
             return
         self.setCursor(Qt.CursorShape.SplitHCursor if self.ACROSS else Qt.CursorShape.SplitVCursor)
         if self._held:
-            self._move_to(event)
+            self._drag(event)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         """Let the line go."""
@@ -209,9 +209,9 @@ class Chart(QWidget):
             return
         self._move(round(min(max(moved, LOWEST), HIGHEST), DECIMALS))
 
-    def _move_to(self, event: QMouseEvent) -> None:
+    def _drag(self, event: QMouseEvent) -> None:
         if len(self.bits):
-            self._move(self.bits_at(event.pos().x(), event.pos().y()))
+            self._move(self.bits_from_point(event.pos().x(), event.pos().y()))
 
     def _move(self, threshold: float) -> None:
         if threshold != self.threshold:
@@ -304,7 +304,7 @@ class Chart(QWidget):
 
     def _ends(self, bits: float, frame: PlotArea) -> tuple[QPointF, QPointF]:
         """Ends of the line at an entropy."""
-        at = self.place_of(bits, frame)
+        at = self.axis_px(bits, frame)
         if self.ACROSS:
             return QPointF(at, frame.top), QPointF(at, frame.bottom)
         return QPointF(frame.left, at), QPointF(frame.right, at)
@@ -355,12 +355,12 @@ class Histogram(Chart):
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
         """Draw bins, in two colours on either side of the threshold."""
-        line = self.place_of(self.threshold, frame)
+        line = self.axis_px(self.threshold, frame)
         scale = (frame.bottom - frame.top) / self.ranges()[1]
         for low, high, count in zip(self._edges[:-1], self._edges[1:], self.counts.tolist()):
             if not count:
                 continue
-            left, right = self.place_of(low, frame), self.place_of(high, frame)
+            left, right = self.axis_px(low, frame), self.axis_px(high, frame)
             tall = max(count * scale, _LEAST_BAR_PX)
             right -= min(_BETWEEN_PX, (right - left) / 4.0)
             middle = min(max(line, left), right)
@@ -413,7 +413,7 @@ class Bars(Chart):
     def _bar(
         self, painter: QPainter, frame: PlotArea, left: float, wide: float, bits: float, *, rejected: bool
     ) -> None:
-        top = min(self.place_of(bits, frame), frame.bottom - _LEAST_BAR_PX)
+        top = min(self.axis_px(bits, frame), frame.bottom - _LEAST_BAR_PX)
         painter.fillRect(QRectF(left, top, wide, frame.bottom - top), REJECTED if rejected else KEPT)
 
 

@@ -168,7 +168,7 @@ class Cleaning(QObject):
         if self.panel.entropies is found:
             self.panel.strip.show_examples(*shown)
 
-    def _zoom_to(self, row: int) -> None:
+    def _zoom_map(self, row: int) -> None:
         found = self._found.get(self._map_type)
         if found is not None and self._folder is not None:
             self.marks.find(self._folder, found.stems[row], self._zoom_to_extent)
@@ -235,4 +235,4 @@ class Cleaning(QObject):
         panel.on_map_toggled.connect(self._follow)
         panel.action_wanted.connect(self._do)
         panel.pictures_wanted.connect(self._save_pictures)
-        panel.strip.chosen.connect(self._zoom_to)
+        panel.strip.chosen.connect(self._zoom_map)

@@ -34,11 +34,11 @@ class LabelsTab(Tab):
         self.map_type = combo("labels_map_type", [], tr("Map type shown here"))
         self.map_type.activated.connect(lambda _index: self._choose_map_type())
         self.of = combo("labels_of", [], tr("Which images are shown: all, or those of a part of the split"))
-        self.of.activated.connect(lambda _index: self._show_from(0))
+        self.of.activated.connect(lambda _index: self._show_page(0))
         self.previous = push_button("labels_previous", tr("< Previous"), tr("Images before these"))
         self.next = push_button("labels_next", tr("Next >"), tr("Images after these"))
-        self.previous.clicked.connect(lambda _checked: self._show_from(self.first - COUNT))
-        self.next.clicked.connect(lambda _checked: self._show_from(self.first + COUNT))
+        self.previous.clicked.connect(lambda _checked: self._show_page(self.first - COUNT))
+        self.next.clicked.connect(lambda _checked: self._show_page(self.first + COUNT))
         self.place = wrapped_label("labels_place")
         self.cards = [Card(number) for number in range(COUNT)]
         self._lay_out()
@@ -72,7 +72,7 @@ class LabelsTab(Tab):
 
     def _show_learned(self, learned: Learned) -> None:
         self.learned = learned
-        self.hint.setText(self._about_labels(learned))
+        self.hint.setText(self._describe_labels(learned))
         with QSignalBlocker(self.map_type):
             before = self.map_type.currentData()
             self.map_type.clear()
@@ -81,7 +81,7 @@ class LabelsTab(Tab):
             self.map_type.setCurrentIndex(max(self.map_type.findData(before), 0))
         self._choose_map_type()
 
-    def _about_labels(self, learned: Learned) -> str:
+    def _describe_labels(self, learned: Learned) -> str:
         if learned.fault is not None:
             return translate(learned.fault)
         if learned.labels is None:
@@ -101,9 +101,9 @@ class LabelsTab(Tab):
             for name, count in counts.items():
                 self.of.addItem(f"{titles[name]} ({number_text(count)})", name)
             self.of.setCurrentIndex(max(self.of.findData(before), 0))
-        self._show_from(0)
+        self._show_page(0)
 
-    def _show_from(self, first: int) -> None:
+    def _show_page(self, first: int) -> None:
         learned = self.learned
         self.first = max(first, 0)
         total = self._total()

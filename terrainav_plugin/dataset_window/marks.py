@@ -16,7 +16,7 @@ from qgis.PyQt.QtGui import QColor, QImage, QPainter, QPen, QPolygonF
 from ...core.arrays import Floats
 from ...core.dataset.folder import FOOTPRINTS_FILE
 from ...core.errors import Cancelled
-from ..dataset.footprints import Bounds, Outlines, read_outlines, stamp_of
+from ..dataset.footprints import Bounds, Outlines, file_stamp, read_outlines
 from ..i18n import tr
 from ..tasks import LatestWorker
 from .charts import REJECTED
@@ -109,7 +109,7 @@ class Marks(QObject):
             self._draw()
 
         wkt = self._wkt()
-        self._worker.ask(lambda _: self._drawer.bounds_of(folder, wkt, stem), answer)
+        self._worker.ask(lambda _: self._drawer.bounds(folder, wkt, stem), answer)
 
     def close(self) -> None:
         """End for good."""
@@ -212,21 +212,21 @@ class Drawer:
     ) -> Drawn | None:
         """Draw a view of a dataset; None where it is wanted no more. Raises InvalidInput."""
         try:
-            outlines, chosen = self._outlines_in(folder, wkt), stems()
+            outlines, chosen = self._read_outlines(folder, wkt), stems()
             return Drawn(draw(outlines, chosen, view, cancelled), len(chosen))
         except Cancelled:
             return None
 
-    def bounds_of(self, folder: Path, wkt: str, stem: str) -> Bounds | None:
+    def bounds(self, folder: Path, wkt: str, stem: str) -> Bounds | None:
         """West, south, east and north of an image in a CRS; None where it has no outline there. Raises InvalidInput."""
         try:
-            return self._outlines_in(folder, wkt).bounds_of(stem)
+            return self._read_outlines(folder, wkt).bounds(stem)
         except Cancelled:
             return None
 
-    def _outlines_in(self, folder: Path, wkt: str) -> Outlines:
+    def _read_outlines(self, folder: Path, wkt: str) -> Outlines:
         """Outlines of a dataset in a CRS."""
-        of = folder, stamp_of(folder / FOOTPRINTS_FILE)
+        of = folder, file_stamp(folder / FOOTPRINTS_FILE)
         if self._outlines is None or of != self._of:
             self._outlines, self._projected = read_outlines(folder, self._closed), None
             self._of = of

@@ -76,7 +76,7 @@ class Learned:
                 self.labels = Labels.load(folder / LABELS_FILE)
             except TerrAInavError as wrong:
                 self.fault = wrong
-        self._rows = {name: _rows_of(one) for name, one in self._sets.items()}
+        self._rows = {name: _image_choices(one) for name, one in self._sets.items()}
 
     def counts(self, map_type: str) -> dict[str, int]:
         """Images of a map type: all, of each part, in none, and rejected; what there are none of is left out."""
@@ -110,7 +110,7 @@ class Learned:
         ]
 
 
-def _rows_of(images: ImageSet) -> dict[str, np.ndarray]:
+def _image_choices(images: ImageSet) -> dict[str, np.ndarray]:
     """Rows of a table that have an image, by what they can be chosen by."""
     table = images.table
     there = np.flatnonzero(table.made)

@@ -63,7 +63,7 @@ class AddressDialog(QDialog):
             super().accept()
             return
         try:
-            self.address = DatasetAddress.of(text)
+            self.address = DatasetAddress.parse(text)
         except InvalidInput as wrong:
             self._marks.show({"address": translate(wrong)})
             return

@@ -19,7 +19,7 @@ from ...core.limits import MAX_LINE_CHARACTERS
 from ...core.text import one_line, shortened
 from ..compat import RASTER
 from ..dataset.layers import FAILED_FILE, FailedImages, OpenedResults, open_failed, open_results
-from ..dataset.mosaic import MosaicRaster, build_any_mosaics, mosaics_there
+from ..dataset.mosaic import MosaicRaster, build_any_mosaics, existing_mosaics
 from ..dataset.placing import reread_footprints, show_failed, show_results
 from ..form import mission_form
 from ..form.area import FormError
@@ -29,9 +29,9 @@ from ..map.mission_group import SavedMission, addresses, mission_layers, saved_m
 from ..paths import exists, folder_of, is_folder, next_folder
 from ..plain import shown_plain
 from ..remote.address import DatasetAddress
-from ..remote.copies import address_of, copy_dataset, copy_of, has_images_elsewhere, why_unchangeable
+from ..remote.copies import copied_address, copy_dataset, copy_folder, has_images_elsewhere, why_unchangeable
 from ..remote.store import Store
-from ..remote.trust import agree, sources_of, strangers
+from ..remote.trust import agree, source_names, strangers
 from ..settings import Settings, recent, remember
 from ..sources import grid_finder
 from ..tasks import Task
@@ -90,7 +90,7 @@ class DatasetTask(Task):
         """Open."""
         for folder, mission in self._missions.items():
             elsewhere = has_images_elsewhere(folder)
-            mosaics = [] if elsewhere else mosaics_there(folder, mission)
+            mosaics = [] if elsewhere else existing_mosaics(folder, mission)
             if mosaics is None:
                 mosaics = self._made_mosaics(folder, mission)
             if self.isCanceled():
@@ -111,7 +111,7 @@ class DatasetTask(Task):
     def _made_mosaics(self, folder: Path, mission: Mission) -> list[MosaicRaster]:
         from ..sources import heights_for, worked_out
 
-        places = strangers(sources_of(mission))
+        places = strangers(source_names(mission))
         if places:
             self.left_out = tr("{place} would be asked, which you have not used in this QGIS").format(
                 place=one_line(places[0], _MOST_TITLE)
@@ -137,7 +137,7 @@ class AddressTask(DatasetTask):
     """
 
     def __init__(self, address: DatasetAddress, again: bool = False) -> None:
-        super().__init__(copy_of(address), None, {}, {})
+        super().__init__(copy_folder(address), None, {}, {})
         self.address, self.again = address, again
         self._store = Store(address)
 
@@ -266,7 +266,7 @@ class Missions(QObject):
         )
         last = menu.addMenu(tr("Open &recent"))
         for path in recent():
-            address = address_of(path)
+            address = copied_address(path)
             text = str(path) if address is None else address.url
             last.addAction(_plain(text), partial(self.open_path, path)).setToolTip(shown_plain(text))
         last.setEnabled(not last.isEmpty())
@@ -357,10 +357,10 @@ class Missions(QObject):
         number = self._open_project.number
         lost = []
         for folder, text in addresses(self._open_project.project):
-            if address_of(folder) is not None or (number, text) in self._sought:
+            if copied_address(folder) is not None or (number, text) in self._sought:
                 continue
             try:
-                lost.append((text, DatasetAddress.of(text)))
+                lost.append((text, DatasetAddress.parse(text)))
             except InvalidInput as wrong:
                 self._sought.add((number, text))
                 self._tell_broken(folder.name, wrong)
@@ -375,7 +375,7 @@ class Missions(QObject):
 
     def open_path(self, path: Path) -> None:
         """Open a dataset's folder, its mission file, or any other mission file; of a copy, what is at its address."""
-        address = address_of(path)
+        address = copied_address(path)
         if address is not None:
             self.open_address(address)
         elif is_folder(path):
@@ -404,7 +404,7 @@ class Missions(QObject):
             self._write(state)
             self.preview_wanted.emit(True)
 
-        self._once_agreed(_MISSION, sources_of(mission), take_up)
+        self._once_agreed(_MISSION, source_names(mission), take_up)
 
     def open_dataset(self, folder: Path) -> None:
         """Take a dataset's mission into the panel, and its results onto the map."""
@@ -437,13 +437,13 @@ class Missions(QObject):
         """Have the project know a dataset's own mission again, whatever has been planned in its group since."""
         mission = _mission_in(folder)
         if mission is not None:
-            self._open_project.group_of(folder).remember_mission(mission.to_json())
+            self._open_project.mission_group(folder).remember_mission(mission.to_json())
 
     def gather(self, folder: Path) -> None:
         """Put a dataset and those of the same mission, of other imagery, under one group."""
         mission = _mission_in(folder)
         if mission is not None:
-            self._open_project.group_of(folder).gather(lambda text: _is_same_flight(text, mission))
+            self._open_project.mission_group(folder).gather(lambda text: _is_same_flight(text, mission))
 
     # --- other entries of the menu
 
@@ -536,7 +536,7 @@ class Missions(QObject):
             if zoom:
                 self.zoom_wanted.emit(mission.area.bounds)
 
-        self._once_agreed(_MISSION, [*sources_of(mission), saved.folder], take_up)
+        self._once_agreed(_MISSION, [*source_names(mission), saved.folder], take_up)
 
     # --- what others name, and the user has not used in this QGIS
 
@@ -599,19 +599,19 @@ class Missions(QObject):
         remember(task.folder)
         # Each comes above those that are there: the first of them is to be on top.
         for opened, failed in reversed([*zip(task.opened, task.failed)]):
-            inside = self._open_project.group_of(opened.folder)
+            inside = self._open_project.mission_group(opened.folder)
             if at_address is not None:
                 reread_footprints(inside)
             show_results(inside, opened)
             show_failed(inside, failed)
         # Layers that were not needed keep their files open.
         task.opened, task.failed = [], []
-        group = self._open_project.group_of(task.folder)
+        group = self._open_project.mission_group(task.folder)
         if at_address is not None:
             group.remember_address(at_address.address.url)
         if state is None:
             return
-        self._once_agreed(_MISSION, sources_of(task.mission), partial(self._write, state))
+        self._once_agreed(_MISSION, source_names(task.mission), partial(self._write, state))
         group.remember_mission(task.mission.to_json())
         self.gather(task.folder)
         group.make_current()

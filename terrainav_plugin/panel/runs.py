@@ -19,7 +19,7 @@ from qgis.PyQt.QtWidgets import (
     QWidget,
 )
 
-from ..capture.run import CaptureRun, Stage, row_text, title_of
+from ..capture.run import CaptureRun, Stage, row_text, run_title
 from ..i18n import tr
 from ..paths import icon
 from ..widgets import ElidedLabel, named, push_button, tool_button
@@ -74,7 +74,7 @@ class RunPanel(QObject):
         return self._rows[run]
 
     def _add(self, run: CaptureRun) -> None:
-        row = self._rows[run] = RunRow(title_of(run))
+        row = self._rows[run] = RunRow(run_title(run))
         row.asked.connect(lambda action: self._actions[action](run))
         run.changed.connect(lambda: self._show(run))
         self._show(run)
@@ -96,15 +96,15 @@ class RunPanel(QObject):
             return
         line = self._runs.waiting
         row.show_progress(run.percent, row_text(run, line.index(run) if run in line else 0))
-        row.show_actions(_actions_of(run), run.can_pause, underway=not run.over)
+        row.show_actions(_actions_of(run), run.can_pause, underway=not run.has_ended)
         self._fit()
 
     def _fit(self) -> None:
-        self._list.fit(any(run.over for run in self._rows))
+        self._list.fit(any(run.has_ended for run in self._rows))
 
     def _clear(self) -> None:
         """Take those that are over off the list."""
-        for run in [run for run in self._rows if run.over]:
+        for run in [run for run in self._rows if run.has_ended]:
             self._runs.dismiss(run)
 
 

@@ -48,7 +48,7 @@ class SourceList(QObject):
     ) -> None:
         super().__init__()
         self._project, self._imagery, self._messages, self._window = project, imagery, messages, window
-        self._looked_at = looked_at
+        self._checked_features = looked_at
         self._told = ""
         # Layers come and go by the dozen; one look is enough.
         self._soon = single_shot(self.refresh, self)
@@ -88,7 +88,7 @@ class SourceList(QObject):
         """Ask for a source's URL, keep it, and choose it."""
 
         def place() -> tuple[float, float] | None:
-            box = self._looked_at()
+            box = self._checked_features()
             if box is None:
                 return None
             return (box.north_deg + box.south_deg) / 2.0, (box.west_deg + box.continuous_east_deg) / 2.0

@@ -101,7 +101,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
                 )
         if fields["tilt_field"] and fields["gimbal_pitch_field"]:
             raise InvalidInput(tr("fields of tilts and of gimbal pitches given: needs one of the two"))
-        crs, context = crs_of(source), run.context.transformContext()
+        crs, context = layer_crs(source), run.context.transformContext()
         points = points_of(features, crs, context, PointFields(agl_m, **fields), run.feedback.isCanceled)
         return points, points.poses[0][2]
     name = tr("area {name}").format(name=source.sourceName())
@@ -134,7 +134,7 @@ def _together(polygons: tuple[Polygon, ...]) -> Polygons:
     return Polygons(polygons)
 
 
-def crs_of(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSystem:
+def layer_crs(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSystem:
     """CRS of a layer; raises InvalidInput where it has none."""
     crs = source.sourceCrs()
     if not crs.isValid():
@@ -144,7 +144,7 @@ def crs_of(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSystem:
     return crs
 
 
-def features_of(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
+def layer_features(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
     """Features of a layer, whatever QGIS's setting says of invalid ones: who reads them checks them.
 
     What QGIS throws where its own check fails passes through Python (seen in 3.22), and the next call ends QGIS.
@@ -157,7 +157,7 @@ def _features(run: AlgorithmRun, source: QgsProcessingFeatureSource) -> list[Qgs
     """Features of a layer that have a geometry with something in it."""
     return [
         feature
-        for feature in features_of(source)
+        for feature in layer_features(source)
         if not run.feedback.isCanceled() and not feature.geometry().isEmpty()
     ]
 
@@ -169,7 +169,7 @@ def _polygons(
     from ...core.mission.areas.area import parts_of
     from ..area.layers import polygons_of
 
-    crs, context = crs_of(source), run.context.transformContext()
+    crs, context = layer_crs(source), run.context.transformContext()
     if not any(feature.geometry().type() == POLYGON for feature in features):
         raise InvalidInput(tr("{layer}: has no polygons").format(layer=name))
     try:

@@ -33,9 +33,9 @@ from ..packages import missing_packages
 from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .capture import tell_result
 from .choices import ChoiceParameter
-from .datasets import add_gap, add_shares, shares_of
+from .datasets import add_gap, add_shares, read_shares
 from .imagery import WithImagery, check_terms
-from .mission_parameters import add_mission_parameters, mission_of
+from .mission_parameters import add_mission_parameters, read_mission
 
 if TYPE_CHECKING:
     from ...core.benchmark.folder import Benchmark
@@ -222,9 +222,9 @@ class MakeBenchmark(WithImagery):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Take the imagery of queries and reference."""
-        settings = self._settings = _settings_of(run)
+        settings = self._settings = _read_settings(run)
         self._named = {str(one): one for one in (settings.reference, *settings.imageries)}
-        self._known = _layers_of(run.context)
+        self._known = _layer_ids(run.context)
         self.take_imagery(run, *(settings.queries.over(one) for one in self._named.values()))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
@@ -396,7 +396,7 @@ class ScoreBenchmark(Algorithm):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Note what the project shows."""
-        self._known = _layers_of(run.context)
+        self._known = _layer_ids(run.context)
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Answer, and judge."""
@@ -430,10 +430,10 @@ class ScoreBenchmark(Algorithm):
         return results
 
 
-def _settings_of(run: AlgorithmRun) -> BenchmarkSettings:
+def _read_settings(run: AlgorithmRun) -> BenchmarkSettings:
     from ...core.benchmark.planning import BenchmarkSettings
 
-    mission = mission_of(run)
+    mission = read_mission(run)
     return BenchmarkSettings(
         mission.with_(imageries=()),
         _imageries(run, mission),
@@ -444,7 +444,7 @@ def _settings_of(run: AlgorithmRun) -> BenchmarkSettings:
         positive_iou=run.number("POSITIVE"),
         semi_positive_iou=run.number("SEMI_POSITIVE"),
         split=run.choice("SPLIT"),
-        shares=shares_of(run),
+        shares=read_shares(run),
         gap_m=run.number("GAP"),
         inside=run.flag("INSIDE"),
     )
@@ -461,14 +461,14 @@ def _imageries(run: AlgorithmRun, mission: Mission) -> tuple[NamedImagery, ...]:
         return own.named or tuple(
             NamedImagery(map_type, own.source, own.date, map_type) for map_type in own.map_types
         )
-    return named_imageries([*map(_text_of, layers), *lines])
+    return named_imageries([*map(_source_text, layers), *lines])
 
 
 def _reference(run: AlgorithmRun) -> NamedImagery:
     from ...core.mission.imageries import NamedImagery
 
     layer = run.algorithm.parameterAsRasterLayer(run.parameters, "REFERENCE_LAYER", run.context)
-    given = [text for text in (layer and _text_of(layer), run.text("REFERENCE").strip()) if text]
+    given = [text for text in (layer and _source_text(layer), run.text("REFERENCE").strip()) if text]
     if len(given) != 1:
         raise InvalidInput(
             tr("{count} references given: needs one, a raster or an imagery by name").format(count=len(given))
@@ -476,7 +476,7 @@ def _reference(run: AlgorithmRun) -> NamedImagery:
     return NamedImagery.of(given[0])
 
 
-def _text_of(layer: QgsMapLayer) -> str:
+def _source_text(layer: QgsMapLayer) -> str:
     """A raster as named imagery: by its file where it has one, else as a layer of the project."""
     from ...core.mission.imageries import name_of
     from ..map.mission_group import file_of
@@ -567,7 +567,7 @@ def _numbers(figures: tuple[Figure, ...]) -> dict[str, float]:
     return {name: value for name, value in found.items() if value == value}
 
 
-def _layers_of(context: QgsProcessingContext) -> frozenset[str]:
+def _layer_ids(context: QgsProcessingContext) -> frozenset[str]:
     """Ids of the layers of the project, where there is one; on the main thread."""
     project = context.project()
     return frozenset(() if project is None else project.mapLayers())

@@ -21,7 +21,7 @@ from ...core.files import is_there
 from ..i18n import number_text, tr, translate
 from .algorithm import AlgorithmRun, Words, WorkFeedback, is_loadable, off_main_thread
 from .imagery import WithImagery, check_terms
-from .mission_parameters import add_mission_parameters, mission_of
+from .mission_parameters import add_mission_parameters, read_mission
 
 if TYPE_CHECKING:
     from ...core.capture.progress import CaptureResult, Progress
@@ -184,7 +184,7 @@ class Capture(_Capturing):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Take the mission's imagery."""
-        self._take_run(mission_of(run), run)
+        self._take_run(read_mission(run), run)
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Capture."""

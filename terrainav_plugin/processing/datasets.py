@@ -257,7 +257,7 @@ class SplitAlgorithm(_OfDataset):
         """Split."""
         from ...core.dataset.split import split
 
-        folder, shares = run.text("DATASET"), shares_of(run)
+        folder, shares = run.text("DATASET"), read_shares(run)
         options = {
             "seed": run.whole("SEED"),
             "how": run.choice("HOW"),
@@ -353,7 +353,7 @@ def add_shares(algorithm: Algorithm) -> None:
         )
 
 
-def shares_of(run: AlgorithmRun) -> tuple[float, float, float]:
+def read_shares(run: AlgorithmRun) -> tuple[float, float, float]:
     """Shares that parameters hold."""
     training, validation, test = (run.number(part.upper()) for part in PARTS)
     return training, validation, test

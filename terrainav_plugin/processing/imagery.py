@@ -107,7 +107,7 @@ class _Keeper(QObject):
         """Hold it."""
         self._kept[id(imagery)] = imagery
 
-    def done_with(self, key: int) -> None:
+    def release_source(self, key: int) -> None:
         """Let go, in the main thread, of what has this identity; called in any, by the last that used it."""
         from ..network.worker import in_main_thread
 
@@ -175,7 +175,7 @@ class WithImagery(Algorithm):
         """Let go of the imagery."""
         keys, self._taken = [id(imagery) for imagery in self._taken], ()
         for key in keys:
-            _keeper().done_with(key)
+            _keeper().release_source(key)
 
 
 def check_terms(worked_out: Plan, source: Source, requests: int, *, accepted: bool) -> None:

@@ -26,9 +26,9 @@ from ...core.poses.settings import LineFlight
 from ..form.fields import sentence_of, title_of
 from ..i18n import tr
 from .algorithm import Algorithm, AlgorithmRun, Words, off_main_thread
-from .areas import crs_of, features_of
-from .mission_parameters import number_of
-from .plan import feature_of, fields_of, fill
+from .areas import layer_crs, layer_features
+from .mission_parameters import number_parameter
+from .plan import fill, make_feature, make_fields
 
 if TYPE_CHECKING:
     from ...core.mission.areas.area import Points
@@ -72,7 +72,7 @@ class PosesAlongLine(Algorithm):
             self.add(
                 QgsProcessingParameterBoolean(name, title_of(one), one.default)
                 if one.kind is bool
-                else number_of(name, one, one.starts_with),
+                else number_parameter(name, one, one.starts_with),
                 sentence_of(one),
             )
         start = field_named(Flight, "start")
@@ -96,8 +96,8 @@ class PosesAlongLine(Algorithm):
         if source is None:
             raise QgsProcessingException(self.invalidSourceError(run.parameters, "INPUT"))
         self._lines = lines_of(
-            features_of(source),
-            crs_of(source),
+            layer_features(source),
+            layer_crs(source),
             run.context.transformContext(),
             run.number("AGL"),
             run.feedback.isCanceled,
@@ -114,7 +114,7 @@ class PosesAlongLine(Algorithm):
             run.parameters,
             "OUTPUT",
             run.context,
-            fields_of(_FIELDS),
+            make_fields(_FIELDS),
             QgsWkbTypes.Type.Point,
             QgsCoordinateReferenceSystem("EPSG:4326"),
         )
@@ -128,4 +128,4 @@ def _features(points: Points) -> Iterator[QgsFeature]:
     rolls = points.rolls_deg or (0.0,) * len(points.poses)
     for (lat, lon, agl), yaw, roll, time in zip(points.poses, points.yaws_deg, rolls, points.times_s):
         when = QDateTime.fromMSecsSinceEpoch(round(1000.0 * time), Qt.TimeSpec.UTC)
-        yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(lon, lat)), (agl, yaw, roll, when))
+        yield make_feature(QgsGeometry.fromPointXY(QgsPointXY(lon, lat)), (agl, yaw, roll, when))

@@ -73,7 +73,7 @@ def add_mission_parameters(algorithm: Algorithm, *, listed: bool) -> None:
     for name, own in _WIND.items():
         field = field_named(Wind, own)
         usual = field.default if own == "speed_m_per_s" else field.starts_with
-        algorithm.add(number_of(name, field, usual), sentence_of(field), advanced=True)
+        algorithm.add(number_parameter(name, field, usual), sentence_of(field), advanced=True)
     mission = QgsProcessingParameterFile(_FILE, tr("Mission file"), extension="json", optional=True)
     algorithm.add(
         mission,
@@ -92,7 +92,7 @@ def leave_mission_to_file(algorithm: QgsProcessingAlgorithm) -> None:
         parameter.setFlags(parameter.flags() | flags.FlagHidden)
 
 
-def mission_of(run: AlgorithmRun) -> Mission:
+def read_mission(run: AlgorithmRun) -> Mission:
     """Mission that parameters ask for; raises InvalidInput.
 
     A mission file says all of it: parameters beside it are left aside.
@@ -126,13 +126,13 @@ def mission_of(run: AlgorithmRun) -> Mission:
     )
 
 
-def _id_of(field: Field) -> str:
+def _parameter_id(field: Field) -> str:
     return _IDS.get(field.name, field.name_of_option.upper())
 
 
 def _value(run: AlgorithmRun, field: Field) -> Any:
     """Value of a field's parameter; None where it is not given and need not be."""
-    name = _id_of(field)
+    name = _parameter_id(field)
     if field.unit.times != 1.0:
         return _share(run, field)
     if field.choices and field.kind is tuple:
@@ -153,7 +153,7 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
 
 def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     """Parameter of a field as it is declared."""
-    name, title = _id_of(field), title_of(field)
+    name, title = _parameter_id(field), title_of(field)
     if field.choices:
         several = field.kind is tuple
         usual = list(field.default) if several else field.default
@@ -167,7 +167,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.kind in (str, tuple):
         usual = field.default if field.kind is str and field.name not in _IF_GIVEN else None
         return QgsProcessingParameterString(name, title, usual, optional=True)
-    return number_of(name, field, None if field.name in _IF_GIVEN else field.default)
+    return number_parameter(name, field, None if field.name in _IF_GIVEN else field.default)
 
 
 def _add_area(algorithm: Algorithm) -> None:
@@ -201,7 +201,7 @@ def _add_area(algorithm: Algorithm) -> None:
         tr("Polygons where no camera may stand: images planned inside are left out."),
     )
     field = field_named(Flight, "agl_m")
-    algorithm.add(number_of("AGL", field, field.starts_with), sentence_of(field))
+    algorithm.add(number_parameter("AGL", field, field.starts_with), sentence_of(field))
     any_type = QgsProcessingParameterField.DataType.Any
     for name, title, text in (
         ("AGL_FIELD", tr("Height field"), tr("Height above ground of each point, metres.")),
@@ -241,7 +241,7 @@ def _add_camera(algorithm: Algorithm, listed: bool) -> None:
     )
     field = field_named(Lens, "fov_deg")
     algorithm.add(
-        number_of("FOV", field, field.default),
+        number_parameter("FOV", field, field.default),
         tr("{help} Where no camera is chosen.").format(help=sentence_of(field)),
     )
     algorithm.add(
@@ -273,7 +273,7 @@ def _add_source(algorithm: Algorithm, listed: bool) -> None:
     )
 
 
-def number_of(name: str, field: Field, usual: float | None) -> QgsProcessingParameterNumber:
+def number_parameter(name: str, field: Field, usual: float | None) -> QgsProcessingParameterNumber:
     """Number of a field, in the range that is declared."""
     kind = _WHOLE if field.kind is int else _REAL
     times = field.unit.times
@@ -312,7 +312,7 @@ def _sources(listed: bool) -> dict[str, str]:
 
 def _share(run: AlgorithmRun, field: Field) -> float:
     """Share of a field in percent: of the decimal that was typed, and not of its binary fraction."""
-    return float(Decimal(repr(run.number(_id_of(field)))) / int(field.unit.times))
+    return float(Decimal(repr(run.number(_parameter_id(field)))) / int(field.unit.times))
 
 
 def _area(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:

@@ -27,7 +27,7 @@ from ..i18n import tr, translate
 from ..tasks import crs_named, held_crs
 from .algorithm import Algorithm, AlgorithmRun, Words, WorkFeedback, off_main_thread
 from .choices import ChoiceParameter
-from .mission_parameters import add_mission_parameters, mission_of
+from .mission_parameters import add_mission_parameters, read_mission
 
 if TYPE_CHECKING:
     from ...core.mission.estimate import Summary
@@ -120,7 +120,7 @@ class PlanAlgorithm(Algorithm):
         """Read the mission, and the grid of layers of the project."""
         from ..sources import grid_finder
 
-        self._mission = mission_of(run)
+        self._mission = read_mission(run)
         self._align = run.choice("ALIGN") if run.is_given("ALIGN") else None
         self._grid = grid_finder(self._mission)
         self._export = self.parameterAsFileOutput(run.parameters, "EXPORT", run.context)
@@ -152,7 +152,7 @@ class PlanAlgorithm(Algorithm):
         for name, found, kind, fields in (
             ("FOOTPRINTS", footprints, kinds.MultiPolygon, capture_fields()),
             ("CAPTURES", captures, kinds.Point, capture_fields()),
-            ("FLIGHT", flight_lines_of, kinds.MultiLineString, flight_fields()),
+            ("FLIGHT", flight_line_features, kinds.MultiLineString, flight_fields()),
         ):
             if not run.is_given(name):
                 continue
@@ -197,12 +197,12 @@ class PlanAlgorithm(Algorithm):
 
 def capture_fields() -> QgsFields:
     """Attributes of a footprint and of a capture."""
-    return fields_of(_CAPTURE)
+    return make_fields(_CAPTURE)
 
 
 def flight_fields() -> QgsFields:
     """Attributes of the flight line."""
-    return fields_of(_FLIGHT)
+    return make_fields(_FLIGHT)
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
@@ -211,7 +211,7 @@ def footprints(plan: Plan) -> Iterator[QgsFeature]:
 
     for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
         shape.convertToMultiType()
-        yield feature_of(shape, values)
+        yield make_feature(shape, values)
 
 
 def captures(plan: Plan) -> Iterator[QgsFeature]:
@@ -221,23 +221,23 @@ def captures(plan: Plan) -> Iterator[QgsFeature]:
 
     east, north = placed(plan.grid.plane, wrap_lon_deg(plan.lon_deg), plan.lat_deg)
     for x, y, values in zip(east.tolist(), north.tolist(), _attributes(plan)):
-        yield feature_of(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
+        yield make_feature(QgsGeometry.fromPointXY(QgsPointXY(x, y)), values)
 
 
-def flight_lines_of(plan: Plan) -> Iterator[QgsFeature]:
+def flight_line_features(plan: Plan) -> Iterator[QgsFeature]:
     """Way from the first capture to the last, or the path of each sortie; in parts across the antimeridian."""
     from ..map.outlines import flight_lines
 
     path = plan.path
     if path.is_captures:
         lines = flight_lines(plan.grid.plane, [(plan.lon_deg, plan.lat_deg)])
-        yield feature_of(lines, (len(plan), plan.flight_distance_m, plan.flight_s, 1))
+        yield make_feature(lines, (len(plan), plan.flight_distance_m, plan.flight_s, 1))
         return
     for number, seconds in enumerate(path.sorties_s.tolist()):
         one = path.of(number)
         lines = flight_lines(plan.grid.plane, [(one.lon_deg, one.lat_deg)])
         images = sum(capture >= 0 for capture in one.capture.tolist())
-        yield feature_of(lines, (images, one.distance_m, seconds, number + 1))
+        yield make_feature(lines, (images, one.distance_m, seconds, number + 1))
 
 
 def fill(
@@ -304,7 +304,7 @@ def _values(summary: Summary) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value is not None}
 
 
-def fields_of(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
+def make_fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
     """Attributes of a layer, of names and kinds."""
     fields = QgsFields()
     for name, kind in kinds:
@@ -312,7 +312,7 @@ def fields_of(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
     return fields
 
 
-def feature_of(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
+def make_feature(geometry: QgsGeometry, values: tuple[Any, ...]) -> QgsFeature:
     """Feature of a layer."""
     feature = QgsFeature()
     feature.setGeometry(geometry)

@@ -15,7 +15,7 @@ from ...core.errors import Cancelled
 from ..i18n import tr, translate
 from .algorithm import AlgorithmRun, Words, WorkFeedback, off_main_thread
 from .imagery import WithImagery, check_terms
-from .mission_parameters import add_mission_parameters, mission_of
+from .mission_parameters import add_mission_parameters, read_mission
 
 #: Requests that a report may make for the few pictures it measures on.
 _REQUESTS = 200
@@ -63,7 +63,7 @@ class AccuracyReport(WithImagery):
 
     def prepared(self, run: AlgorithmRun) -> None:
         """Take the mission's imagery."""
-        self.take_imagery(run, mission_of(run))
+        self.take_imagery(run, read_mission(run))
 
     def processed(self, run: AlgorithmRun) -> dict[str, Any]:
         """Measure."""

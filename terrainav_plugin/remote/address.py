@@ -44,7 +44,7 @@ class DatasetAddress(NamedTuple):
     url: str
 
     @classmethod
-    def of(cls, text: str) -> DatasetAddress:
+    def parse(cls, text: str) -> DatasetAddress:
         """Address of a dataset, given as such or as that of a file in it.
 
         Raises

@@ -50,7 +50,7 @@ _ITEMS_SHARE = 0.5
 Progress = Callable[[float], bool]
 
 
-def copy_of(address: DatasetAddress) -> Path:
+def copy_folder(address: DatasetAddress) -> Path:
     """Folder of the copy of a dataset, which need not be there."""
     digest = hashlib.sha256(address.url.encode()).hexdigest()[:_DIGITS]
     return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
@@ -81,27 +81,27 @@ def _copies() -> Path:
     return Path(QgsApplication.qgisSettingsDirPath(), *COPIES.split("/"))
 
 
-def address_of(folder: Path) -> DatasetAddress | None:
+def copied_address(folder: Path) -> DatasetAddress | None:
     """Address that a folder is the copy of; None where it is no copy, whatever a file in it says."""
     if _copies() not in folder.parents or ".." in folder.parts:
         return None
     try:
         found = parse_json(read_limited(folder / ADDRESS_FILE, MAX_SETTINGS_BYTES))
-        return DatasetAddress.of(str(found["address"]))
+        return DatasetAddress.parse(str(found["address"]))
     except (OSError, ValueError, InvalidInput, KeyError, TypeError):
         return None
 
 
 def has_images_elsewhere(folder: Path) -> bool:
     """Whether images of a dataset are no files in its folder: it is at an address, or they are in shards."""
-    if address_of(folder) is not None:
+    if copied_address(folder) is not None:
         return True
     return is_folder(folder) and any(folder.glob(f"*/{SHARDS_FILE}"))
 
 
 def why_unchangeable(folder: Path) -> str:
     """Why a dataset's images cannot be added to, cleaned or split from here; empty where they can."""
-    address = address_of(folder)
+    address = copied_address(folder)
     if address is not None:
         return tr("{name} is at an address and can be looked at only: {address}").format(
             name=folder.name, address=address.url
@@ -126,7 +126,7 @@ def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
     OutputError, PartError, SourceError, Cancelled
         As `Store` does; a file that cannot be written.
     """
-    folder = copy_of(store.address)
+    folder = copy_folder(store.address)
     mission = _copy_mission(store, folder, "")
     places = [f"{one.name}/" for one in mission.imagery.named] if mission.imagery.imageries else [""]
     for number, place in enumerate(places):

@@ -89,18 +89,18 @@ def write_from_items(items: Path, folder: Path, map_types: Sequence[str], go_on:
             if name not in (_NAMES, _MAP_TYPE, *_OF_ITEMS) and "." not in name and ":" not in name
         ]
         passes = 1 + len(map_types)
-        features = _looked_at(layer, lambda share: go_on(share / passes))
+        features = _checked_features(layer, lambda share: go_on(share / passes))
         write_whole(folder / FOOTPRINTS_FILE, _footprints(items, features, {*names}))
         for number, map_type in enumerate(map_types, 1):
             layer.SetAttributeFilter(f"{_MAP_TYPE} = '{map_type}'")
-            features = _looked_at(layer, lambda share, number=number: go_on((number + share) / passes))
+            features = _checked_features(layer, lambda share, number=number: go_on((number + share) / passes))
             write_whole(folder / map_type / TABLE_FILE, _rows(features, headers))
     except RuntimeError as wrong:
         # What GDAL raises where it is set to.
         raise _unreadable(items, wrong) from wrong
 
 
-def _looked_at(layer: ogr.Layer, go_on: Progress) -> Iterator[ogr.Feature]:
+def _checked_features(layer: ogr.Layer, go_on: Progress) -> Iterator[ogr.Feature]:
     count = max(layer.GetFeatureCount(), 1)
     layer.ResetReading()
     for number, feature in enumerate(layer):

@@ -17,7 +17,7 @@ from ...core.limits import MAX_FETCHED_IMAGE_BYTES
 from ...core.text import whole_number
 from ..i18n import tr
 from .address import DatasetAddress
-from .copies import ADDRESS_FILE, address_of
+from .copies import ADDRESS_FILE, copied_address
 from .store import Store
 
 #: Images that are kept, and bytes of all of them together.
@@ -68,7 +68,7 @@ class _InShard(NamedTuple):
     length: int
 
     @classmethod
-    def of(cls, row: Mapping[str, str], file: str) -> _InShard | None:
+    def from_row(cls, row: Mapping[str, str], file: str) -> _InShard | None:
         """Place of an image; None where its row names no shard."""
         shard = row.get("shard", "")
         if not shard:
@@ -117,13 +117,13 @@ class ImageFetcher:
         InvalidInput, OutputError, PartError, SourceError, Cancelled
             An image that is not there, a shard that is torn; as `Store` does.
         """
-        address, part = address_of(folder), _InShard.of(row, file)
+        address, part = copied_address(folder), _InShard.from_row(row, file)
         if address is None and part is None:
             return None
         key = (_stamp(folder), folder, map_type, file, part)
         if key not in self._kept:
             found = (
-                self._in_shard(folder, address, map_type, file, part)
+                self._fetch_from_shard(folder, address, map_type, file, part)
                 if part is not None
                 else self._file(address, map_type, file, with_depth)
             )
@@ -154,10 +154,10 @@ class ImageFetcher:
             ) from wrong
         depth = None
         if with_depth:
-            depth = _if_there(store, f"{DEPTH}/{PurePosixPath(file).stem}.tif")
+            depth = _read_optional(store, f"{DEPTH}/{PurePosixPath(file).stem}.tif")
         return Fetched(data, address.file(name), depth=depth)
 
-    def _in_shard(
+    def _fetch_from_shard(
         self, folder: Path, address: DatasetAddress | None, map_type: str, file: str, part: _InShard
     ) -> Fetched:
         name = f"{map_type}/{part.shard}"
@@ -217,14 +217,14 @@ class ImageFetcher:
         return Fetched(text[TAR_BLOCK_BYTES : TAR_BLOCK_BYTES + part.length], place, beside, depth)
 
 
-def with_places(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
+def add_georeference(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
     """Image with the files that place it on the map, which are beside it at an address; on any thread."""
-    address, name = address_of(folder), PurePosixPath(file)
+    address, name = copied_address(folder), PurePosixPath(file)
     if address is None or image.beside or name.suffix not in _WORLD_FILES:
         return image
     with closing(Store(address)) as store:
         endings = (_WORLD_FILES[name.suffix], name.suffix + _NOTES)
-        found = {ending: _if_there(store, f"{map_type}/{name.stem}{ending}") for ending in endings}
+        found = {ending: _read_optional(store, f"{map_type}/{name.stem}{ending}") for ending in endings}
     return image._replace(beside={ending: data for ending, data in found.items() if data is not None})
 
 
@@ -238,7 +238,7 @@ def _whole(store: Store, name: str) -> bytes:
     return b"".join(pieces)
 
 
-def _if_there(store: Store, name: str) -> bytes | None:
+def _read_optional(store: Store, name: str) -> bytes | None:
     try:
         return _whole(store, name)
     except NotThere:

@@ -148,7 +148,7 @@ class Store:
         pieces = range(start, start + length, _PIECE_BYTES)
         return b"".join(self._piece(name, at, min(at + _PIECE_BYTES, start + length)).data for at in pieces)
 
-    def _only_at(self, url: str) -> Callable[[str], None]:
+    def _refuse_redirects(self, url: str) -> Callable[[str], None]:
         """Refuse to be led to another server by a store, which is asked as the user of an account."""
 
         def allow(asked: str) -> None:
@@ -161,7 +161,9 @@ class Store:
         what = self.address.file(name)
         wanted = {"Range": f"bytes={start}-{end - 1}"}
         url = self.address.request_url(name)
-        response = self._client.get(url, what, wanted, self._only_at(url) if self.address.is_s3 else None)
+        response = self._client.get(
+            url, what, wanted, self._refuse_redirects(url) if self.address.is_s3 else None
+        )
         version = response.headers.get("etag", "")
         is_part = response.status == HTTPStatus.PARTIAL_CONTENT
         self._sends_parts = is_part

@@ -45,13 +45,13 @@ _BY_ADDRESS = re.compile(
 )
 
 
-def sources_of(mission: Mission) -> tuple[str, ...]:
+def source_names(mission: Mission) -> tuple[str, ...]:
     """What a mission names its imagery and its heights by."""
     imagery = [one.source for one in mission.imagery.named] or [mission.imagery.source]
-    return (*imagery, *heights_of(mission))
+    return (*imagery, *elevation_names(mission))
 
 
-def heights_of(mission: Mission) -> tuple[str, ...]:
+def elevation_names(mission: Mission) -> tuple[str, ...]:
     """What a mission names its heights by."""
     return (*mission.terrain.elevation, *mission.terrain.surface)
 

@@ -16,7 +16,7 @@ from ...core.files import is_there, open_foreign, text_lines
 from ...core.limits import MAX_TABLE_BYTES
 from ...core.mission.mission import Mission
 from ...core.text import one_line
-from ..dataset.footprints import FootprintFile, rings_of, stamp_of
+from ..dataset.footprints import FootprintFile, file_stamp, polygon_rings
 from ..dataset.picture import Depth, DisplayImage, read_depth, read_picture
 from ..i18n import tr, translate
 from ..map.mission_group import dataset_of
@@ -41,7 +41,7 @@ class FootprintLayer(NamedTuple):
     folder: Path
 
     @classmethod
-    def of(cls, layer: QgsVectorLayer) -> FootprintLayer:
+    def read(cls, layer: QgsVectorLayer) -> FootprintLayer:
         """Footprints of a layer; on the main thread."""
         return cls(layer.id(), dataset_of(layer))
 
@@ -114,14 +114,14 @@ class Finder:
         self._cancelled = cancelled
         self._files: dict[Path, FootprintFile] = {}
 
-    def shots_at(
+    def find_shots(
         self, footprints: Sequence[FootprintLayer], lat_deg: float, lon_deg: float
     ) -> list[CapturedImage]:
         """Images whose footprints hold a place, in the order of their missions' plans."""
         point = QgsGeometry.fromPointXY(QgsPointXY(lon_deg, lat_deg))
         found = []
         for these in footprints:
-            for number in self._file(these).near(lat_deg, lon_deg):
+            for number in self._file(these).covering(lat_deg, lon_deg):
                 shot = self._shot(these, number)
                 # At the pole itself, a place is on the edge of what holds it.
                 if shot.outline.intersects(point):
@@ -144,7 +144,7 @@ class Finder:
 
     def _file(self, footprints: FootprintLayer) -> FootprintFile:
         known = self._files.get(footprints.folder)
-        if known is None or known.stamp != stamp_of(known.path):
+        if known is None or known.stamp != file_stamp(known.path):
             known = self._files[footprints.folder] = FootprintFile(footprints.folder, self._cancelled)
         return known
 
@@ -155,7 +155,7 @@ class Finder:
             pose = feature["properties"]
             name = str(pose["name"])
             polygons = [
-                [[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in rings_of(feature)
+                [[QgsPointXY(*at) for at in ring] for ring in polygon] for polygon in polygon_rings(feature)
             ]
         except (KeyError, TypeError) as wrong:
             raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong

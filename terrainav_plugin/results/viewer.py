@@ -365,7 +365,7 @@ class DepthPane(QWidget):
         if depth is None or depth.problem:
             return
         for label, share in ((self.near, 0.0), (self.middle, 0.5), (self.far, 1.0)):
-            metres = depth.metres_of(share)
+            metres = depth.to_metres(share)
             label.setText("" if math.isnan(metres) else _metres(metres))
         self._point(None)
 
@@ -377,7 +377,7 @@ class DepthPane(QWidget):
         if at is None:
             self.here.setText(tr("Depth, grey where no ground is seen"))
             return
-        metres = self._depth.at(at.x(), at.y())
+        metres = self._depth.metres_at_point(at.x(), at.y())
         self.here.setText(
             tr("No ground here")
             if math.isnan(metres)

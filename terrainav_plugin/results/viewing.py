@@ -27,7 +27,7 @@ from ..map.mission_group import CAPTURED, ROLE, MissionGroup
 from ..map.outlines import seen_edges
 from ..messages import Messages
 from ..paths import open_in_system
-from ..remote.trust import heights_of, strangers
+from ..remote.trust import elevation_names, strangers
 from ..tasks import LatestWorker, reason_of
 from ..widgets import add_docked
 
@@ -51,7 +51,7 @@ def _agreed_heights(mission: Mission) -> Heights | None:
     """Heights of a dataset's mission, which may be somebody else's; raises InvalidInput where nobody has agreed."""
     from ..sources import heights_for
 
-    places = strangers(heights_of(mission))
+    places = strangers(elevation_names(mission))
     if places:
         raise InvalidInput(
             tr(
@@ -101,7 +101,7 @@ class Viewing(QObject):
         self._shown_viewer()
         self.tool.start()
         if self.seen is None:
-            self._look_for(lambda finder, footprints: finder.first(footprints))
+            self._find_images(lambda finder, footprints: finder.first(footprints))
         return True
 
     def stop(self) -> None:
@@ -137,12 +137,12 @@ class Viewing(QObject):
         return [node.layer() for node in nodes if node.isVisible()] or [node.layer() for node in nodes]
 
     def _clicked(self, lat_deg: float, lon_deg: float) -> None:
-        self._look_for(lambda finder, footprints: finder.shots_at(footprints, lat_deg, lon_deg))
+        self._find_images(lambda finder, footprints: finder.find_shots(footprints, lat_deg, lon_deg))
 
-    def _look_for(self, find: Callable[[Finder, list[FootprintLayer]], list[CapturedImage]]) -> None:
+    def _find_images(self, find: Callable[[Finder, list[FootprintLayer]], list[CapturedImage]]) -> None:
         from .shots import Finder, FootprintLayer
 
-        footprints = [FootprintLayer.of(layer) for layer in self._layers()]
+        footprints = [FootprintLayer.read(layer) for layer in self._layers()]
         finder = self._finder = self._finder or Finder(lambda: self._worker.closed)
         if self.seen is None:
             self._shown_viewer().show_hint(tr("Looking for images…"))
@@ -161,9 +161,9 @@ class Viewing(QObject):
         self._messages.withdraw_refusal()
         self._shots = shots
         viewer.offer(shots, 0)
-        self._look_at(shots[0])
+        self._show_shot(shots[0])
 
-    def _look_at(self, shot: CapturedImage | None, map_type: str = "") -> None:
+    def _show_shot(self, shot: CapturedImage | None, map_type: str = "") -> None:
         from ..remote.copies import has_images_elsewhere
         from ..remote.images import ImageFetcher
         from .shots import see
@@ -187,32 +187,32 @@ class Viewing(QObject):
         self.seen = seen
         viewer = self._shown_viewer()
         viewer.show_seen(seen)
-        viewer.on_map.setChecked(self._layer_of(seen) is not None)
+        viewer.on_map.setChecked(self._find_layer(seen) is not None)
 
     # --- an image on the map
 
-    def _group_of(self, seen: Seen) -> MissionGroup:
+    def _mission_group(self, seen: Seen) -> MissionGroup:
         return MissionGroup(self._project, seen.shot.footprints.folder)
 
-    def _layer_of(self, seen: Seen) -> QgsMapLayer | None:
+    def _find_layer(self, seen: Seen) -> QgsMapLayer | None:
         """Layer that shows an image by itself, if there is one."""
-        return self._group_of(seen).layer(_role_of(seen))
+        return self._mission_group(seen).layer(_layer_role(seen))
 
     def _show_on_map(self, on: bool) -> None:
         seen = self.seen
         if seen is None:
             return
         if not on:
-            self._group_of(seen).remove(_role_of(seen))
+            self._mission_group(seen).remove(_layer_role(seen))
             self._canvas.refresh()
             return
         folder, map_type, file = seen.shot.footprints.folder, seen.map_type, seen.picture.path.name
         fetched = seen.fetched
 
         def save(path: Path) -> None:
-            from ..remote.images import with_places
+            from ..remote.images import add_georeference
 
-            with_places(fetched, folder, map_type, file).save(path)
+            add_georeference(fetched, folder, map_type, file).save(path)
 
         def laid(_: object) -> Path:
             from ..dataset.rectify import lay_image_on_map
@@ -224,16 +224,16 @@ class Viewing(QObject):
         self._layer_worker.ask(laid, lambda path: self._laid(seen, path))
 
     def _laid(self, seen: Seen, path: Path) -> None:
-        group = self._group_of(seen)
+        group = self._mission_group(seen)
         if group.find() is None:
             return
         try:
-            if group.layer(_role_of(seen)) is None:
-                group.add(open_raster(path, seen.shot.name), _role_of(seen), 0).setExpanded(False)
+            if group.layer(_layer_role(seen)) is None:
+                group.add(open_raster(path, seen.shot.name), _layer_role(seen), 0).setExpanded(False)
         except TerrAInavError as wrong:
             self._not_laid(wrong)
             return
-        if self.seen is not None and _role_of(self.seen) == _role_of(seen):
+        if self.seen is not None and _layer_role(self.seen) == _layer_role(seen):
             self._zoom()
 
     def _not_laid(self, error: Exception) -> None:
@@ -243,14 +243,14 @@ class Viewing(QObject):
 
     def _choose(self, index: int) -> None:
         if 0 <= index < len(self._shots):
-            self._look_at(self._shots[index])
+            self._show_shot(self._shots[index])
 
     def _step(self, step: int) -> None:
         if self.seen is None or self.viewer is None or self._finder is None:
             return
         shot, finder = self.seen.shot, self._finder
         self.viewer.leave_click()
-        self._ask(lambda _: finder.neighbour(shot, step), self._look_at)
+        self._ask(lambda _: finder.neighbour(shot, step), self._show_shot)
 
     def _refused(self, error: Exception) -> None:
         if self.viewer is not None:
@@ -277,7 +277,7 @@ class Viewing(QObject):
 
     def _show_map_type(self, map_type: str) -> None:
         if self.seen is not None:
-            self._look_at(self.seen.shot, map_type)
+            self._show_shot(self.seen.shot, map_type)
 
     def _open(self) -> None:
         if self.seen is None:
@@ -330,10 +330,10 @@ class Viewing(QObject):
                 self.viewer.show_hint(_what_to_click())
         elif self.seen is not None and self.viewer is not None:
             # The layer that shows it may be among them.
-            self.viewer.on_map.setChecked(self._layer_of(self.seen) is not None)
+            self.viewer.on_map.setChecked(self._find_layer(self.seen) is not None)
 
 
-def _role_of(seen: Seen) -> str:
+def _layer_role(seen: Seen) -> str:
     """Role of the layer that shows an image by itself."""
     return f"image/{seen.map_type}/{seen.shot.name}"
 

@@ -18,7 +18,7 @@ from terrainav.core.mission.areas.area import Box
 from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.remote import geoparquet
 from terrainav.terrainav_plugin.remote.address import DatasetAddress
-from terrainav.terrainav_plugin.remote.copies import address_of, copy_of, found_copy
+from terrainav.terrainav_plugin.remote.copies import copied_address, copy_folder, found_copy
 from terrainav.terrainav_plugin.remote.images import ImageFetcher
 
 from tests.plugin.test_project import choose_in_menu
@@ -129,7 +129,7 @@ def test_a_click_shows_the_image_that_is_at_an_address(
     address = serve(server, laid_out(folder, layout, tmp_path))
     assert open_address(desk, f"{address}/") == ""
     assert captured(desk).featureCount() == 20
-    assert desk.session.state().folder == str(copy_of(DatasetAddress.of(address)))
+    assert desk.session.state().folder == str(copy_folder(DatasetAddress.parse(address)))
     frame_map(desk, MISSION)
     server.asked.clear()
     seen = look_at(desk, viewing, 7)
@@ -208,7 +208,7 @@ def test_a_saved_project_opens_again_and_copies_what_is_gone(desk, viewing, serv
     open_address(desk, address)
     project = tmp_path / "project.qgz"
     assert QgsProject.instance().write(str(project))
-    copy = copy_of(DatasetAddress.of(address))
+    copy = copy_folder(DatasetAddress.parse(address))
     for gone in (False, True):
         desk.iface.newProject(False)
         if gone:
@@ -219,7 +219,7 @@ def test_a_saved_project_opens_again_and_copies_what_is_gone(desk, viewing, serv
         desk.wait(lambda: not desk.session.missions.busy)
         assert bool(server.asked) == gone
         assert captured(desk).featureCount() == 20
-        assert address_of(copy) == DatasetAddress.of(address)
+        assert copied_address(copy) == DatasetAddress.parse(address)
     frame_map(desk, MISSION)
     seen = look_at(desk, viewing, 2)
     assert seen.picture.image is not None
@@ -277,8 +277,10 @@ def _settings():
     "name", ["collection.json", "items.parquet", "satellite/meta_data.csv", "mission.json", ""]
 )
 def test_the_address_of_a_file_in_a_dataset_stands_for_it(name):
-    assert DatasetAddress.of(f" https://Host:8080/a/run/{name} ") == DatasetAddress("https://Host:8080/a/run")
-    assert DatasetAddress.of("s3://Bucket").name == "Bucket"
+    assert DatasetAddress.parse(f" https://Host:8080/a/run/{name} ") == DatasetAddress(
+        "https://Host:8080/a/run"
+    )
+    assert DatasetAddress.parse("s3://Bucket").name == "Bucket"
 
 
 def test_what_is_wrong_at_an_address_is_one_line(desk, server, folder, monkeypatch):
@@ -394,7 +396,7 @@ def test_a_folder_of_shards_on_this_machine_is_looked_at_as_well(desk, viewing, 
 def test_opening_can_be_cancelled(desk, server, folder):
     address = serve(server, folder)
     server.latency_s = 30.0
-    desk.session.missions.open_address(DatasetAddress.of(address))
+    desk.session.missions.open_address(DatasetAddress.parse(address))
     desk.wait(lambda: server.under_way == 1)
     for task in QgsApplication.taskManager().tasks():
         task.cancel()
@@ -406,7 +408,7 @@ def test_opening_can_be_cancelled(desk, server, folder):
 def test_a_copy_tells_its_address_and_nothing_else(desk, server, folder):
     address = serve(server, folder)
     open_address(desk, address)
-    copy = copy_of(DatasetAddress.of(address))
+    copy = copy_folder(DatasetAddress.parse(address))
     assert json.loads((copy / "address.json").read_text("utf-8")) == {"address": address}
     names = {path.relative_to(copy).as_posix() for path in copy.rglob("*") if path.is_file()}
     assert names == {"address.json", "mission.json", "footprints.geojson", "satellite/meta_data.csv"}
@@ -451,7 +453,7 @@ def test_one_table_of_all_images_is_preferred(desk, viewing, server, folder, lay
     assert open_address(desk, f"{address}/items.parquet") == ""
     asked = {path.removeprefix("/data/run/") for _, path, _ in server.asked}
     assert asked == {"mission.json", "items.parquet"}
-    copy = copy_of(DatasetAddress.of(address))
+    copy = copy_folder(DatasetAddress.parse(address))
     assert not (copy / "items.parquet").exists()
     ours, theirs = (
         json.loads((one / "footprints.geojson").read_text("utf-8"))["features"] for one in (copy, folder)
@@ -491,12 +493,12 @@ def test_a_project_leads_to_no_file_outside_the_copies(plugin, tmp_path, inside)
     # QGIS reads halves of characters in a project's XML.
     for name in ("a\ud800", "a\0b", "a" * 300):
         assert found_copy(f"/TerrAInav/addresses/{name}/footprints.geojson").endswith("/footprints.geojson")
-        assert address_of(copy_of(DatasetAddress("s3://b/run")).parent / name) is None
+        assert copied_address(copy_folder(DatasetAddress("s3://b/run")).parent / name) is None
     # A project of another profile leads to this one's copy, with its options.
     ours = found_copy("../x/TerrAInav/addresses/0123/run/footprints.geojson|layername=footprints")
     assert (
         ours
-        == f"{copy_of(DatasetAddress('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"
+        == f"{copy_folder(DatasetAddress('s3://b/run')).parent.parent}/0123/run/footprints.geojson|layername=footprints"
     )
 
 

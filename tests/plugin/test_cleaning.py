@@ -185,10 +185,10 @@ def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, scr
     # Dragged with the mouse over the histogram.
     frame = histogram.frame()
     y = int((frame.top + frame.bottom) / 2)
-    QTest.mousePress(histogram, LEFT, PLAIN, QPoint(round(histogram.place_of(2.1)), y))
+    QTest.mousePress(histogram, LEFT, PLAIN, QPoint(round(histogram.axis_px(2.1)), y))
     for bits in (3.0, 4.0, 5.0):
-        QTest.mouseMove(histogram, QPoint(round(histogram.place_of(bits)), y))
-    QTest.mouseRelease(histogram, LEFT, PLAIN, QPoint(round(histogram.place_of(5.0)), y))
+        QTest.mouseMove(histogram, QPoint(round(histogram.axis_px(bits)), y))
+    QTest.mouseRelease(histogram, LEFT, PLAIN, QPoint(round(histogram.axis_px(5.0)), y))
     a_pixel = 8.0 / (frame.right - frame.left)
     assert panel.threshold.value() == pytest.approx(5.0, abs=a_pixel)
     rejected = counted(dataset, "satellite", panel.threshold.value()).rejected
@@ -226,7 +226,7 @@ def test_threshold_is_dragged_typed_and_moved_by_keys(desk, dataset, opened, scr
     # The other chart: the threshold is a height there.
     panel.tabs.setCurrentIndex(1)
     desk.wait(bars.isVisible)
-    QTest.mouseClick(bars, LEFT, PLAIN, QPoint(bars.width() // 2, round(bars.place_of(4.0))))
+    QTest.mouseClick(bars, LEFT, PLAIN, QPoint(bars.width() // 2, round(bars.axis_px(4.0))))
     assert panel.threshold.value() == pytest.approx(4.0, abs=8.0 / (bars.frame().bottom - bars.frame().top))
 
     screenshot("entropy-bars")
@@ -281,7 +281,7 @@ def test_histogram_shows_every_image_on_its_side_of_the_line(desk, dataset, open
     assert histogram.counts.sum() == len(panel.entropies)
     type_bits(desk, panel, str(middle_bits(panel)))
     image = histogram.grab().toImage()
-    line = histogram.place_of(panel.threshold.value())
+    line = histogram.axis_px(panel.threshold.value())
     ratio = image.devicePixelRatio()
     sides = {QColor(KEPT).rgb(): set(), QColor(REJECTED).rgb(): set()}
     for x in range(image.width()):
@@ -450,8 +450,8 @@ def test_crosses_follow_outlines_of_any_shape_and_projection():
     for index in range(5):
         place = transform.transform(QgsPointXY(ring_x[index], ring_y[index]))
         assert (there.x[index], there.y[index]) == pytest.approx((place.x(), place.y()), abs=1e-3)
-    west, south, east, north = there.bounds_of("a")
-    assert there.bounds_of("c") is None
+    west, south, east, north = there.bounds("a")
+    assert there.bounds("c") is None
     view = MapExtent(west, south, east, north, (east - west) / 200.0, 2.0)
     image = draw(there, ["a"], view)
     assert image.width() == 400

@@ -16,7 +16,7 @@ from terrainav.core.mission.export import write_plan
 from terrainav.core.mission.mission import Mission
 from terrainav.core.mission.plan import plan
 from terrainav.terrainav_plugin.dataset import footprints
-from terrainav.terrainav_plugin.dataset.footprints import FootprintFile, rings_of
+from terrainav.terrainav_plugin.dataset.footprints import FootprintFile, polygon_rings
 
 EDGES = [
     0.0,
@@ -53,7 +53,9 @@ def write(folder, polygons, name="a [1, 2] name"):
 def bounds_by_json(folder):
     found = []
     for feature in json.loads((folder / FOOTPRINTS_FILE).read_text(encoding="utf-8"))["features"]:
-        corners = np.array([corner for polygon in rings_of(feature) for ring in polygon for corner in ring])
+        corners = np.array(
+            [corner for polygon in polygon_rings(feature) for ring in polygon for corner in ring]
+        )
         found.append([*corners.min(axis=0), *corners.max(axis=0)])
     return np.array(found)
 
@@ -80,7 +82,9 @@ def test_every_capture_is_found_below_itself(tmp_path, box):
     assert len(file) == len(made)
     for index in range(0, len(made), 7):
         lon = (made.lon_deg[index] + 180.0) % 360.0 - 180.0
-        found = [file.read(number)["properties"]["name"] for number in file.near(made.lat_deg[index], lon)]
+        found = [
+            file.read(number)["properties"]["name"] for number in file.covering(made.lat_deg[index], lon)
+        ]
         assert made.names[index] in found
 
 

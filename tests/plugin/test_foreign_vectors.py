@@ -24,7 +24,7 @@ from terrainav.terrainav_plugin.dataset.picture import read_depth, read_picture
 from terrainav.terrainav_plugin.dataset.placing import _name_pictures
 from terrainav.terrainav_plugin.foreign import check_raster
 from terrainav.terrainav_plugin.remote.address import DatasetAddress
-from terrainav.terrainav_plugin.remote.copies import address_of, copy_of
+from terrainav.terrainav_plugin.remote.copies import copied_address, copy_folder
 from terrainav.terrainav_plugin.results.shots import Finder, FootprintLayer
 
 from tests.plugin.test_addresses import open_address, serve
@@ -124,18 +124,18 @@ def test_what_is_no_footprints_is_refused_at_an_address(desk, folder, server, ot
     assert QgsProject.instance().mapLayers() == {}
     assert other.asked == []
     # A project that shows the copy would open whatever lay there.
-    copy = copy_of(DatasetAddress.of(address))
+    copy = copy_folder(DatasetAddress.parse(address))
     assert [path.name for path in copy.glob("*.geojson*")] == []
 
 
 def test_footprints_that_turn_bad_leave_the_copy_as_it_was(desk, folder, server, other, tmp_path):
     address = serve(server, folder)
     assert open_address(desk, address) == ""
-    good = (copy_of(DatasetAddress.of(address)) / "footprints.geojson").read_bytes()
+    good = (copy_folder(DatasetAddress.parse(address)) / "footprints.geojson").read_bytes()
     (folder / "footprints.geojson").write_text(document("vrt", other, tmp_path), "utf-8")
     serve(server, folder)
     open_address(desk, address)
-    assert (copy_of(DatasetAddress.of(address)) / "footprints.geojson").read_bytes() == good
+    assert (copy_folder(DatasetAddress.parse(address)) / "footprints.geojson").read_bytes() == good
     assert other.asked == []
 
 
@@ -211,12 +211,12 @@ def test_an_images_name_leads_into_its_folder_only(folder, name):
 
 def test_a_folder_that_says_it_is_a_copy_asks_no_address(desk, monkeypatch, folder, other):
     (folder / "address.json").write_text(json.dumps({"address": f"{other.url}/run"}), "utf-8")
-    assert address_of(folder) is None
+    assert copied_address(folder) is None
     open_folder(desk, monkeypatch, folder)
     assert "Captured images" in desk.layer_names()
     assert other.asked == []
-    inside = copy_of(DatasetAddress(f"{other.url}/run")).parents[1] / ".." / "run"
-    assert address_of(inside) is None
+    inside = copy_folder(DatasetAddress(f"{other.url}/run")).parents[1] / ".." / "run"
+    assert copied_address(inside) is None
 
 
 def test_a_reason_in_the_journal_is_no_document(folder, other, tmp_path):

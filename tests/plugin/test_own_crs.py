@@ -491,5 +491,5 @@ def test_viewer_finds_and_outlines_the_image_that_holds_the_pole(desk, tmp_path)
     assert edges.length() == pytest.approx(2.0 * (east - west + north - south), rel=0.02)
     assert min(west**2, south**2, east**2, north**2) > 100.0
 
-    shots = Finder(lambda: False).shots_at([FootprintLayer.of(footprints)], -90.0, 12.0)
+    shots = Finder(lambda: False).find_shots([FootprintLayer.read(footprints)], -90.0, 12.0)
     assert held in {shot.name for shot in shots}

@@ -316,7 +316,7 @@ def test_runs_that_are_over_keep_no_file_open(desk):
         return [link for link in links if link.startswith(str(desk.folder))]
 
     desk.wait(lambda: open_files() == [])
-    assert all(run.over for run in runs)
+    assert all(run.has_ended for run in runs)
 
 
 def test_mosaic_of_a_cleaned_dataset_is_made_anew(desk, tmp_path, answers):

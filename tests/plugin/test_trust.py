@@ -15,8 +15,8 @@ from terrainav.core.mission.mission import Mission
 from terrainav.terrainav_plugin.form.state import FormState
 from terrainav.terrainav_plugin.map.mission_group import MissionGroup
 from terrainav.terrainav_plugin.remote.address import DatasetAddress
-from terrainav.terrainav_plugin.remote.copies import copy_of
-from terrainav.terrainav_plugin.remote.trust import agree, sources_of, strangers
+from terrainav.terrainav_plugin.remote.copies import copy_folder
+from terrainav.terrainav_plugin.remote.trust import agree, source_names, strangers
 from terrainav.terrainav_plugin.settings import Settings, recent
 
 from tests.plugin.test_addresses import open_address, serve
@@ -122,7 +122,7 @@ def test_a_project_asks_no_server_until_the_user_allows_it(desk, server, tmp_pat
     desk.click(desk.buttons_in_message_bar()["Allow"])
     desk.wait_planned()
     assert questions(desk) == []
-    assert sources_of(_mission(desk)) == sources_of(mission_of(kind, server.url))
+    assert source_names(_mission(desk)) == source_names(mission_of(kind, server.url))
     if kind not in ("tiles", "imageries"):
         assert server.asked
     # Once allowed it is known in this profile.
@@ -151,8 +151,10 @@ def test_what_the_user_has_entered_here_is_agreed_to(desk, server, tmp_path):
 def test_the_address_of_a_dataset_in_a_project_is_not_asked_unasked(desk, server, captured, tmp_path):
     address = serve(server, captured)
     mission = (captured / "mission.json").read_text("utf-8")
-    shutil.rmtree(copy_of(DatasetAddress.of(address)), ignore_errors=True)
-    saved_project(desk, tmp_path / "theirs.qgz", mission, str(copy_of(DatasetAddress.of(address))), address)
+    shutil.rmtree(copy_folder(DatasetAddress.parse(address)), ignore_errors=True)
+    saved_project(
+        desk, tmp_path / "theirs.qgz", mission, str(copy_folder(DatasetAddress.parse(address))), address
+    )
     open_project(desk, tmp_path / "theirs.qgz")
     assert server.asked == []
     (question,) = questions(desk)
