@@ -1,4 +1,4 @@
-"""Captures: the queue they wait in, what is asked before them and told after them.
+"""Captures: the queue, questions before a run, and messages after it.
 
 run         one capture, from the queue to its end, and what is said of it
 task        a capture as a QGIS task, and what makes its images fit for the map

@@ -1,4 +1,4 @@
-"""What follows a run: its results on the map, and a message that says how it ended."""
+"""End of a run: results on the map, and a message with the outcome."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..map.mission_group import MissionGroup
     from ..messages import Messages
 
-#: Tiles of a run that messages of their own name; all are in the journal.
+#: Tiles of a run that get a message each; the journal has all.
 _NAMED_REPEATS = 3
 
 

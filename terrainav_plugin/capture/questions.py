@@ -1,4 +1,4 @@
-"""What is asked before a run: is there a folder, is it free, is there a key, do the source's terms allow it."""
+"""Checks and questions before a run: the folder, the key, and the terms of the source."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class Questions:
-    """Asks and tells; what keeps a run from being made is said where it can be mended.
+    """Ask questions before a run, and show what prevents it at the field that can change it.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ class Questions:
         self._mark, self._capture_into, self._taken = mark, capture_into, taken
 
     def folder_is_given(self, text: str) -> bool:
-        """Whether there is a folder that can be written to; says so at the field where there is none."""
+        """Whether a writable folder is chosen; otherwise shows so at the field."""
         if not text.strip():
             message = tr("no folder: choose where to save the images")
         elif not (message := why_unchangeable(folder_of(text))):

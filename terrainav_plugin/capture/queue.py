@@ -277,7 +277,7 @@ class Runs(QObject):
         run.failed_changed.connect(self._endings.show_failed)
         run.mosaic_refused.connect(self._endings.warn_of_mosaic)
         run.ended.connect(self._ended)
-        # What was made of the same folder before is told by the new run.
+        # The new run replaces earlier ones into the same folder.
         for old in [old for old in self.runs if old.has_ended and old.folder == run.folder]:
             self.dismiss(old)
         self.runs.append(run)

@@ -95,17 +95,17 @@ class CaptureRun(QObject):
 
     @property
     def mission(self) -> Mission:
-        """What is captured."""
+        """Mission to capture."""
         return self.plan.mission
 
     @property
     def name(self) -> str:
-        """What users call it: the last part of its folder's path, the whole of one that has no parts."""
+        """Name for users: the last part of the folder's path, or the whole path."""
         return self.folder.name or str(self.folder)
 
     @property
     def result(self) -> CaptureResult | None:
-        """What the run has done, once it has."""
+        """Result of the run once it has ended."""
         return self.task.result
 
     @property
@@ -154,7 +154,7 @@ class CaptureRun(QObject):
             self.ended.emit(self)
         elif self.under_way:
             end = self.task.cancel if self.stage is Stage.STOPPING or self.all_made else self.task.stop
-            # Before the task is told: that may be the end of it at once.
+            # Before the task is cancelled, as that may end it at once.
             self._become(Stage.STOPPING)
             end()
 
@@ -234,7 +234,7 @@ def row_text(run: CaptureRun, place: int = 0) -> str:
 
 
 def done_text(result: CaptureResult) -> str:
-    """What a run that came to its end has done."""
+    """Describe what an ended run has done."""
     if not result.total:
         return tr("No images were missing.")
     if not result.written:

@@ -65,7 +65,7 @@ class CaptureTask(Task):
     result : CaptureResult or None
     mosaics : list of MosaicRaster
     without_mosaic : str
-        Why there is none, where the images are there.
+        Reason why it is missing although there are images.
     opened : OpenedResults or None
         Layers of the results, for the main thread.
     failed : int
@@ -233,7 +233,7 @@ class CaptureTask(Task):
             if self._failures.update():
                 self.failed_changed.emit(open_failed(self.folder))
         except OutputError:
-            # A folder that cannot be written is told of by the capture itself.
+            # The capture reports a folder that cannot be written.
             return
         ended_s = time.monotonic()
         self._next_look_s = ended_s + max(_FAILED_LOOK_S, _FAILED_LOOK_SHARE * (ended_s - began_s))

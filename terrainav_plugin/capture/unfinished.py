@@ -35,14 +35,14 @@ _DIGITS = 16
 class Unfinished:
     """Notes of the captures of this session that wait or are under way; each goes with the end of its capture.
 
-    A lock beside each note tells other QGIS on this machine that the capture is in good hands.
+    A lock beside each note shows other QGIS instances on this machine that the capture is running.
     """
 
     def __init__(self) -> None:
         self._locks: dict[CaptureRun, QLockFile] = {}
 
     def note(self, run: CaptureRun) -> None:
-        """Note a run that has come into the queue; a profile that cannot be written is no reason not to capture."""
+        """Note a queued run; a read-only profile does not prevent a capture."""
         if run.test_shot:
             return
         path = _notes() / f"{_digest(run.folder)}{_NOTE}"
@@ -96,7 +96,7 @@ class Left:
 
     @property
     def name(self) -> str:
-        """What users call it."""
+        """Name for users."""
         return self.folder.name or str(self.folder)
 
     def forget(self) -> None:
@@ -157,7 +157,7 @@ class PlanTask(Task):
 
 
 def _read(path: Path) -> Left | None:
-    """What a note says; None where it cannot be read."""
+    """Content of a note; None where it cannot be read."""
     try:
         note = parse_json(read_limited(path, MAX_MISSION_BYTES))
         mission = Mission.from_dict(note["mission"])

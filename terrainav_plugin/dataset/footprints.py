@@ -1,9 +1,9 @@
-"""The footprints of a dataset, found by place and by number. On any thread; no file stays open.
+"""Footprints of a dataset, by position and by number. On any thread; no file stays open.
 
-QGIS itself reads a GeoJSON file of this size from its beginning for every question: seconds for a hundred thousand.
-Ours has a footprint a line, so that it is read once and then only where a footprint is. And a parser of JSON keeps
-Python's lock while it reads: the application would falter for seconds, although the file is read on another thread.
-Bounds are therefore read by numpy, on whole arrays, which goes on without the lock.
+QGIS reads a GeoJSON file from its beginning for every query, which takes seconds for a hundred thousand features. Files
+of captures have one footprint in each line: they are read once, and then only where a footprint is. A JSON parser would
+hold Python's lock and block the user interface for seconds even on another thread, so bounds are read by numpy on whole
+arrays, which releases the lock.
 """
 
 from __future__ import annotations
@@ -45,21 +45,21 @@ _NUMBER = re.compile(rb"-?[0-9.]+(?:[eE][-+]?[0-9]+)?")
 
 
 class FootprintFile:
-    """Where the footprints of a dataset are, in its file and on the ground.
+    """Positions of the footprints of a dataset in its file and on the ground.
 
     Parameters
     ----------
     folder : Path
-        Of the dataset.
+        Folder of the dataset.
     cancelled : callable
-        Asked again and again while the file is read.
+        Called repeatedly while the file is read; True stops the reading.
 
     Raises
     ------
     InvalidInput
-        Where the file cannot be read or is none of ours.
+        The file cannot be read or was not written by a capture.
     Cancelled
-        When ``cancelled`` said so.
+        ``cancelled`` returned True.
     """
 
     def __init__(self, folder: Path, cancelled: Callable[[], bool] = lambda: False) -> None:
@@ -86,13 +86,13 @@ class FootprintFile:
         return len(self._offsets)
 
     def covering(self, lat_deg: float, lon_deg: float) -> list[int]:
-        """Numbers of the footprints in whose bounds a place is."""
+        """Numbers of the footprints whose bounds contain a position."""
         west, south, east, north = self._bounds.T
         inside = (west <= lon_deg) & (lon_deg <= east) & (south <= lat_deg) & (lat_deg <= north)
         return [int(number) for number in np.flatnonzero(inside)]
 
     def read(self, number: int) -> dict[str, Any]:
-        """Feature of a number, as GeoJSON says it; raises InvalidInput where it cannot be read."""
+        """GeoJSON feature by number; raises InvalidInput where it cannot be read."""
         try:
             with open_foreign(self.path, MAX_TABLE_BYTES) as file:
                 file.seek(int(self._offsets[number]))
@@ -157,14 +157,14 @@ class Outlines:
 
 
 def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -> Outlines:
-    """Outlines of the footprints that a capture has left; none where there is no such file.
+    """Outlines of the footprints of a capture; empty without such a file.
 
     Raises
     ------
     InvalidInput
         A file that cannot be read.
     Cancelled
-        When ``cancelled`` said so.
+        ``cancelled`` returned True.
     """
     path = folder / FOOTPRINTS_FILE
     stems: list[str] = []
@@ -196,7 +196,7 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
 
 
 def file_stamp(path: Path) -> tuple[int, int]:
-    """What changes with a file: its time and length; zeros where it is not there."""
+    """Modification time and length of a file; zeros where it does not exist."""
     try:
         found = path.stat()
     except OSError:
@@ -223,7 +223,7 @@ def feature_lines(path: Path) -> Iterator[bytes]:
 
 
 def read_feature(line: bytes) -> dict[str, Any]:
-    """Feature of a line; raises InvalidInput where the line is none."""
+    """Parse the feature in a line; raises InvalidInput for another line."""
     feature = parse_json(line.rstrip().rstrip(b","))
     return feature if isinstance(feature, dict) else {}
 

@@ -165,7 +165,7 @@ class FailedImages:
     def update(self) -> bool:
         """Write what the journal says now; whether that is something new.
 
-        Where nothing has failed there is no file.
+        Without failures the file does not exist.
 
         Raises
         ------
@@ -198,7 +198,7 @@ class FailedImages:
             file.seek(self._read_bytes)
             rest = b""
             while chunk := file.read(_CHUNK_BYTES):
-                # What follows the last line's end is still being written; what is longer than any line is none of ours.
+                # The text after the last line end is still being written; longer lines are not from a capture.
                 whole, _, rest = (rest + chunk).rpartition(b"\n")
                 self._note(whole)
                 if len(rest) > MAX_JOURNAL_LINE_BYTES:

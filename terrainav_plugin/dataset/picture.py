@@ -45,13 +45,13 @@ class DisplayImage(NamedTuple):
     ----------
     path : Path
     image : QImage or None
-        With four channels; what the camera has nothing to show of is transparent. None where there is no picture.
+        Four channels; pixels without imagery are transparent. None without an image.
     width_px, height_px : int
         Of the file.
     metadata : mapping of str to str
         The file's own.
     problem : str
-        Why there is no image.
+        Reason why there is no image.
     """
 
     path: Path
@@ -72,9 +72,9 @@ class Depth(NamedTuple):
     least_m, most_m : float
         Of all pixels; NaN where none sees the ground.
     image : QImage
-        The depth in colours, by its logarithm: near and far are told apart in one picture.
+        Depth in colours on a logarithmic scale, which distinguishes both near and far.
     problem : str
-        Why it cannot be read; there is no image then, and no pixel.
+        Reason why it cannot be read; then there is no image and no pixel.
     """
 
     metres: np.ndarray
@@ -84,17 +84,17 @@ class Depth(NamedTuple):
     problem: str = ""
 
     def metres_at_point(self, x: float, y: float) -> float:
-        """Metres at a place of the picture, in shares of its width and height from 0 to 1; NaN for no ground."""
+        """Metres at a point, in shares of width and height from 0 to 1; NaN without ground."""
         height, width = self.metres.shape
         return float(self.metres[min(int(y * height), height - 1), min(int(x * width), width - 1)])
 
     def to_metres(self, share: float) -> float:
-        """Depth that has the colour at a share of the way from near to far."""
+        """Depth whose colour stands at a share of the scale from near to far."""
         return float(self.least_m ** (1.0 - share) * self.most_m**share)
 
 
 def read_depth(path: Path, longest_px: int, data: bytes | None = None) -> Depth | None:
-    """Read the depth of a picture, made smaller as `read_picture` does, but never mixed; None where there is none.
+    """Read the depth of an image, reduced as by `read_picture` but with the nearest rule; None without depth.
 
     Parameters
     ----------

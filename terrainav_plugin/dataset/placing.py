@@ -118,7 +118,7 @@ def place_mosaics(project: QgsProject, mosaics: Iterable[MosaicRaster]) -> None:
 def _place(project: QgsProject, mosaic: MosaicRaster) -> None:
     """Put a mosaic that has been made in its place; layers that show it let go of it, and then read it anew.
 
-    A model of Processing asks for it on a thread of its own, where no layer may be touched.
+    A Processing model calls it on another thread, where layers must not be touched.
 
     Raises
     ------

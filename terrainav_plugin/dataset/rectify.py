@@ -36,7 +36,7 @@ _LONGEST_PX = 2000
 _MOST_PX = 1 << 28
 #: Folder in a dataset of the images that are laid on the map one by one.
 ON_MAP_FOLDER = "on-map"
-#: Folder in that of images that are none of the dataset's folder: at an address, or in a shard.
+#: Subfolder for images from outside the dataset's folder: at an address, or in a shard.
 _FETCHED_FOLDER = "fetched"
 #: Overviews go on until the map fits about a thumbnail.
 _LAST_PX = 256
@@ -79,7 +79,7 @@ def lay_image_on_map(
     map_type, file : str
     open_heights : callable
     fetch : callable or None
-        Writes the image into a file, where it is none of the dataset's folder.
+        Writes an image from outside the dataset's folder to a file.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def lay_image_on_map(
 
 
 def fetched_file(folder: Path, map_type: str, file: str) -> Path:
-    """Where an image that is none of a dataset's folder is written once it was fetched."""
+    """Path for a fetched image from outside the dataset's folder."""
     return folder / ON_MAP_FOLDER / map_type / _FETCHED_FOLDER / file
 
 
@@ -167,7 +167,7 @@ def _add_overviews(path: Path) -> None:
 
 
 def _is_placed(path: Path) -> bool:
-    """Whether an image has a place on the map of its own, as map frames alone have."""
+    """Whether an image is georeferenced, which map frames alone are."""
     image = open_image(path)
     return image is not None and image.GetGeoTransform(can_return_null=True) is not None
 

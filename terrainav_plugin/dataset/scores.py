@@ -27,7 +27,7 @@ _TOP, _BOTTOM = 0, -1
 
 
 def into_group(folder: Path, role: str, known: Collection[str]) -> QgsProcessingLayerPostProcessorInterface:
-    """What puts a layer, once Processing has loaded it, into the group of a benchmark's folder, in its style.
+    """Move a layer that Processing has loaded into the group of the benchmark's folder, and style it.
 
     Parameters
     ----------

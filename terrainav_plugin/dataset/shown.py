@@ -70,7 +70,7 @@ def how_shown(image: gdal.Dataset) -> ImageRendering:
 
 
 def open_image(path: str | Path) -> gdal.Dataset | None:
-    """Image of a dataset, as what captures write and nothing that leads elsewhere; None where it is none.
+    """Image of a dataset in a format that captures write and that names no other file; None for other files.
 
     Raises
     ------

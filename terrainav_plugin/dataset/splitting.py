@@ -1,4 +1,4 @@
-"""What forms and Processing say of a split: its choices, their ranges, and what came of it. Knows no widget."""
+"""Texts of a split for forms and Processing: choices, ranges and results. Knows no widget."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def parts() -> dict[str, str]:
 
 
 def titles() -> dict[str, str]:
-    """What the entries of a split are called."""
+    """Labels of the entries of a split."""
     return {
         "how": tr("Splitting method"),
         "train": tr("Share of training"),
@@ -63,7 +63,7 @@ def titles() -> dict[str, str]:
 
 
 def helps() -> dict[str, str]:
-    """What the entries of a split are for."""
+    """Help for the entries of a split."""
     shares = tr("The three shares add up to 1.")
     return {
         "how": tr(

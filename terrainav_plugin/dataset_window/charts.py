@@ -1,4 +1,4 @@
-"""The two charts of the paper, with a threshold that is moved by mouse and keyboard. Drawn by Qt alone."""
+"""The two charts of the paper, with a threshold that mouse and keyboard move. Drawn by Qt alone."""
 
 from __future__ import annotations
 
@@ -13,33 +13,33 @@ from qgis.PyQt.QtWidgets import QSizePolicy, QWidget
 from ...core.arrays import Floats
 from ..i18n import number_text, tr
 
-#: Range of entropies of 256 grey levels, in bits.
+#: Range of the entropy of 256 grey levels, bits.
 LOWEST, HIGHEST = 0.0, 8.0
-#: Digits after the point that a threshold has.
+#: Decimals of a threshold.
 DECIMALS = 2
-#: What an arrow key moves the threshold by, with Shift, and a page key; bits.
+#: Steps of the threshold by arrow key, with Shift, and by page key; bits.
 _STEP, _SHIFT_STEP, _PAGE_STEP = 0.01, 0.1, 0.5
 _USUAL_PX, _LEAST_PX = (420, 190), (240, 140)
 _TICK_PX, _GAP_PX = 4, 3
 _HANDLE_PX = 5.0
-#: Share of the text's colour that lines of the grid have.
+#: Opacity of grid lines in the text's colour.
 _FAINT = 0.16
-#: Ticks of an axis of counts, about.
+#: Approximate number of ticks of an axis of counts.
 _TICKS = 5
 #: Width of a bin of the histogram: a tenth of a bit.
 _BINS = 80
 #: Head room above the highest bin.
 _ROOM = 1.08
-#: Least height of a bin that is not empty: a few images among thousands are what is looked for.
+#: Least height of a bin that is not empty: a few images among thousands matter most.
 _LEAST_BAR_PX = 2.0
 _BETWEEN_PX = 1.0
-#: To be told apart with any colour vision, on light and dark windows and over imagery.
+#: Distinguishable with any colour vision, on light and dark windows and over imagery.
 KEPT = QColor(42, 134, 220)
 REJECTED = QColor(230, 40, 150)
 
 
 class PlotArea(NamedTuple):
-    """Where a chart's plot is, in px."""
+    """Rectangle of a chart's plot, px."""
 
     left: float
     top: float
@@ -53,7 +53,7 @@ class PlotArea(NamedTuple):
 
 
 class Chart(QWidget):
-    """What both charts share: axes, the threshold's line, and how it is moved.
+    """Base of both charts: axes, and the line of the threshold, which can be moved.
 
     Signals
     -------
@@ -63,7 +63,7 @@ class Chart(QWidget):
     Attributes
     ----------
     look : QWidget
-        Whose colours it has: themes of QGIS are style sheets, which leave plain widgets out.
+        Widget whose colours it uses: QGIS themes are style sheets, which do not apply to plain widgets.
     """
 
     threshold_moved = pyqtSignal(float)
@@ -108,7 +108,7 @@ class Chart(QWidget):
         self.update()
 
     def axis_px(self, bits: float, frame: PlotArea | None = None) -> float:
-        """Where an entropy is along the axis of the threshold, in px; ``frame`` is that of now where it is known."""
+        """Position of an entropy on the axis of the threshold, px; ``frame`` is the current plot area if known."""
         frame = frame or self.frame()
         share = (bits - LOWEST) / (HIGHEST - LOWEST)
         if self.ACROSS:
@@ -116,7 +116,7 @@ class Chart(QWidget):
         return frame.bottom - share * (frame.bottom - frame.top)
 
     def bits_from_point(self, x: float, y: float) -> float:
-        """Entropy at a place of the chart, in range and rounded as thresholds are."""
+        """Entropy at a point of the chart, clamped and rounded as thresholds are."""
         frame = self.frame()
         share = (
             (x - frame.left) / (frame.right - frame.left)
@@ -158,7 +158,7 @@ class Chart(QWidget):
         raise NotImplementedError
 
     def titles(self) -> tuple[str, str]:
-        """What the horizontal and the vertical axis show, with unit."""
+        """Titles of the horizontal and the vertical axis, with unit."""
         raise NotImplementedError
 
     def ranges(self) -> tuple[float, float]:

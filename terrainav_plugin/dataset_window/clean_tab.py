@@ -92,7 +92,7 @@ class CleanTab(QWidget):
     # --- what is shown
 
     def show_hint(self, text: str = "") -> None:
-        """Show a text in place of entropies; that a folder is wanted where there is none."""
+        """Show a text in place of entropies; without a folder, ask for one."""
         text = text or no_folder()
         self.entropies = None
         for chart in self.charts:

@@ -140,7 +140,7 @@ class Datasets(QObject):
         from .tasks import SplitTask
 
         if task.changes_dataset and self.window is not None:
-            # The tab of splits reads its own by itself: what it says of the split stays.
+            # The split tab reads its folder itself, so its text on the split stays.
             self._stale = set(TABS) - ({SPLIT} if isinstance(task, SplitTask) else set())
             self._show_current()
 

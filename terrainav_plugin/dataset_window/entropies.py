@@ -35,7 +35,7 @@ class Example(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Entropies:
-    """What decides on the images of a map type.
+    """Entropies that decide on the images of a map type.
 
     Parameters
     ----------

@@ -31,7 +31,7 @@ _COLUMNS = 2
 
 
 class Possible(NamedTuple):
-    """What a folder can become.
+    """Formats that a folder can be exported to.
 
     Parameters
     ----------

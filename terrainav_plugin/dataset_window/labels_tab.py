@@ -204,7 +204,7 @@ class Card(QFrame):
 
 
 def _lines(preview: ImagePreview, is_split: bool) -> list[str]:
-    """What is known of an image, a line each."""
+    """Labels of an image, a line each."""
     lines = [preview.picture.problem] if preview.picture.problem else []
     if is_split:
         part = {**parts(), GAP: tr("none (gap)")}.get(preview.part, tr("none"))

@@ -85,7 +85,7 @@ class Marks(QObject):
 
     @property
     def item(self) -> MarksItem | None:
-        """What is on the map, if anything is."""
+        """Marks on the map, if any."""
         return self._item
 
     def show(self, folder: Path, stems: Callable[[], Collection[str]]) -> None:
@@ -168,7 +168,7 @@ class Marks(QObject):
 
 
 class MapExtent(NamedTuple):
-    """What the map shows: a rectangle in its CRS, north up, and the size of a pixel.
+    """Rectangle shown by the map, in its CRS, and the size of a pixel.
 
     Parameters
     ----------

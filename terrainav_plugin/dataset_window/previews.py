@@ -79,7 +79,7 @@ class Learned:
         self._rows = {name: _image_choices(one) for name, one in self._sets.items()}
 
     def counts(self, map_type: str) -> dict[str, int]:
-        """Images of a map type: all, of each part, in none, and rejected; what there are none of is left out."""
+        """Images of a map type: all, each part, no part, and rejected; empty choices are left out."""
         return {name: len(rows) for name, rows in self._rows[map_type].items() if len(rows)}
 
     def previews(self, map_type: str, of: str, first: int, count: int, longest_px: int) -> list[ImagePreview]:

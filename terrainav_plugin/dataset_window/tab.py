@@ -1,4 +1,4 @@
-"""What all tabs of the window have in common: a dataset, and what is read of it beside the main thread."""
+"""Base of the window's tabs: a dataset, read in the background."""
 
 from __future__ import annotations
 
@@ -71,5 +71,5 @@ class Tab(QWidget):
 
 
 def no_folder() -> str:
-    """What there is to say where no dataset is open."""
+    """Text to show while no dataset is open."""
     return tr("Choose the folder of a dataset.")

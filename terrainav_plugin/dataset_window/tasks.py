@@ -1,4 +1,4 @@
-"""What the window's buttons start, in the background, one at a time."""
+"""Background tasks started by the window's buttons, one at a time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Work(QObject):
     shown(bool, float)
         Whether one is under way, and the percentage of it that is done.
     ended(object)
-        The task, after who began it has been told.
+        The task, after its callback has been called.
     """
 
     shown = pyqtSignal(bool, float)
@@ -122,7 +122,7 @@ class CleanTask(Task):
             self.cleaned = clean(self.folder, self.threshold, move=self.action == MOVE, progress=self.go_on)
 
     def text(self) -> str:
-        """What was done to all map types, in a sentence or two."""
+        """Describe in a sentence or two what was done to all map types."""
         images, rejected, moved, returned = (
             number_text(sum(values))
             for values in zip(*((one.images, one.rejected, one.moved, one.returned) for one in self.cleaned))

@@ -1,4 +1,4 @@
-"""What all algorithms have in common; their work is kept off the main thread."""
+"""Base of all algorithms; their work is kept off the main thread."""
 
 from __future__ import annotations
 
@@ -36,12 +36,12 @@ Result = TypeVar("Result")
 _IN_NO_FILE = re.compile("[\\0\ud800-\udfff]")
 #: How far a number is at most from the whole one that it is rounded to.
 _ROUNDED = 0.5
-#: Milliseconds between two looks at what the work tells, and at whether the user has cancelled.
+#: Milliseconds between two looks at the progress of the work and at whether the user has cancelled.
 _LOOK_MS = 20
 
 
 class Words(NamedTuple):
-    """What people read of an algorithm: title, tooltip, words that it is found by, paragraphs of its help."""
+    """Texts of an algorithm: title, tooltip, search words, paragraphs of help."""
 
     title: str
     tip: str
@@ -50,7 +50,7 @@ class Words(NamedTuple):
 
 
 class AlgorithmRun(NamedTuple):
-    """What an algorithm runs with."""
+    """Parameters, context and feedback of a run."""
 
     algorithm: Algorithm
     parameters: dict[str, Any]
@@ -78,7 +78,7 @@ class AlgorithmRun(NamedTuple):
         return found
 
     def _check_number(self, name: str, found: float, words: str) -> None:
-        """Refuse what QGIS reads as another number: a text that is none, where none need be given, and a large one."""
+        """Refuse texts that QGIS would read as another number: those of optional parameters, and large numbers."""
         given = self.parameters.get(name)
         if given == "" or not isinstance(given, (str, int, float)):
             return
@@ -96,7 +96,7 @@ class AlgorithmRun(NamedTuple):
         return self.algorithm.parameterAsBool(self.parameters, name, self.context)
 
     def choice(self, name: str) -> str:
-        """Value that is chosen; empty for none. Raises InvalidInput where there is no such choice."""
+        """Chosen value; empty without a choice. Raises InvalidInput for a value that is not a choice."""
         chosen = self.chosen(name)
         return chosen[0] if chosen else ""
 
@@ -258,7 +258,7 @@ class Algorithm(QgsProcessingAlgorithm):
         context: QgsProcessingContext,  # noqa: ARG002  QGIS passes it
         feedback: QgsProcessingFeedback,  # noqa: ARG002  QGIS passes it
     ) -> dict[str, Any]:
-        """Finish on the main thread, where QGIS calls this; a model calls it on its own."""
+        """Finish on the main thread, where QGIS calls this; a model calls it on its own thread."""
         _checked(self.finished)
         return {}
 
@@ -270,7 +270,7 @@ class Algorithm(QgsProcessingAlgorithm):
 
 
 class WorkFeedback:
-    """What work tells of itself, in the thread that it runs on, and whether it is to go on."""
+    """Progress of the work, in its thread, and whether it is cancelled."""
 
     def __init__(self, feedback: QgsProcessingFeedback) -> None:
         self._feedback = feedback
@@ -334,7 +334,7 @@ def is_loadable(path: Path, feedback: QgsProcessingFeedback) -> bool:
 
 
 def _checked(work: Callable[[], Result]) -> Result:
-    """What ``work`` returns; its errors in the way that Processing shows them."""
+    """Result of ``work``; errors are raised as Processing shows them."""
     from ..form.mission_form import FormError
 
     try:
@@ -371,7 +371,7 @@ class _Relay(WorkFeedback):
         return self._stop.is_set()
 
     def deliver(self) -> None:
-        """Pass on what has been told; in the main thread."""
+        """Pass on the progress reported; in the main thread."""
         if self._feedback.isCanceled():
             self._stop.set()
         try:

@@ -94,7 +94,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
             for name in POINT_FIELDS
         }
         for field in filter(None, fields.values()):
-            # QGIS checks that for nobody but its own windows.
+            # QGIS checks that in its own windows only.
             if source.fields().lookupField(field) < 0:
                 raise InvalidInput(
                     tr("area {name}: has no field {field}").format(name=source.sourceName(), field=field)
@@ -117,7 +117,7 @@ def area_of_layer(run: AlgorithmRun, agl_m: float) -> tuple[Area, float]:
 
 
 def no_fly_of_layer(run: AlgorithmRun) -> tuple[Polygon, ...]:
-    """Polygons of a layer where no camera may stand; none where there is no layer, or it is empty."""
+    """No-fly polygons of a layer; empty without a layer, or for an empty one."""
     if not run.is_given("NO_FLY"):
         return ()
     source = run.algorithm.parameterAsSource(run.parameters, "NO_FLY", run.context)
@@ -147,7 +147,8 @@ def layer_crs(source: QgsProcessingFeatureSource) -> QgsCoordinateReferenceSyste
 def layer_features(source: QgsProcessingFeatureSource) -> QgsFeatureIterator:
     """Features of a layer, whatever QGIS's setting says of invalid ones: who reads them checks them.
 
-    What QGIS throws where its own check fails passes through Python (seen in 3.22), and the next call ends QGIS.
+    The exception that QGIS throws where its check fails passes through Python (seen in 3.22), and the next call crashes
+    QGIS.
     """
     unchecked = QgsProcessingFeatureSource.Flag.FlagSkipGeometryValidityChecks
     return source.getFeatures(QgsFeatureRequest(), unchecked)

@@ -451,7 +451,7 @@ def _read_settings(run: AlgorithmRun) -> BenchmarkSettings:
 
 
 def _imageries(run: AlgorithmRun, mission: Mission) -> tuple[NamedImagery, ...]:
-    """What the queries are pictures of: rasters and imagery by name, or else the mission's own."""
+    """Imagery of the queries: rasters and imagery by name, or else the mission's."""
     from ...core.mission.imageries import NamedImagery, named_imageries
 
     lines = [line.strip() for line in run.text("QUERIES").splitlines() if line.strip()]

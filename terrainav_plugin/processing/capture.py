@@ -36,7 +36,7 @@ _NAMED_FAILURES = 20
 
 
 class _Capturing(WithImagery):
-    """What both have in common: parameters of a run, the run, its outputs."""
+    """Base of both: parameters of a run, the run, its outputs."""
 
     def _add_run(self) -> None:
         self.add_access(
@@ -192,7 +192,7 @@ class Capture(_Capturing):
 
 
 class CaptureFailed(_Capturing):
-    """What has failed of a capture, again."""
+    """Capture again what has failed."""
 
     NAME = "capturefailed"
 

@@ -33,7 +33,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         Whether several can be chosen.
     titled : bool
     more : bool
-        Whether the copy that runs may know more choices: what is none of these is refused there.
+        Whether the running copy may know more choices, and so checks the value.
     """
 
     def __init__(
@@ -91,7 +91,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return self._how["more"] or all(self._found(one) is not None for one in given)
 
     def chosen(self, value: object) -> tuple[str, ...]:
-        """Values that are named; raises InvalidInput where one is none of the choices."""
+        """Values by name; raises InvalidInput for a name that is not a choice."""
         found = []
         for one in self._given(value):
             known = self._found(one)
@@ -114,7 +114,7 @@ class ChoiceParameter(QgsProcessingParameterEnum):
         return [value]
 
     def _found(self, one: object) -> str | None:
-        """Value that is named; None where it is none, or several."""
+        """Value by name; None for several names or for a name that is not a choice."""
         text = str(one)
         if text in self.values:
             return text

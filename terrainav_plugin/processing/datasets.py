@@ -37,7 +37,7 @@ _HIGHEST = 8.0
 
 
 class _OfDataset(Algorithm):
-    """What both have in common: the folder, and that it can be tried without a change."""
+    """Base of both: the folder, and a dry run."""
 
     GROUP = "datasets"
 
@@ -160,7 +160,7 @@ class Clean(_OfDataset):
 
 
 def _tell_of_thresholds(cleaned: tuple[Cleaned, ...], feedback: QgsProcessingFeedback) -> None:
-    """Say where a threshold tells nothing apart, and where it is one of another entropy than the table's."""
+    """Warn where a threshold separates no images, or is of another kind of entropy than the table's."""
     for one in cleaned:
         if one.is_one_sided:
             feedback.pushWarning(

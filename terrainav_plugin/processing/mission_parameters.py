@@ -43,7 +43,7 @@ _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
 #: Parameters that are not called as the command's option is.
 _IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
-#: Fields that are read in a way of their own.
+#: Fields that are read separately.
 _OTHERWISE = ("agl_m", "source", "map_types", "img_size", "takeoff")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
 #: pixels, and texts are empty then.
@@ -157,7 +157,7 @@ def _parameter(field: Field) -> QgsProcessingParameterDefinition:
     if field.choices:
         several = field.kind is tuple
         usual = list(field.default) if several else field.default
-        # What stands for nothing is no choice to be made.
+        # The value for "nothing" is not offered.
         choices = {value: translate(words) for value, words in field.choices.items() if value}
         return ChoiceParameter(name, title, choices, usual or None, several=several)
     if field.kind is bool:
@@ -355,7 +355,7 @@ def _wind(run: AlgorithmRun, seed: int) -> Wind | None:
 
 
 def _takeoff(run: AlgorithmRun) -> tuple[float, float] | None:
-    """Latitude and longitude of a point in any CRS; None where there is none."""
+    """Latitude and longitude of a point in any CRS; None without a point."""
     if not run.is_given("TAKEOFF"):
         return None
     check_crs(run, "TAKEOFF", tr("take-off"))

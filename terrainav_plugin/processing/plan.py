@@ -206,7 +206,7 @@ def flight_fields() -> QgsFields:
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
-    """What each picture shows: the frame its file will state, or the ground the camera sees."""
+    """Footprint of each image: the frame that its file will state, or the ground that the camera sees."""
     from ..map.outlines import footprint_shapes
 
     for shape, values in zip(footprint_shapes(plan), _attributes(plan)):
@@ -225,7 +225,7 @@ def captures(plan: Plan) -> Iterator[QgsFeature]:
 
 
 def flight_line_features(plan: Plan) -> Iterator[QgsFeature]:
-    """Way from the first capture to the last, or the path of each sortie; in parts across the antimeridian."""
+    """Line from the first capture to the last, or the path of each sortie; in parts across the antimeridian."""
     from ..map.outlines import flight_lines
 
     path = plan.path
@@ -305,7 +305,7 @@ def _values(summary: Summary) -> dict[str, Any]:
 
 
 def make_fields(kinds: tuple[tuple[str, str], ...]) -> QgsFields:
-    """Attributes of a layer, of names and kinds."""
+    """Fields of a layer, from names and kinds."""
     fields = QgsFields()
     for name, kind in kinds:
         fields.append(field(name, kind))

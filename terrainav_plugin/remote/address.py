@@ -1,4 +1,4 @@
-"""What a user gives: the address of a dataset's folder, and where its files are asked for.
+"""Address of a dataset's folder as entered by the user, and the addresses of its files.
 
 S3's addresses are signed by GDAL, for a few minutes and one file each, with the credentials that AWS's own tools have;
 the requests themselves are QGIS's, as those to web servers are.
@@ -26,7 +26,7 @@ _INSIDE = (MISSION_FILE, FOOTPRINTS_FILE, "collection.json", "items.parquet", "c
 _SCHEMES = ("https", "http", "s3")
 #: Seconds that a signed address holds.
 _SIGNED_S = 600
-#: Where AWS's tools are told of another store than Amazon's; the first that is there.
+#: Variables in which AWS's tools look for another store than Amazon's, in order.
 _ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL")
 _UNSIGNED = "AWS_NO_SIGN_REQUEST"
 _YES = ("yes", "true", "on", "1")
@@ -50,7 +50,7 @@ class DatasetAddress(NamedTuple):
         Raises
         ------
         InvalidInput
-            What is none, or holds credentials, which are then not quoted.
+            The text is not an address, or holds credentials, which are not quoted.
         """
         text = text.strip()
         if not text:
@@ -98,7 +98,7 @@ class DatasetAddress(NamedTuple):
 
     @property
     def name(self) -> str:
-        """What it is called: its last part."""
+        """Name: the last part."""
         parts = urlsplit(self.url)
         return parts.path.rpartition("/")[2] or parts.netloc
 
@@ -127,7 +127,7 @@ class DatasetAddress(NamedTuple):
         Raises
         ------
         OutputError
-            An endpoint that is none.
+            The endpoint is invalid.
         """
         if not self.is_s3:
             return f"{self.url}/{quote(name)}"
@@ -144,7 +144,7 @@ class DatasetAddress(NamedTuple):
 
 
 def _store_options(environment: Mapping[str, str]) -> dict[str, str]:
-    """Options of GDAL for the store that AWS's tools are told of; none for Amazon's own."""
+    """GDAL options for the store that AWS's variables name; empty for Amazon's."""
     endpoint = next((environment[name] for name in _ENDPOINTS if environment.get(name)), "")
     if not endpoint or environment.get("AWS_S3_ENDPOINT"):
         return {}

@@ -1,4 +1,4 @@
-"""What footprints need of a dataset at an address, copied to this machine once: a dataset's folder without images.
+"""Local copies of what footprints need of a dataset at an address: its folder without images.
 
 QGIS reads a file of footprints again and again; at an address every look at the map would fetch all of them. With the
 copy a dataset at an address is one of this machine, except for its images, and a saved project opens without network.
@@ -51,7 +51,7 @@ Progress = Callable[[float], bool]
 
 
 def copy_folder(address: DatasetAddress) -> Path:
-    """Folder of the copy of a dataset, which need not be there."""
+    """Folder of the copy of a dataset, which may not exist yet."""
     digest = hashlib.sha256(address.url.encode()).hexdigest()[:_DIGITS]
     return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
 
@@ -82,7 +82,7 @@ def _copies() -> Path:
 
 
 def copied_address(folder: Path) -> DatasetAddress | None:
-    """Address that a folder is the copy of; None where it is no copy, whatever a file in it says."""
+    """Address of which a folder is the copy; None for other folders, whatever a file in them states."""
     if _copies() not in folder.parents or ".." in folder.parts:
         return None
     try:
@@ -122,7 +122,7 @@ def copy_dataset(store: Store, go_on: Progress) -> tuple[Path, Mission]:
     Raises
     ------
     InvalidInput
-        There is no dataset.
+        The address has no dataset.
     OutputError, PartError, SourceError, Cancelled
         As `Store` does; a file that cannot be written.
     """
@@ -207,7 +207,7 @@ def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
 
 
 def _take_items(store: Store, folder: Path, mission: Mission, go_on: Progress) -> bool:
-    """Take all from the one table of images; False where there is none, or it cannot be read."""
+    """Take everything from the single table of images; False where it does not exist or cannot be read."""
     items = folder / ITEMS_FILE
     try:
         write_whole(items, store.pieces(ITEMS_FILE, lambda share: go_on(_ITEMS_SHARE * share)))

@@ -69,12 +69,12 @@ class _InShard(NamedTuple):
 
     @classmethod
     def from_row(cls, row: Mapping[str, str], file: str) -> _InShard | None:
-        """Place of an image; None where its row names no shard."""
+        """Shard and name of an image; None where its row names no shard."""
         shard = row.get("shard", "")
         if not shard:
             return None
         start, length = (whole_number(row.get(name, "")) for name in ("offset_bytes", "size_bytes"))
-        # Tables come from elsewhere: their names lead into their own folder only.
+        # Foreign tables may name files in their folder only.
         if not is_name(shard) or start is None or start < TAR_BLOCK_BYTES or not length:
             raise InvalidInput(
                 tr("image {name}: its row of the table names no part of a shard").format(name=file)
@@ -108,7 +108,7 @@ class ImageFetcher:
             Of the dataset, or of the copy of one at an address.
         map_type, file : str
         row : mapping of str to str
-            Of the table; empty where there is none.
+            Row of the table; empty without one.
         with_depth : bool
             Whether images of this dataset have one.
 
@@ -218,7 +218,7 @@ class ImageFetcher:
 
 
 def add_georeference(image: Fetched, folder: Path, map_type: str, file: str) -> Fetched:
-    """Image with the files that place it on the map, which are beside it at an address; on any thread."""
+    """Image with its georeferencing files, which lie beside it at an address; on any thread."""
     address, name = copied_address(folder), PurePosixPath(file)
     if address is None or image.beside or name.suffix not in _WORLD_FILES:
         return image
@@ -252,7 +252,7 @@ def _too_large(name: str) -> InvalidInput:
 
 
 def _stamp(folder: Path) -> int:
-    """What changes when a dataset's copy is made anew."""
+    """Stamp that changes when the copy of a dataset is renewed."""
     try:
         return (folder / ADDRESS_FILE).stat().st_mtime_ns
     except OSError:

@@ -42,7 +42,7 @@ class _Piece(NamedTuple):
 class _Transport:
     """QGIS's transport, except for two kinds of answers.
 
-    A part that begins where a file ends is no failure, but empty. And what a store says of a refusal is kept back, as
+    A part that begins at the end of a file is empty, not a failure. And what a store says of a refusal is kept back, as
     it may quote keys.
     """
 
@@ -149,7 +149,7 @@ class Store:
         return b"".join(self._piece(name, at, min(at + _PIECE_BYTES, start + length)).data for at in pieces)
 
     def _refuse_redirects(self, url: str) -> Callable[[str], None]:
-        """Refuse to be led to another server by a store, which is asked as the user of an account."""
+        """Refuse redirects of a store to another server, as requests carry the user's credentials."""
 
         def allow(asked: str) -> None:
             if urlsplit(asked)[:2] != urlsplit(url)[:2]:
@@ -169,11 +169,11 @@ class Store:
         self._sends_parts = is_part
         if not is_part:
             return _Piece(response.body, len(response.body), version, is_part)
-        told = _RANGE.fullmatch(response.headers.get("content-range", ""))
-        if told is None and not response.body:
+        stated = _RANGE.fullmatch(response.headers.get("content-range", ""))
+        if stated is None and not response.body:
             return _Piece(b"", start, version, is_part)
         # A part without a byte would be asked for again and again.
         length = len(response.body)
-        if told is None or not length or int(told[1]) != start or int(told[2]) + 1 - start != length:
+        if stated is None or not length or int(stated[1]) != start or int(stated[2]) + 1 - start != length:
             raise PartError("{0}: the server sent another part than asked for", what)
-        return _Piece(response.body, int(told[3]), version, is_part)
+        return _Piece(response.body, int(stated[3]), version, is_part)

@@ -46,13 +46,13 @@ _BY_ADDRESS = re.compile(
 
 
 def source_names(mission: Mission) -> tuple[str, ...]:
-    """What a mission names its imagery and its heights by."""
+    """Names of a mission's imagery and elevation."""
     imagery = [one.source for one in mission.imagery.named] or [mission.imagery.source]
     return (*imagery, *elevation_names(mission))
 
 
 def elevation_names(mission: Mission) -> tuple[str, ...]:
-    """What a mission names its heights by."""
+    """Names of a mission's elevation."""
     return (*mission.terrain.elevation, *mission.terrain.surface)
 
 

@@ -1,4 +1,4 @@
-"""What has been captured, looked at image by image.
+"""Viewing captured images one by one.
 
 shots       captured images under a click, and what is known of each
 viewer      the window that shows one image after the other

@@ -35,7 +35,7 @@ class Compare(QObject):
         self._groups: list[tuple[QgsLayerTreeNode, bool]] = []
         self._timer = QTimer(self)
         self._timer.timeout.connect(self.switch)
-        # Layers are told of before they are in the layer tree, and after they have left it.
+        # Signals on layers arrive before they are in the layer tree, and after they have left it.
         self._soon = single_shot(self._offer, self)
 
     def open(self) -> None:
@@ -104,7 +104,7 @@ class Compare(QObject):
         self._soon.start()
 
     def _forget(self) -> None:
-        """Of a project that is no more there is nothing to be restored."""
+        """Forget the state to restore, as its project is closed."""
         self._layers.clear()
         self._groups.clear()
         self.close()
@@ -182,7 +182,7 @@ class Compare(QObject):
 
     @contextmanager
     def _unnoticed(self) -> Iterator[None]:
-        """Leave a project that is saved as it is: what is shown for a while is no change of it."""
+        """Keep a saved project unmodified: showing layers for a while does not change it."""
         dirty = self._project.isDirty()
         yield
         if not dirty:

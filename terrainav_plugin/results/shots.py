@@ -82,13 +82,13 @@ class Seen(NamedTuple):
         That is shown.
     picture : DisplayImage
     row : dict of str to str
-        Its row of the dataset's table; empty where there is none yet.
+        Row of the dataset's table; empty while there is none.
     rejected : bool
         Whether cleaning has moved it out of the way.
     depth : Depth or None
         Where the mission wrote it.
     fetched : Fetched or None
-        The image's file, where it is none of the dataset's folder.
+        File of an image from outside the dataset's folder.
     """
 
     shot: CapturedImage
@@ -159,7 +159,7 @@ class Finder:
             ]
         except (KeyError, TypeError) as wrong:
             raise InvalidInput(tr("footprints {path}: have no poses").format(path=file.path)) from wrong
-        # Footprints come from elsewhere: their names lead into their own folder only.
+        # Foreign footprints may name files in their folder only.
         if not (is_name(name) and name.isprintable()):
             raise InvalidInput(
                 tr("footprints {path}: {name} is no name of an image").format(

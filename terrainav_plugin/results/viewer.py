@@ -132,7 +132,7 @@ class Viewer(QgsDockWidget):
         self.under_click.setVisible(count > 1)
 
     def leave_click(self) -> None:
-        """The image that is shown is no longer one of those under the click."""
+        """Forget the images under the click, of which the one shown is no longer part."""
         self.under_click.setCurrentIndex(-1)
 
     def show_seen(self, seen: Seen) -> None:
@@ -318,7 +318,7 @@ class PictureView(QWidget):
 
 
 class DepthPane(QWidget):
-    """The depth beside a picture, its legend, and the depth under the mouse; hidden where there is none.
+    """Depth beside an image, its legend, and the depth under the mouse; hidden without depth.
 
     Parameters
     ----------
@@ -517,7 +517,7 @@ def _own_gsd_m(seen: Seen) -> float | None:
 
 
 def _pixels(row: dict[str, str]) -> str:
-    """What pixels are of a source in a CRS of its own, whose zooms are no map's."""
+    """Describe the pixels of a source in its own CRS, whose zooms are not a map's."""
     width, height = _float(row.get("pixel_width", "")), _float(row.get("pixel_height", ""))
     crs = row["crs"]
     # Of a CRS without a code there is its WKT, which begins with its name.

@@ -90,7 +90,7 @@ class Viewing(QObject):
         return self._worker.busy or self._layer_worker.busy
 
     def start(self) -> bool:
-        """Let the user click footprints; False where there are none, which is said."""
+        """Let the user click footprints; without any, say so and return False."""
         if not self._layers():
             self._messages.info(
                 tr(
@@ -195,7 +195,7 @@ class Viewing(QObject):
         return MissionGroup(self._project, seen.shot.footprints.folder)
 
     def _find_layer(self, seen: Seen) -> QgsMapLayer | None:
-        """Layer that shows an image by itself, if there is one."""
+        """Layer that shows a single image, if any."""
         return self._mission_group(seen).layer(_layer_role(seen))
 
     def _show_on_map(self, on: bool) -> None:
@@ -321,7 +321,7 @@ class Viewing(QObject):
             self._band = None
 
     def _layers_removed(self, layer_ids: list[str]) -> None:
-        """An image whose footprints have left the map is no longer shown."""
+        """Hide an image whose footprints have left the map."""
         self._shots = [shot for shot in self._shots if shot.footprints.layer_id not in layer_ids]
         if self.seen is not None and self.seen.shot.footprints.layer_id in layer_ids:
             self.seen = None
@@ -334,7 +334,7 @@ class Viewing(QObject):
 
 
 def _layer_role(seen: Seen) -> str:
-    """Role of the layer that shows an image by itself."""
+    """Role of the layer that shows a single image."""
     return f"image/{seen.map_type}/{seen.shot.name}"
 
 
