@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from ..map.mission_group import MissionGroup
     from ..messages import Messages
 
-#: Tiles of a run that get a message each; the journal has all.
-_NAMED_REPEATS = 3
-
 
 class Endings(QObject):
     """Brings runs to the map and to the message bar, and offers what can be done about them.
@@ -185,7 +182,8 @@ class Endings(QObject):
 
     def _tell_repeated(self, run: CaptureRun) -> None:
         """Name tiles that came for places far apart, and offer to do without them."""
-        for repeat in run.result.repeated[:_NAMED_REPEATS] if run.result is not None else ():
+        # The journal has all of them.
+        for repeat in run.result.repeated[:3] if run.result is not None else ():
             images = len(repeat.images)
             text = tr("{name}: the same tile came for {places} places and is in {images} images.").format(
                 name=run.name, places=number_text(repeat.places), images=number_text(images)

@@ -17,11 +17,6 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
-#: A rate is shown once so many pictures are there: the first ones wait for connections.
-_LEAST_FOR_RATE = 10
-#: From this rate on decimals say nothing.
-_WHOLE_RATE = 10.0
-
 
 class Stage(enum.Enum):
     """Where a run is."""
@@ -273,10 +268,12 @@ def _pace(progress: Progress, making_mosaic: bool) -> str:
     left = progress.total - progress.skipped - done
     if not left:
         return tr("; making the mosaic…") if making_mosaic else ""
-    if done < _LEAST_FOR_RATE or progress.active_s <= 0.0:
+    # The first images wait for connections, so their rate means nothing.
+    if done < 10 or progress.active_s <= 0.0:
         return ""
     rate = done / progress.active_s
-    shown = number_text(rate, ".0f") if rate >= _WHOLE_RATE else number_text(rate, ".1f")
+    # Decimals of a higher rate mean nothing.
+    shown = number_text(rate, ".0f") if rate >= 10.0 else number_text(rate, ".1f")
     return tr(", {rate} a second, {time} left").format(rate=shown, time=duration_text(left / rate))
 
 

@@ -21,13 +21,8 @@ if TYPE_CHECKING:
     from ..dataset.layers import FailedImages, OpenedResults
     from ..dataset.mosaic import MosaicRaster
 
-#: Share of the progress that capturing is; the mosaic takes the rest.
-_CAPTURE_SHARE = 0.9
-#: The same of camera frames, which are orthorectified.
-_CAMERA_SHARE = 0.6
 #: Shortest time between two looks at what has failed so far, and how much longer than such a look takes.
 _FAILED_LOOK_S = 3.0
-_FAILED_LOOK_SHARE = 20.0
 
 
 class CaptureTask(Task):
@@ -100,7 +95,8 @@ class CaptureTask(Task):
         self._test_shot, self._only_failed = test_shot, only_failed
         self._snapshot = snapshot_for(plan.mission)
         self._with_mosaic = not test_shot
-        self._capture_share = _CAPTURE_SHARE if plan.is_north_up else _CAMERA_SHARE
+        # Share of capturing in the progress; the mosaic takes the rest, and longer where it is orthorectified.
+        self._capture_share = 0.9 if plan.is_north_up else 0.6
         self._connections = Settings().connections
         self._transport = transport_for(plan.mission.imagery.source)
         self._stopping = False
@@ -236,7 +232,7 @@ class CaptureTask(Task):
             # The capture reports a folder that cannot be written.
             return
         ended_s = time.monotonic()
-        self._next_look_s = ended_s + max(_FAILED_LOOK_S, _FAILED_LOOK_SHARE * (ended_s - began_s))
+        self._next_look_s = ended_s + max(_FAILED_LOOK_S, 20.0 * (ended_s - began_s))
         self.failed = len(self._failures)
 
     def _mosaic_progress(self, share: float) -> bool:

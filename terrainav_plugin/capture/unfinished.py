@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .run import CaptureRun
 
 _NOTE, _LOCK = ".json", ".lock"
-_DIGITS = 16
 
 
 class Unfinished:
@@ -174,7 +173,7 @@ def _notes() -> Path:
 def _digest(folder: Path) -> str:
     # Of another machine's folder links are not followed: it is asked nothing.
     place = str(folder) if is_remote(folder) else place_of(folder)
-    return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:_DIGITS]
+    return hashlib.sha256(place.encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 
 def _make_lock(path: Path) -> QLockFile:

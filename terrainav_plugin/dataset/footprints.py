@@ -32,15 +32,11 @@ from ..i18n import tr
 _BLOCK_BYTES = 1 << 20
 #: How the lines of footprints begin.
 _FEATURE = b'{"type": "Feature",'
-#: Footprints after which it is asked whether to go on.
-_LOOK = 500
 Bounds = tuple[float, float, float, float]
 _LINE_END, _BRACKET, _MINUS, _DOT, _ZERO = (ord(sign) for sign in "\n[-.0")
 #: Characters of the longest number that is read digit by digit: a sign, 17 significant digits, a dot, leading zeros.
 _WIDTH = 24
 _TEN = 10
-#: Longest mantissa that a double and its power of ten hold without overflow of the whole number it is read as.
-_DIGITS = 18
 _NUMBER = re.compile(rb"-?[0-9.]+(?:[eE][-+]?[0-9]+)?")
 
 
@@ -174,7 +170,8 @@ def read_outlines(folder: Path, cancelled: Callable[[], bool] = lambda: False) -
     try:
         # Images from elsewhere have none.
         for feature in map(read_feature, feature_lines(path) if path.is_file() else ()):
-            if len(stems) % _LOOK == 0 and cancelled():
+            # Ask every 500 footprints whether to go on.
+            if len(stems) % 500 == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
             for ring in chain.from_iterable(polygon_rings(feature)):
                 x += [at[0] for at in ring]
@@ -304,7 +301,8 @@ def _numbers(padded: Bytes, at: Numbers) -> tuple[Floats, Numbers]:
         if not alive.any():
             break
         # Digits beyond those that a whole number holds do not count.
-        taken = is_digit & (digits < _DIGITS)
+        # A longer mantissa would overflow the integer that it is read as.
+        taken = is_digit & (digits < 18)
         mantissa = np.where(taken, mantissa * _TEN + digit, mantissa)
         digits += taken & (mantissa > 0)
         places += taken & fraction

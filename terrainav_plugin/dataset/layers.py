@@ -39,8 +39,6 @@ if TYPE_CHECKING:
 
 #: Beside the dataset's own footprints, while there is something in it.
 FAILED_FILE = "failed.geojson"
-#: Bytes of a file read in one go: a thread that reads little at a time holds up all others.
-_CHUNK_BYTES = 1 << 20
 _FAILED_MARK = f'"{FAILED}"'.encode()
 _HALF_TURN_DEG = 180.0
 _WITHOUT_CUTS = f"difference(boundary($geometry), geom_from_wkt('{CUTS_WKT}'))"
@@ -197,7 +195,8 @@ class FailedImages:
         with open_foreign(path) as file:
             file.seek(self._read_bytes)
             rest = b""
-            while chunk := file.read(_CHUNK_BYTES):
+            # A thread that reads little at a time holds up all others.
+            while chunk := file.read(1 << 20):
                 # The text after the last line end is still being written; longer lines are not from a capture.
                 whole, _, rest = (rest + chunk).rpartition(b"\n")
                 self._note(whole)

@@ -54,8 +54,6 @@ _ORTHOPHOTO = ".tif"
 _NOTES = ".aux.xml"
 _SOURCE = re.compile(rb"<SourceFilename[^<>]*>([^<]+)</SourceFilename>")
 _SRS = re.compile(r"<SRS[^<>]*>([^<]+)</SRS>")
-#: What a virtual raster says before its first band, at most.
-_HEAD_BYTES = 1 << 16
 _COLOURS = {1: ("Gray",), 3: ("Red", "Green", "Blue")}
 Progress = Callable[[float], bool]
 #: Pixels of the mosaic along a side of one of its first overview. Finer ones cost disk and gain little: a screen
@@ -67,8 +65,6 @@ _LAST_PX = 256
 _OPTIONS = ("COMPRESS=DEFLATE", "PREDICTOR=2", "ZLEVEL=1", "TILED=YES", "BIGTIFF=IF_SAFER")
 #: Share of the work that the first overview is; the rest is made from it.
 _FIRST_SHARE = 0.9
-#: Pictures decoded ahead of need, for each thread.
-_AHEAD = 4
 
 
 class Placed(NamedTuple):
@@ -111,7 +107,8 @@ class MosaicRaster(NamedTuple):
             return named_crs(read_reference(raster.GetProjection()))
         try:
             with open_foreign(self.path) as file:
-                head = file.read(_HEAD_BYTES).decode("utf-8", "replace")
+                # A virtual raster has at most so many bytes before its first band.
+                head = file.read(1 << 16).decode("utf-8", "replace")
         except OSError as wrong:
             raise OutputError("mosaic {0}: cannot be read ({1})", self.path, wrong.strerror) from wrong
         found = _SRS.search(head)
@@ -536,7 +533,8 @@ def _reduced(placed: Placed, channels: int) -> Iterator[tuple[int, int, Sums]]:
     columns = (placed.left_px, placed.top_px, placed.width_px, placed.height_px)
     jobs = zip(placed.paths, *(values.astype(np.int64).tolist() for values in columns))
     with ThreadPoolExecutor(count, thread_name_prefix="terrainav-overview") as pool:
-        waiting = [pool.submit(_reduce_picture, channels, *job) for job in islice(jobs, count * _AHEAD)]
+        # Each thread decodes four images ahead.
+        waiting = [pool.submit(_reduce_picture, channels, *job) for job in islice(jobs, count * 4)]
         try:
             while waiting:
                 yield waiting.pop(0).result()

@@ -20,7 +20,6 @@ from ...core.text import one_line
 from ..i18n import tr
 from .shown import open_image, open_shown
 
-_OPAQUE = 255
 _GREY_WITH_MASK, _COLOURS_WITH_MASK = 2, 4
 #: Colours from near to far, evenly spaced: matplotlib's viridis, even to the eye, also to the colour-blind one.
 _VIRIDIS = (
@@ -34,8 +33,6 @@ _VIRIDIS = (
     (173, 220, 48),
     (253, 231, 37),
 )
-#: Of pixels that see no ground: grey, as none of the colours is.
-_NO_GROUND = (128, 128, 128)
 
 
 class DisplayImage(NamedTuple):
@@ -138,7 +135,8 @@ def depth_colours(share: np.ndarray) -> np.ndarray:
     """Colours (..., 3) of shares of the way from near, 0, to far, 1; grey where they are NaN."""
     at = np.linspace(0.0, 1.0, len(_VIRIDIS))
     channels = [np.interp(share, at, channel) for channel in zip(*_VIRIDIS)]
-    colours = np.where(np.isnan(share)[..., np.newaxis], _NO_GROUND, np.stack(channels, axis=-1))
+    # Pixels without ground are grey, which no colour of the scale is.
+    colours = np.where(np.isnan(share)[..., np.newaxis], (128, 128, 128), np.stack(channels, axis=-1))
     return np.rint(colours).astype(np.uint8)
 
 
@@ -205,6 +203,6 @@ def _image(bands: np.ndarray) -> QImage:
     colours = bands[: count - 1] if masked else bands[:3]
     pixels = np.empty((height, width, 4), np.uint8)
     pixels[..., :3] = np.moveaxis(np.broadcast_to(colours, (3, height, width)), 0, -1)
-    pixels[..., 3] = bands[-1] if masked else _OPAQUE
+    pixels[..., 3] = bands[-1] if masked else 255
     # A copy: the image does not own what it is made from.
     return QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_RGBA8888).copy()

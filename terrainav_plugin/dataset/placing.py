@@ -29,10 +29,6 @@ from .mosaic import MosaicRaster
 if TYPE_CHECKING:
     from ...core.mission.mission import Mission
 
-#: Formats that map tips can show.
-_SHOWN_IN_TIPS = ("jpg", "png")
-_TIP_PX = 320
-
 
 class OpenProject:
     """Which of a session's projects is open: the one that work was begun in, or one after it.
@@ -203,8 +199,9 @@ def _name_pictures(layer: QgsVectorLayer, mission: Mission, has_paths: bool) -> 
             )
         )
         tip = escaped_field(name)
-        if mission.output.image_format in _SHOWN_IN_TIPS:
-            tip = image_in_tip(name, _TIP_PX) + tip
+        # Formats that map tips can show.
+        if mission.output.image_format in ("jpg", "png"):
+            tip = image_in_tip(name, 320) + tip
         tips.append(f"<p>{tip}</p>")
     pose = '[% round("yaw_deg", 2) %]°, [% round("tilt_deg", 2) %]°, [% round("roll_deg", 2) %]°'
     attitude = tr("yaw, tilt, roll: {angles}").format(angles=pose)

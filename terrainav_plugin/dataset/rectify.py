@@ -30,16 +30,8 @@ if TYPE_CHECKING:
     from ...core.mission.plan import Plan
     from ...core.mission.relief.modelled import Heights
 
-#: Most pixels along a side of the map of one image: sharp on a screen, made in seconds.
-_LONGEST_PX = 2000
-#: Pixels of a mosaic at most: a gigabyte, and some minutes of work of two cores, or half an hour over relief.
-_MOST_PX = 1 << 28
 #: Folder in a dataset of the images that are laid on the map one by one.
 ON_MAP_FOLDER = "on-map"
-#: Subfolder for images from outside the dataset's folder: at an address, or in a shard.
-_FETCHED_FOLDER = "fetched"
-#: Overviews go on until the map fits about a thumbnail.
-_LAST_PX = 256
 
 OpenHeights = Callable[["Mission"], "Heights | None"]
 
@@ -113,7 +105,8 @@ def lay_image_on_map(
 
 def fetched_file(folder: Path, map_type: str, file: str) -> Path:
     """Path for a fetched image from outside the dataset's folder."""
-    return folder / ON_MAP_FOLDER / map_type / _FETCHED_FOLDER / file
+    # Subfolder for images from outside the dataset's folder: at an address, or in a shard.
+    return folder / ON_MAP_FOLDER / map_type / "fetched" / file
 
 
 def write_mosaic(
@@ -130,12 +123,13 @@ def write_mosaic(
     ------
     InvalidInput, OutputError, SourceError, Cancelled
     """
+    # A mosaic has at most a gigabyte: some minutes of work for two cores, or half an hour over relief.
     made = make_orthomosaic(
         folder,
         target,
         map_type=map_type or None,
         gsd_m=gsd_m,
-        most_px=None if gsd_m else _MOST_PX,
+        most_px=None if gsd_m else 1 << 28,
         open_heights=open_heights,
         progress=progress,
     )
@@ -146,7 +140,8 @@ def write_mosaic(
 def _lay_on_map(frames: CameraFrames, target: Path) -> None:
     try:
         with partial_file(target, ".new") as made:
-            orthorectify(frames, made, _LONGEST_PX)
+            # Sharp on a screen, and made in seconds.
+            orthorectify(frames, made, 2000)
             _add_overviews(made)
     except OSError as wrong:
         raise OutputError("image {0}: cannot be written ({1})", target, wrong.strerror) from wrong
@@ -158,7 +153,8 @@ def _add_overviews(path: Path) -> None:
     if raster is None:
         raise _failed(path)
     factors, factor = [], 2
-    while max(raster.RasterXSize, raster.RasterYSize) // factor * 2 > _LAST_PX:
+    # Overviews go on until the map fits about a thumbnail.
+    while max(raster.RasterXSize, raster.RasterYSize) // factor * 2 > 256:
         factors.append(factor)
         factor *= 2
     if factors and raster.BuildOverviews("AVERAGE", factors) != gdal.CE_None:

@@ -11,10 +11,7 @@ from ...core.bands import shown_of
 from ...core.capture.writers import DISPLAY_RANGE
 from ...core.imagery.raster.trust import VIRTUAL, drivers_for
 
-_COLOURS = 3
 _DARKEST, _BRIGHTEST = 0.0, 255.0
-#: Formats of images, as GDAL calls them: a file of somebody else's may be called .png and describe a service.
-_DRIVERS = ("GTiff", "JPEG", "PNG")
 
 
 class ImageRendering(NamedTuple):
@@ -58,7 +55,7 @@ def how_shown(image: gdal.Dataset) -> ImageRendering:
     else:
         there = [f"{i}" for i in range(len(bands)) if i != alpha]
         # As the core shows bands of which nothing is said.
-        shown = tuple(1 + at for at in shown_of(there)) if len(there) == _COLOURS else (1,)
+        shown = tuple(1 + at for at in shown_of(there)) if len(there) == 3 else (1,)
     first = bands[0]
     mask: int | str | None = None if alpha is None else 1 + alpha
     if mask is None and first.GetNoDataValue() is not None:
@@ -79,7 +76,8 @@ def open_image(path: str | Path) -> gdal.Dataset | None:
     """
     if not str(path).startswith(VIRTUAL):
         drivers_for(str(path))
-    return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=_DRIVERS)
+    # A foreign file may be called .png and describe a service.
+    return gdal.OpenEx(str(path), gdal.OF_RASTER, allowed_drivers=("GTiff", "JPEG", "PNG"))
 
 
 def open_shown(path: str | Path) -> gdal.Dataset | None:

@@ -22,14 +22,6 @@ _STEP, _SHIFT_STEP, _PAGE_STEP = 0.01, 0.1, 0.5
 _USUAL_PX, _LEAST_PX = (420, 190), (240, 140)
 _TICK_PX, _GAP_PX = 4, 3
 _HANDLE_PX = 5.0
-#: Opacity of grid lines in the text's colour.
-_FAINT = 0.16
-#: Approximate number of ticks of an axis of counts.
-_TICKS = 5
-#: Width of a bin of the histogram: a tenth of a bit.
-_BINS = 80
-#: Head room above the highest bin.
-_ROOM = 1.08
 #: Least height of a bin that is not empty: a few images among thousands matter most.
 _LEAST_BAR_PX = 2.0
 _BETWEEN_PX = 1.0
@@ -246,7 +238,8 @@ class Chart(QWidget):
     def _paint_axes(self, painter: QPainter, frame: PlotArea) -> None:
         metrics, text = self.fontMetrics(), self._text_colour()
         faint = QColor(text)
-        faint.setAlphaF(_FAINT)
+        # Grid lines are faint.
+        faint.setAlphaF(0.16)
         width, height = self.ranges()
         up_px, across_px = (frame.bottom - frame.top) / height, (frame.right - frame.left) / width
         for value, label in _apart(self.left_ticks(), up_px, metrics.height()):
@@ -317,7 +310,8 @@ def bits_ticks() -> list[tuple[float, str]]:
 
 def count_ticks(end: float) -> list[tuple[float, str]]:
     """Ticks of an axis of counts from 0 to ``end``: one, two or five times a power of ten apart."""
-    rough = max(end / _TICKS, 1.0)
+    # About five ticks.
+    rough = max(end / 5, 1.0)
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(power * factor for factor in (1.0, 2.0, 5.0, 10.0) if power * factor >= rough)
     return [(value, number_text(value, ",.0f")) for value in np.arange(0.0, end + step / 1e6, step).tolist()]
@@ -335,7 +329,8 @@ class Histogram(Chart):
     def prepare(self) -> None:
         """Count."""
         there = self.bits[~np.isnan(self.bits)]
-        self.counts, self._edges = np.histogram(there, _BINS, (LOWEST, HIGHEST))
+        # Bins of a tenth of a bit.
+        self.counts, self._edges = np.histogram(there, 80, (LOWEST, HIGHEST))
 
     def left_ticks(self) -> list[tuple[float, str]]:
         """Counts."""
@@ -351,7 +346,8 @@ class Histogram(Chart):
 
     def ranges(self) -> tuple[float, float]:
         """Of the axes."""
-        return HIGHEST, max(float(self.counts.max()), 1.0) * _ROOM
+        # Head room above the highest bin.
+        return HIGHEST, max(float(self.counts.max()), 1.0) * 1.08
 
     def paint_data(self, painter: QPainter, frame: PlotArea) -> None:
         """Draw bins, in two colours on either side of the threshold."""

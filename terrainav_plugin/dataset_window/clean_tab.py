@@ -33,15 +33,9 @@ from .entropies import Entropies, Example
 from .tab import no_folder
 from .tasks import MARK, MOVE, UNDO
 
-_STEP_BITS = 0.05
-#: Share of a dataset that is more than a few images without detail.
-_LARGE_SHARE = 0.25
-_BAR_HEIGHT_PX = 6
 #: Pictures on either side.
 COUNT = 4
 _ICON_PX = (72, 54)
-_LINE_PX = 3
-_LEAST_BUTTON_PX = 40
 
 
 class CleanTab(QWidget):
@@ -234,7 +228,8 @@ class CleanTab(QWidget):
             "The entropies form two groups with few images between them; {bits} bits part them best (Otsu's method). "
             "The lower group has {rejected} of {count} images ({percent} %)."
         ).format(**figures)
-        if share > _LARGE_SHARE:
+        # More than a few images without detail.
+        if share > 0.25:
             text += " " + tr("That is a large part: look at the images below before you reject them.")
         self._show_reason(text)
 
@@ -256,7 +251,7 @@ class CleanTab(QWidget):
         tip = tr("Images with less entropy are rejected. 0 bits: a single grey; 8 bits: the maximum")
         self.threshold = spin("threshold", LOWEST, HIGHEST, DECIMALS, tr(" bits"), tip)
         self.threshold.setStepType(self.threshold.StepType.DefaultStepType)
-        self.threshold.setSingleStep(_STEP_BITS)
+        self.threshold.setSingleStep(0.05)
         self.threshold.setValue(DEFAULT_ENTROPY)
         self.threshold.valueChanged.connect(self._threshold_set)
         self.suggest = push_button(
@@ -296,7 +291,7 @@ class CleanTab(QWidget):
         self.save.clicked.connect(lambda _checked: self.pictures_wanted.emit())
         self.bar = named(QProgressBar(), "clean_progress")
         self.bar.setTextVisible(False)
-        self.bar.setFixedHeight(_BAR_HEIGHT_PX)
+        self.bar.setFixedHeight(6)
         self.bar.hide()
 
     def _lay_out(self) -> None:
@@ -433,7 +428,7 @@ class _Line(QWidget):
     def __init__(self, colour: QColor) -> None:
         super().__init__()
         self._colour = colour
-        self.setFixedHeight(_LINE_PX)
+        self.setFixedHeight(3)
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: ARG002  Qt passes it
         QPainter(self).fillRect(self.rect(), self._colour)
@@ -449,7 +444,7 @@ def _buttons(side: str) -> list[QToolButton]:
         button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         # With large type they give way, and lose the edges of their images.
         button.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
-        button.setMinimumWidth(_LEAST_BUTTON_PX)
+        button.setMinimumWidth(40)
         buttons.append(button)
     return buttons
 

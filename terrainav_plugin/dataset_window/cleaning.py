@@ -30,11 +30,6 @@ if TYPE_CHECKING:
     from .entropies import Entropies
     from .tasks import Work
 
-#: Examples and crosses come when the threshold has rested for so long: it is dragged lightly however many there are.
-_REST_MS = 60
-#: How much more than an image the map shows that is zoomed to it.
-_MARGIN = 4.0
-
 
 class Cleaning(QObject):
     """The tab, what is on the map with it, and the work that it starts.
@@ -70,7 +65,8 @@ class Cleaning(QObject):
         self._reader, self._pictures = LatestWorker("entropies"), LatestWorker("examples")
         self._reader.failed.connect(self._refused)
         self._read_so_far.connect(self._show_reading)
-        self._rested = single_shot(self._follow, self, _REST_MS)
+        # Examples and crosses appear when the threshold rests, so that dragging stays smooth for any number of images.
+        self._rested = single_shot(self._follow, self, 60)
         self._join()
 
     @property
@@ -177,7 +173,8 @@ class Cleaning(QObject):
         if extent is None:
             self._messages.warning(no_footprints())
             return
-        show_extent(self._canvas, extent, _MARGIN)
+        # The map shows four times the image.
+        show_extent(self._canvas, extent, 4.0)
 
     # --- what the buttons do
 

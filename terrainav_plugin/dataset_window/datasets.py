@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from .window import DatasetWindow
 
 CLEAN, SPLIT, BENCHMARK, EXPORT, LABELS = TABS = ("clean", "split", "benchmark", "export", "labels")
-_SIZE_PX = (700, 660)
 
 
 class Datasets(QObject):
@@ -181,4 +180,4 @@ class Datasets(QObject):
         window.visibilityChanged.connect(self._show_sight)
         work.shown.connect(self._show_working)
         work.ended.connect(self._ended)
-        add_floating(window, self._iface, _SIZE_PX)
+        add_floating(window, self._iface, (700, 660))

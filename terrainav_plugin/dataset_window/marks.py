@@ -21,13 +21,6 @@ from ..i18n import tr
 from ..tasks import LatestWorker
 from .charts import REJECTED
 
-#: Footprints smaller than this on the screen are blots; larger ones are crossed out.
-_BLOT_PX = 6.0
-_LINE_PX = 2.0
-_VEIL_ALPHA = 70
-#: Footprints after which it is asked whether to go on.
-_LOOK = 500
-
 
 class MarksItem(QgsMapCanvasItem):
     """A picture on the map that moves with it."""
@@ -277,17 +270,19 @@ def draw(
     painter = QPainter(image)
     painter.setRenderHint(QPainter.RenderHint.Antialiasing)
     veil = QColor(REJECTED)
-    veil.setAlpha(_VEIL_ALPHA)
+    veil.setAlpha(70)
     try:
         for done, ring in enumerate(np.flatnonzero(seen).tolist()):
-            if done % _LOOK == 0 and cancelled():
+            # Ask every 500 footprints whether to go on.
+            if done % 500 == 0 and cancelled():
                 raise Cancelled(tr("footprints: stopped"))
             box = QRectF(left[ring], top[ring], right[ring] - left[ring], bottom[ring] - top[ring])
-            if max(box.width(), box.height()) < _BLOT_PX * view.ratio:
+            # Footprints too small for a cross are blots.
+            if max(box.width(), box.height()) < 6.0 * view.ratio:
                 painter.fillRect(box, REJECTED)
                 continue
             places = range(int(outlines.starts[ring]), int(outlines.starts[ring + 1]))
-            painter.setPen(QPen(REJECTED, _LINE_PX * view.ratio))
+            painter.setPen(QPen(REJECTED, 2.0 * view.ratio))
             painter.setBrush(veil)
             painter.drawPolygon(QPolygonF([QPointF(x[at], y[at]) for at in places]))
             painter.drawLines(_cross(x, y, places))

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 #: What images can be chosen by, beside the parts of a split.
 ALL, REJECTED_ONES = "all", "rejected"
-_DEPTH_FOLDER = "depth"
 
 
 class ImagePreview(NamedTuple):
@@ -95,7 +94,7 @@ class Learned:
         if self.labels is not None and len(rows):
             found = self.labels.of(table.lat_deg[list(rows)], table.lon_deg[list(rows)])
             labels = [(east, north) for east, north in found.tolist()]
-        depths = images.folder.parent / _DEPTH_FOLDER
+        depths = images.folder.parent / "depth"
         return [
             ImagePreview(
                 table.img_names[row],

@@ -10,8 +10,6 @@ from qgis.PyQt.QtWidgets import QHBoxLayout, QLabel, QProgressBar, QTabWidget, Q
 from ..i18n import tr
 from ..widgets import folder_entry, growing_form, named, push_button, scrolled
 
-_BAR_HEIGHT_PX = 6
-
 
 class DatasetWindow(QgsDockWidget):
     """Shows the tabs.
@@ -55,7 +53,7 @@ class DatasetWindow(QgsDockWidget):
             self.tabs.addTab(scrolled(tab), titles[name])
         self.bar = named(QProgressBar(), "dataset_progress")
         self.bar.setTextVisible(False)
-        self.bar.setFixedHeight(_BAR_HEIGHT_PX)
+        self.bar.setFixedHeight(6)
         self.stop = push_button(
             "stop", tr("Stop"), tr("Stop; what is done so far can be finished, or undone")
         )

@@ -34,10 +34,6 @@ from .choices import ChoiceParameter
 Result = TypeVar("Result")
 #: NUL, and halves of characters.
 _IN_NO_FILE = re.compile("[\\0\ud800-\udfff]")
-#: How far a number is at most from the whole one that it is rounded to.
-_ROUNDED = 0.5
-#: Milliseconds between two looks at the progress of the work and at whether the user has cancelled.
-_LOOK_MS = 20
 
 
 class Words(NamedTuple):
@@ -84,7 +80,8 @@ class AlgorithmRun(NamedTuple):
             return
         try:
             # QGIS rounds to whole numbers. NaN is left to who knows its range, where whole ones are not asked for.
-            is_same = abs(float(given) - found) <= _ROUNDED or repr(float(given)) == repr(found)
+            # Rounding to a whole number changes it by a half at most.
+            is_same = abs(float(given) - found) <= 0.5 or repr(float(given)) == repr(found)
         except ValueError:
             is_same = False
         if not is_same:
@@ -311,7 +308,8 @@ def off_main_thread(work: Callable[[WorkFeedback], Result], feedback: QgsProcess
             loop.quit()
 
     timer.timeout.connect(look)
-    timer.start(_LOOK_MS)
+    # Look every 20 ms at the progress and at whether the user has cancelled.
+    timer.start(20)
     try:
         # What the user does meanwhile waits, as it does for every algorithm that runs here.
         loop.exec(QEventLoop.ProcessEventsFlag.ExcludeUserInputEvents)

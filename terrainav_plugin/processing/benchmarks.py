@@ -49,9 +49,6 @@ if TYPE_CHECKING:
 _GROUP = "benchmarks"
 #: Overlap in percent: with more, tiles would hardly end.
 _PERCENT, _MOST_OVERLAP = 100.0, 99.0
-_WIDEST_M = 1_000_000.0
-#: Share of the progress that answering is; the judge takes the rest.
-_ANSWERS_SHARE = 0.9
 #: Figures of all queries that are outputs, by the names that the core gives them.
 _FIGURES = {
     "QUERY_COUNT": "queries",
@@ -182,7 +179,7 @@ class MakeBenchmark(WithImagery):
         )
         self.add(
             QgsProcessingParameterNumber(
-                "MARGIN", tr("Margin of the reference (metres)"), real, None, True, 0.0, _WIDEST_M
+                "MARGIN", tr("Margin of the reference (metres)"), real, None, True, 0.0, 1_000_000.0
             ),
             tr("Ground around that of the queries. If empty, as much as the widest tile is wide."),
             advanced=True,
@@ -541,11 +538,12 @@ def _judged(
     if predictions:
         answers = Predictions.read(predictions, benchmark)
     else:
+        # Answering takes most of the time, scoring the rest.
         found = run_method(
             benchmark,
             method_named(name),
             part,
-            progress=lambda done, total: watch.progress(_ANSWERS_SHARE * done / total),
+            progress=lambda done, total: watch.progress(0.9 * done / total),
             cancelled=watch.cancelled,
         )
         if found is None:

@@ -13,8 +13,6 @@ from ..i18n import tr
 
 #: Values of choices that others make at run time are known then.
 _LATER = (QgsProperty,)
-#: Digits of the number of a choice.
-_MOST_DIGITS = 9
 
 
 class ChoiceParameter(QgsProcessingParameterEnum):
@@ -123,7 +121,8 @@ class ChoiceParameter(QgsProcessingParameterEnum):
             return next(iter(named))
         number = text.removesuffix(".0") if isinstance(one, float) else text
         # Python refuses numbers of thousands of digits.
-        is_number = number.isascii() and number.isdigit() and len(number) <= _MOST_DIGITS
+        # Digits of the number of a choice.
+        is_number = number.isascii() and number.isdigit() and len(number) <= 9
         if not named and is_number and int(number) < len(self.values):
             return self.values[int(number)]
         return None

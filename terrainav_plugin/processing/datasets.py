@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from ...core.mosaic.orthomosaic import Orthomosaic
 
 _MARK, _MOVE, _UNDO = "mark", "move", "undo"
-#: Most that 256 grey levels can have.
-_HIGHEST = 8.0
 
 
 class _OfDataset(Algorithm):
@@ -78,6 +76,7 @@ class Clean(_OfDataset):
         )
 
     def _define_own(self) -> None:
+        # Largest entropy of 256 grey levels.
         self.add(
             QgsProcessingParameterNumber(
                 "ENTROPY",
@@ -86,7 +85,7 @@ class Clean(_OfDataset):
                 DEFAULT_ENTROPY,
                 False,
                 0.0,
-                _HIGHEST,
+                8.0,
             ),
             tr("Images below it are rejected; 0 to 8."),
         )

@@ -33,8 +33,6 @@ from .plan import fill, make_feature, make_fields
 if TYPE_CHECKING:
     from ...core.mission.areas.area import Points
 
-_FIELDS = (("agl_m", "number"), ("yaw_deg", "number"), ("roll_deg", "number"), ("time", "time"))
-
 
 class PosesAlongLine(Algorithm):
     """Points of a flight along lines."""
@@ -114,7 +112,9 @@ class PosesAlongLine(Algorithm):
             run.parameters,
             "OUTPUT",
             run.context,
-            make_fields(_FIELDS),
+            make_fields(
+                (("agl_m", "number"), ("yaw_deg", "number"), ("roll_deg", "number"), ("time", "time"))
+            ),
             QgsWkbTypes.Type.Point,
             QgsCoordinateReferenceSystem("EPSG:4326"),
         )

@@ -43,13 +43,9 @@ _WHOLE = QgsProcessingParameterNumber.Type.Integer
 _REAL = QgsProcessingParameterNumber.Type.Double
 #: Parameters that are not called as the command's option is.
 _IDS = {"overlap_along": "FRONT_OVERLAP", "overlap_across": "SIDE_OVERLAP", "map_types": "MAP_TYPES"}
-#: Fields that are read separately.
-_OTHERWISE = ("agl_m", "source", "map_types", "img_size", "takeoff")
 #: Those that say nothing where they are not given, though a mission has a default: a chosen camera brings its own
 #: pixels, and texts are empty then.
 _IF_GIVEN = ("image_px", "start", "date", "crs")
-#: Lists of what may have spaces, with ; between.
-_OF_PATHS = ("elevation", "surface")
 #: The last of a mission's parameters, which stands for all others.
 _FILE = "MISSION"
 _WIND = {"WIND_SPEED": "speed_m_per_s", "WIND_FROM": "from_deg", "TURBULENCE": "turbulence"}
@@ -108,7 +104,8 @@ def read_mission(run: AlgorithmRun) -> Mission:
     entries: dict[str, Any] = {"image_px": own_px}
     for part in FLAT_PARTS.values():
         for field in declared_fields(part):
-            if field.name not in _OTHERWISE:
+            # Fields that are read separately.
+            if field.name not in ("agl_m", "source", "map_types", "img_size", "takeoff"):
                 value = _value(run, field)
                 entries.update({} if value is None else {field.name: value})
     size, other = run.text("IMG_SIZE").strip(), run.text("OTHER_SOURCE").strip()
@@ -142,7 +139,8 @@ def _value(run: AlgorithmRun, field: Field) -> Any:
     if field.kind is str:
         text = run.text(name).strip()
         return (text.lower() if field.name == "facing" else text) or None
-    if field.name in _OF_PATHS:
+    # Paths may have spaces, so they are separated by semicolons.
+    if field.name in ("elevation", "surface"):
         return tuple(part.strip() for part in run.text(name).split(";") if part.strip())
     if field.kind is tuple:
         return tuple(run.text(name).split())

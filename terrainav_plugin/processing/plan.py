@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from ...core.mission.mission import Mission
     from ...core.mission.plan import Plan
 
-#: Features written between two looks at whether the user has cancelled.
-_BATCH = 1000
 _PERCENT = 100.0
 _CAPTURE = (
     ("name", "text"),
@@ -57,7 +55,6 @@ _CAPTURE = (
     ("time_s", "number"),
     ("time", "time"),
 )
-_FLIGHT = (("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer"))
 
 
 class PlanAlgorithm(Algorithm):
@@ -202,7 +199,9 @@ def capture_fields() -> QgsFields:
 
 def flight_fields() -> QgsFields:
     """Attributes of the flight line."""
-    return make_fields(_FLIGHT)
+    return make_fields(
+        (("images", "integer"), ("length_m", "number"), ("flight_s", "number"), ("sortie", "integer"))
+    )
 
 
 def footprints(plan: Plan) -> Iterator[QgsFeature]:
@@ -245,7 +244,8 @@ def fill(
 ) -> None:
     """Write features to a sink, as far as the user lets it."""
     for done, feature in enumerate(found):
-        if done % _BATCH == 0:
+        # Look every 1,000 features whether the user has cancelled.
+        if done % 1000 == 0:
             feedback.setProgress(_PERCENT * done / count)
             if feedback.isCanceled():
                 return

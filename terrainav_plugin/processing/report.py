@@ -17,9 +17,6 @@ from .algorithm import AlgorithmRun, Words, WorkFeedback, off_main_thread
 from .imagery import WithImagery, check_terms
 from .mission_parameters import add_mission_parameters, read_mission
 
-#: Requests that a report may make for the few pictures it measures on.
-_REQUESTS = 200
-
 
 class AccuracyReport(WithImagery):
     """Error against run time of every method, for the mission at hand."""
@@ -79,7 +76,8 @@ class AccuracyReport(WithImagery):
 
             with self._imagery.opened() as source:
                 worked_out = self._imagery.planned()
-                check_terms(worked_out, source, _REQUESTS, accepted=accepted)
+                # A report measures on a few images, and needs at most 200 requests.
+                check_terms(worked_out, source, 200, accepted=accepted)
                 return write_report(worked_out, source, folder, progress=tell, quick=quick)
 
         return {"FOLDER": folder, "HTML": str(off_main_thread(work, run.feedback))}

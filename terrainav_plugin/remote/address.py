@@ -23,13 +23,8 @@ from ..i18n import tr
 
 #: Files right inside a dataset whose addresses stand for it.
 _INSIDE = (MISSION_FILE, FOOTPRINTS_FILE, "collection.json", "items.parquet", "croissant.json", "plan.csv")
-_SCHEMES = ("https", "http", "s3")
 #: Seconds that a signed address holds.
 _SIGNED_S = 600
-#: Variables in which AWS's tools look for another store than Amazon's, in order.
-_ENDPOINTS = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL")
-_UNSIGNED = "AWS_NO_SIGN_REQUEST"
-_YES = ("yes", "true", "on", "1")
 
 
 class DatasetAddress(NamedTuple):
@@ -68,7 +63,7 @@ class DatasetAddress(NamedTuple):
             scheme, host = parts.scheme.lower(), parts.hostname
         except ValueError:
             scheme, host = "", None
-        if scheme not in _SCHEMES:
+        if scheme not in ("https", "http", "s3"):
             raise InvalidInput(
                 tr("address {address}: must begin with https://, http:// or s3://").format(
                     address=f"{scheme}://…"
@@ -134,7 +129,7 @@ class DatasetAddress(NamedTuple):
         parts = urlsplit(self.url)
         key = f"{parts.path.lstrip('/')}/{name}".lstrip("/")
         options = _store_options(os.environ)
-        if (os.environ.get(_UNSIGNED) or "").lower() not in _YES:
+        if (os.environ.get("AWS_NO_SIGN_REQUEST") or "").lower() not in ("yes", "true", "on", "1"):
             with _gdal_options(options):
                 signed = gdal.GetSignedURL(f"/vsis3/{parts.netloc}/{key}", [f"EXPIRATION_DELAY={_SIGNED_S}"])
             if signed:
@@ -145,7 +140,9 @@ class DatasetAddress(NamedTuple):
 
 def _store_options(environment: Mapping[str, str]) -> dict[str, str]:
     """GDAL options for the store that AWS's variables name; empty for Amazon's."""
-    endpoint = next((environment[name] for name in _ENDPOINTS if environment.get(name)), "")
+    # The first of the variables in which AWS's tools look for another store than Amazon's.
+    names = ("AWS_ENDPOINT_URL_S3", "AWS_ENDPOINT_URL")
+    endpoint = next((environment[name] for name in names if environment.get(name)), "")
     if not endpoint or environment.get("AWS_S3_ENDPOINT"):
         return {}
     parts = urlsplit(endpoint)

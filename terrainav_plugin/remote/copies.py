@@ -33,9 +33,6 @@ from .store import Store
 ADDRESS_FILE = "address.json"
 #: Beside the table of a map type whose images are in shards.
 SHARDS_FILE = "shards.json"
-_DIGITS = 12
-#: Ending of footprints until they are checked, by which GDAL takes them for the same.
-_UNCHECKED = ".new.geojson"
 #: What names of folders may not hold somewhere.
 _ILLEGAL = re.compile(r'[<>:"/\\|?*\x00-\x1f]|[. ]+$')
 #: Share of the work that the footprints are; the rest are tables.
@@ -52,7 +49,7 @@ Progress = Callable[[float], bool]
 
 def copy_folder(address: DatasetAddress) -> Path:
     """Folder of the copy of a dataset, which may not exist yet."""
-    digest = hashlib.sha256(address.url.encode()).hexdigest()[:_DIGITS]
+    digest = hashlib.sha256(address.url.encode()).hexdigest()[:12]
     return _copies() / digest / (_ILLEGAL.sub("_", address.name) or "dataset")
 
 
@@ -197,7 +194,8 @@ def _copy_files(store: Store, folder: Path, place: str, mission: Mission, go_on:
 def _write_footprints(path: Path, pieces: Iterator[bytes], name: str) -> None:
     """Write footprints once they are checked: a project that shows the copy opens whatever is in its place."""
     try:
-        with partial_file(path, _UNCHECKED) as unchecked:
+        # An ending by which GDAL still recognises GeoJSON.
+        with partial_file(path, ".new.geojson") as unchecked:
             write_whole(unchecked, checked_geojson(pieces, name))
             check_driver(unchecked)
     except OSError as wrong:

@@ -45,8 +45,6 @@ _PROPERTIES = {
     "width_px": "width_px",
     "height_px": "height_px",
 }
-#: Items after which it is asked whether to go on.
-_LOOK = 500
 Progress = Callable[[float], bool]
 
 
@@ -104,7 +102,8 @@ def _checked_features(layer: ogr.Layer, go_on: Progress) -> Iterator[ogr.Feature
     count = max(layer.GetFeatureCount(), 1)
     layer.ResetReading()
     for number, feature in enumerate(layer):
-        if number % _LOOK == 0 and not go_on(number / count):
+        # Ask every 500 items whether to go on.
+        if number % 500 == 0 and not go_on(number / count):
             raise Cancelled(tr("footprints: stopped"))
         yield feature
 

@@ -22,8 +22,6 @@ from .store import Store
 
 #: Images that are kept, and bytes of all of them together.
 _KEPT, _KEPT_BYTES = 16, 128 << 20
-#: Read beyond an image in a shard: its description, georeferencing, and where its products are.
-_BEYOND_BYTES = 16 << 10
 _NOTES = ".aux.xml"
 _WORLD_FILES = {".jpg": ".jgw", ".png": ".pgw"}
 DEPTH = "depth"
@@ -171,7 +169,8 @@ class ImageFetcher:
                 return tar.read(length)
 
         try:
-            text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + _BEYOND_BYTES)
+            # Description, georeferencing and products follow the image in its shard.
+            text = read(part.start - TAR_BLOCK_BYTES, TAR_BLOCK_BYTES + part.length + (16 << 10))
             # Their headers, as far as they are whole there.
             ours = members(lambda at, length: text[at : at + length], shard, 0, len(text))
             first = next(ours, None)

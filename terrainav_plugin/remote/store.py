@@ -24,8 +24,6 @@ from .address import DatasetAddress
 
 #: Bytes of one request: a moment's work for a slow line, and few requests for long files.
 _PIECE_BYTES = 4 << 20
-#: A user waits for it: no more attempts than it takes to get over a hitch.
-_TRIES = 3
 #: Python reads whole numbers of some thousand digits only; no file has a length of more than these.
 _RANGE = re.compile(r"bytes ([0-9]{1,18})-([0-9]{1,18})/([0-9]{1,18})")
 
@@ -75,9 +73,8 @@ class Store:
             authcfg=Settings().authcfg(web),
             home=credential_home(web),
         )
-        self._client = Client(
-            _Transport(transport, may_quote_keys=address.is_s3), address.server, tries=_TRIES
-        )
+        # A user waits: few attempts, enough for a hitch.
+        self._client = Client(_Transport(transport, may_quote_keys=address.is_s3), address.server, tries=3)
 
     def close(self) -> None:
         """End it."""

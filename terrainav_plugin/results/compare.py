@@ -19,7 +19,6 @@ from ..tasks import single_shot
 from ..widgets import combo, growing_form, push_button, spin, wrapped_label
 
 _LEAST_S, _MOST_S, _USUAL_S = 0.2, 10.0, 1.0
-_WIDTH_PX = 420
 
 
 class Compare(QObject):
@@ -290,4 +289,4 @@ class CompareDialog(QDialog):
         layout.addLayout(form)
         layout.addWidget(self.state)
         layout.addLayout(buttons)
-        self.setMinimumWidth(_WIDTH_PX)
+        self.setMinimumWidth(420)

@@ -22,9 +22,6 @@ from ..i18n import tr, translate
 from ..map.mission_group import dataset_of
 from ..remote.images import DEPTH, Fetched, ImageFetcher
 
-#: Most images under one click that are offered.
-_MOST = 200
-
 
 class FootprintLayer(NamedTuple):
     """The captured footprints of a mission.
@@ -126,7 +123,8 @@ class Finder:
                 # At the pole itself, a place is on the edge of what holds it.
                 if shot.outline.intersects(point):
                     found.append(shot)
-                    if len(found) >= _MOST:
+                    # A click offers at most 200 images.
+                    if len(found) >= 200:
                         return found
         return found
 

@@ -30,15 +30,10 @@ from ..units import METRES, gsd_text
 from ..widgets import named, push_button, scrolled, wrapped_label
 from .shots import CapturedImage, Seen
 
-#: Of picture and details, at first and as the window grows.
-_HEIGHTS_PX = (300, 220)
-_SHARES = (1, 1)
 _LEAST_PX = 160
 _USUAL_PX = (400, 300)
 #: Of the legend's colours, and of the circle about the pixel under the mouse.
 _LEGEND_PX, _RING_PX = 10, 5.0
-#: A source whose pixels are coarser than the image's by no more than this share is as fine as that.
-_COARSER = 1.02
 #: Metadata that the rows above tell already, or that concern programs only.
 _TOLD = {
     "AREA_OR_POINT",
@@ -209,9 +204,10 @@ class Viewer(QgsDockWidget):
         both = QSplitter(Qt.Orientation.Vertical)
         both.addWidget(self._pictures())
         both.addWidget(scrolled(self.details))
-        for index, share in enumerate(_SHARES):
+        for index, share in enumerate((1, 1)):
             both.setStretchFactor(index, share)
-        both.setSizes(list(_HEIGHTS_PX))
+        # Of picture and details, at first and as the window grows.
+        both.setSizes([300, 220])
         both.setCollapsible(0, False)
         steps = QHBoxLayout()
         steps.addWidget(self.previous)
@@ -488,7 +484,8 @@ def _gsd(seen: Seen) -> str:
         return ""
     own_m = _own_gsd_m(seen) or detail_m
     text = gsd_text(own_m, METRES)
-    if detail_m <= _COARSER * own_m:
+    # A source whose pixels are coarser than the image's by no more than this share is as fine as that.
+    if detail_m <= 1.02 * own_m:
         return text
     hint = tr("the source's GSD is {source}: images show no finer detail")
     return f"{text} ({hint.format(source=gsd_text(detail_m, METRES))})"

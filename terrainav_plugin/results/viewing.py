@@ -38,13 +38,7 @@ if TYPE_CHECKING:
     from .shots import CapturedImage, Finder, FootprintLayer, Seen
     from .viewer import Viewer
 
-#: Longest side of a picture as it is read: sharp on any screen, and quickly read.
-_LONGEST_PX = 1600
 _BAND_COLOUR = QColor(240, 140, 30)
-_BAND_PX = 3
-#: Name of the panel that the window is put in front of.
-_BESIDE = "terrainav_dock"
-_MARGIN = 2.0
 
 
 def _agreed_heights(mission: Mission) -> Heights | None:
@@ -175,7 +169,8 @@ class Viewing(QObject):
         images = self._images = self._images or ImageFetcher()
         if has_images_elsewhere(shot.footprints.folder):
             self._shown_viewer().show_fetching(shot.name)
-        self._ask(lambda _: see(shot, wanted, _LONGEST_PX, images), self._show)
+        # Longest side of a picture as it is read: sharp on any screen, and quickly read.
+        self._ask(lambda _: see(shot, wanted, 1600, images), self._show)
 
     def _ask(self, work: Callable[[Callable[[], bool]], Any], answer: Callable[[Any], None]) -> None:
         """Have the worker do something; an image that is still being fetched is waited for no longer."""
@@ -271,7 +266,8 @@ class Viewing(QObject):
             viewer.on_map_wanted.connect(self._show_on_map)
             viewer.visibilityChanged.connect(self._visibility_changed)
             viewer.closed.connect(self.tool.stop)
-            add_docked(viewer, self._iface, _BESIDE)
+            # Name of the panel that the window is put in front of.
+            add_docked(viewer, self._iface, "terrainav_dock")
         self.viewer.setUserVisible(True)
         return self.viewer
 
@@ -297,7 +293,7 @@ class Viewing(QObject):
     def _zoom(self) -> None:
         if self._band is None:
             return
-        show_extent(self._canvas, self._band.asGeometry().boundingBox(), _MARGIN)
+        show_extent(self._canvas, self._band.asGeometry().boundingBox(), 2.0)
 
     def _visibility_changed(self, visible: bool) -> None:
         """The outline goes with the window."""
@@ -308,7 +304,7 @@ class Viewing(QObject):
         if self._band is None:
             self._band = QgsRubberBand(self._canvas, LINE)
             self._band.setStrokeColor(_BAND_COLOUR)
-            self._band.setWidth(_BAND_PX)
+            self._band.setWidth(3)
         try:
             self._band.setToGeometry(seen_edges(shot.outline), QgsCoordinateReferenceSystem("EPSG:4326"))
         except QgsCsException:
